@@ -1,0 +1,12 @@
+# `cmake --install` gives find_package(palpate) and the targets palpate::scene ... palpate::device.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
+install(EXPORT palpateTargets NAMESPACE palpate:: DESTINATION ${package_dir})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/palpateConfig.cmake.in
+  ${CMAKE_CURRENT_BINARY_DIR}/palpateConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/palpateConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/palpateConfig.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/palpateConfigVersion.cmake DESTINATION ${package_dir})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,0 +1,185 @@
+#include <palpate/base/file.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <palpate/base/error.h>
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+constexpr mode_t kMode = 0666;  // less the user's umask, as any program's output
+
+/// What a person can do about a failed system call.
+std::string_view advice(int error_number) {
+  switch (error_number) {
+    case ENOENT: return "; check the path";
+    case EACCES:
+    case EPERM:
+    case EROFS: return "; check the permissions";
+    case ENOSPC:
+    case EDQUOT: return "; free some space or choose another folder";
+    default: return "";
+  }
+}
+
+int retry_open(const char* path, int flags, mode_t mode = 0) {
+  int descriptor = -1;
+  do descriptor = ::open(path, flags | O_CLOEXEC, mode);
+  while (descriptor < 0 && errno == EINTR);
+  return descriptor;
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::string& path) : path_(path) {
+  // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
+  descriptor_ = retry_open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  if (descriptor_ < 0) {
+    const int error_number = errno;
+    throw Error("{}: cannot open: {}{}", path, std::strerror(error_number), advice(error_number));
+  }
+  struct stat status {};
+  const bool known = ::fstat(descriptor_, &status) == 0;
+  if (!known || !S_ISREG(status.st_mode)) {
+    ::close(descriptor_);
+    throw Error("{}: {}; give a regular file", path,
+                known && S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file");
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+
+std::size_t InputFile::read_some(std::uint64_t offset, std::span<char> out) const {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t n =
+        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw Error("{}: cannot read at byte {}: {}", path_, offset + done, std::strerror(errno));
+    if (n == 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  return done;
+}
+
+void InputFile::read(std::uint64_t offset, std::span<char> out) const {
+  const std::size_t got = read_some(offset, out);
+  if (got != out.size()) {
+    throw Error("{}: ends at byte {}, {} bytes early; the file changed while it was read", path_,
+                offset + got, out.size() - got);
+  }
+}
+
+std::string read_text_file(const std::string& path, std::uint64_t max_bytes) {
+  const InputFile file(path);
+  if (file.size() > max_bytes) {
+    throw Error("{}: is {} bytes, more than the {} this kind of file may have", path, file.size(), max_bytes);
+  }
+  std::string text(file.size(), '\0');
+  file.read(0, text);
+  return text;
+}
+
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path_, ignored);
+  if (fs::is_directory(status)) throw Error("{}: cannot write: is a folder; give a file name", path_);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    direct_ = true;
+    descriptor_ = retry_open(path_.c_str(), O_WRONLY);
+    if (descriptor_ < 0) fail("open for writing", errno);
+    return;
+  }
+  const fs::path resolved = fs::weakly_canonical(path_, ignored);
+  target_ = resolved.empty() ? path_ : resolved.string();
+  const std::string folder = fs::path(target_).parent_path().string();
+  descriptor_ = retry_open(folder.empty() ? "." : folder.c_str(), O_WRONLY | O_TMPFILE, kMode);
+  if (descriptor_ < 0) {  // a file system without unnamed files
+    std::string name = target_ + ".XXXXXX";
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor_ < 0) fail("open for writing", errno);
+    temporary_ = name;
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    ::fchmod(descriptor_, kMode & ~mask);
+  }
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::fail(std::string_view action, int error_number) const {
+  throw Error("{}: cannot {}: {}{}", path_, action, std::strerror(error_number), advice(error_number));
+}
+
+void OutputFile::write(std::string_view bytes) {
+  buffer_ += bytes;
+  if (buffer_.size() >= kBufferBytes) flush();
+}
+
+void OutputFile::flush() {
+  std::string_view left = buffer_;
+  while (!left.empty()) {
+    const ssize_t n = ::write(descriptor_, left.data(), left.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("write", errno);
+    left.remove_prefix(static_cast<std::size_t>(n));
+  }
+  buffer_.clear();
+}
+
+void OutputFile::commit() {
+  flush();
+  if (direct_) {
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", errno);
+    return;
+  }
+  if (::fsync(descriptor_) != 0) fail("write", errno);
+  if (temporary_.empty()) {
+    // linkat() cannot replace a file, so the unnamed file gets a name of its own first.
+    const std::string source = "/proc/self/fd/" + std::to_string(descriptor_);
+    for (int attempt = 0; temporary_.empty(); ++attempt) {
+      const std::string name = fmt::format("{}.{}-{}", target_, ::getpid(), attempt);
+      if (::linkat(AT_FDCWD, source.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+        temporary_ = name;
+      } else if (errno != EEXIST) {
+        fail("write", errno);
+      }
+    }
+  }
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail("write", errno);
+  temporary_.clear();
+  ::close(std::exchange(descriptor_, -1));
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(a, b, ignored);
+}
+
+}  // namespace palpate

@@ -1,0 +1,80 @@
+/// \file
+/// Reading and writing files so that nothing is half-read, half-written or silently lost.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+/// A regular file open for reading at any offset. Move-only. One thread at a time.
+class InputFile {
+ public:
+  /// \throws Error if `path` is missing, unreadable or not a regular file.
+  explicit InputFile(const std::string& path);
+  ~InputFile();
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&&) = delete;
+
+  const std::string& path() const { return path_; }
+  /// Size in bytes when the file was opened.
+  std::uint64_t size() const { return size_; }
+
+  /// Fills `out` from byte `offset`; returns the bytes read, fewer only at the end of the file.
+  /// \throws Error when the read fails.
+  std::size_t read_some(std::uint64_t offset, std::span<char> out) const;
+
+  /// Fills all of `out` from byte `offset`.
+  /// \throws Error when the read fails or the file ends early (it shrank while it was read).
+  void read(std::uint64_t offset, std::span<char> out) const;
+
+ private:
+  std::string path_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+/// The whole of a text file of at most `max_bytes`. \throws Error if it is larger or unreadable.
+std::string read_text_file(const std::string& path, std::uint64_t max_bytes);
+
+/// A file that appears whole or not at all: bytes go to an unnamed file in the target's folder,
+/// which takes the target's name in commit(). Without a commit (an exception, a kill) nothing is
+/// left behind and an earlier file of that name is untouched. A symbolic link is followed. A
+/// target that exists and is not a regular file (a pipe, /dev/stdout) is written through directly.
+class OutputFile {
+ public:
+  /// \throws Error if the folder is missing or cannot be written.
+  explicit OutputFile(std::string path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Appends `bytes`. \throws Error when the disk is full or the write fails.
+  void write(std::string_view bytes);
+
+  /// Flushes to disk and gives the file its name. \throws Error on failure; the target is then
+  /// as it was before.
+  void commit();
+
+ private:
+  void flush();
+  [[noreturn]] void fail(std::string_view action, int error_number) const;
+
+  std::string path_;       ///< as the user gave it, for messages
+  std::string target_;     ///< with symbolic links resolved
+  std::string temporary_;  ///< name to unlink if not committed; empty for an unnamed file
+  std::string buffer_;
+  int descriptor_ = -1;
+  bool direct_ = false;  ///< the target is a pipe or a device
+};
+
+/// Writes `bytes` as an OutputFile in one go.
+void write_file(const std::string& path, std::string_view bytes);
+
+/// True if both paths exist and are one file (so that writing one would destroy the other).
+bool same_file(const std::string& a, const std::string& b);
+
+}  // namespace palpate

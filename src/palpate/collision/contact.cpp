@@ -1,0 +1,56 @@
+#include <palpate/collision/contact.h>
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+/// The Gaussian's axis along which the two solids are thinnest, for coincident centres.
+Eigen::Vector3d thinnest_direction(const Ellipsoid& tool, const Ellipsoid& gaussian) {
+  Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
+  double least = tool.support(best) + gaussian.support(best);
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = gaussian.axes.col(k).stableNormalized();
+    if (axis.isZero(0.0)) continue;
+    const double thickness = tool.support(axis) + gaussian.support(axis);
+    if (thickness < least) {
+      least = thickness;
+      best = axis;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+double ContactSet::k_max() const {
+  double largest = 0.0;
+  for (const Contact& c : contacts) largest = std::max(largest, c.k_min);
+  return largest;
+}
+
+void ContactSet::clear() {
+  candidates = 0;
+  filtered = 0;
+  contacts.clear();
+}
+
+Contact make_contact(const WhitenedTool& tool, const Ellipsoid& gaussian, const KFunction& k,
+                     const KMinimum& minimum) {
+  const Eigen::Vector3d y = solve_whitened(k, minimum.log_t);
+  // dK/dc_tool is along -W^T y, hence the way out is along W^T y.
+  const Eigen::Vector3d q = tool.W.transpose() * y;
+  Contact contact;
+  contact.k_min = minimum.k_min;
+  contact.lambda = minimum.lambda;
+  contact.center = gaussian.center;
+  contact.normal = q.isZero(0.0) ? thinnest_direction(tool.ellipsoid, gaussian) : q.stableNormalized().eval();
+  // m(lambda) = c_tool - (1-lambda) B [ (1-lambda) B + lambda A ]^-1 d = c_tool - W^-1 y, and for a
+  // tool with orthogonal axes V, W^-1 = V.
+  contact.point = tool.ellipsoid.center - tool.ellipsoid.axes * y;
+  contact.depth = tool.ellipsoid.support(contact.normal) + gaussian.support(contact.normal) -
+                  contact.normal.dot(tool.ellipsoid.center - gaussian.center);
+  return contact;
+}
+
+}  // namespace palpate

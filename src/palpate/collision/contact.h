@@ -1,0 +1,71 @@
+/// \file
+/// What a contact query answers with.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <palpate/collision/k_function.h>
+#include <palpate/geometry/ellipsoid.h>
+#include <palpate/geometry/pose.h>
+
+namespace palpate {
+
+/// One Gaussian that the tool overlaps. Vectors in the world frame.
+struct Contact {
+  std::uint32_t id = 0;    ///< row of the Gaussian in the scene file
+  double k_min = 0.0;      ///< min K in (0, 1]: 0 at first touch, 1 when the centres coincide
+  double lambda = 0.0;     ///< where K is least, in [0, 1]
+  double opacity = 0.0;    ///< alpha in (0, 1]
+  Eigen::Vector3d center;  ///< of the Gaussian. Unit: [m].
+  /// m(lambda) of paper eq. 5: a point inside both solids; where they touch, if they only touch.
+  /// Unit: [m].
+  Eigen::Vector3d point;
+  /// Unit vector against the gradient of K, out of the Gaussian towards the tool: the way out.
+  /// If the centres coincide, the direction in which the two are thinnest among the Gaussian's axes.
+  Eigen::Vector3d normal;
+  /// How far the tool must move along `normal` until a plane across it separates the two:
+  /// h_tool(n) + h_gaussian(n) - n . (c_tool - c_gaussian), h the support function. Exact at first
+  /// touch and never less than the true separating translation. Unit: [m].
+  double depth = 0.0;
+};
+
+/// All contacts of one pose, ordered by id, with the sizes of the stages that led to them.
+struct ContactSet {
+  std::size_t candidates = 0;  ///< Gaussians that the broad phase let through
+  std::size_t filtered = 0;    ///< of these, how many passed the bounding spheres (paper eq. 4)
+  std::vector<Contact> contacts;
+
+  /// Largest k_min; 0 without contact.
+  double k_max() const;
+  void clear();
+};
+
+/// The contact of a pair whose K is `k` with minimum `minimum`; id and opacity are left alone.
+Contact make_contact(const WhitenedTool& tool, const Ellipsoid& gaussian, const KFunction& k,
+                     const KMinimum& minimum);
+
+/// Paper eq. 4: true if the bounding spheres overlap. Widened by more than its own rounding, so
+/// that spheres that touch are never taken apart.
+inline bool spheres_overlap(const Ellipsoid& a, double radius_a, const Ellipsoid& b, double radius_b) {
+  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+  const double reach = radius_a + radius_b;
+  return (a.center - b.center).squaredNorm() < reach * reach * (1.0 + kRounding);
+}
+
+/// Answers which Gaussians a tool touches. Immutable after construction: any number of threads may
+/// query at once, each with a ContactSet of its own.
+class ContactQuery {
+ public:
+  virtual ~ContactQuery() = default;
+
+  /// Replaces the contents of `result` by the contacts of `tool`.
+  /// \pre the semi-axes of `tool` are positive and all of it is finite.
+  virtual void query(const Ellipsoid& tool, ContactSet& result) const = 0;
+};
+
+}  // namespace palpate

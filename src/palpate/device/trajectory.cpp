@@ -1,0 +1,63 @@
+#include <palpate/device/trajectory.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include <palpate/base/csv.h>
+#include <palpate/base/error.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kMaxDeviation = 0.1;  // of a quaternion's norm from 1; more is not a rounding error
+
+Eigen::Quaterniond orientation_of(const CsvTable& table, std::size_t row,
+                                  const std::array<std::size_t, 4>& columns) {
+  const Eigen::Quaterniond q(table.at(row, columns[0]), table.at(row, columns[1]), table.at(row, columns[2]),
+                             table.at(row, columns[3]));
+  if (!(std::abs(q.norm() - 1.0) <= kMaxDeviation)) {
+    throw Error("{}: row {}: the quaternion qw,qx,qy,qz has norm {}; it must be 1", table.source, row + 1,
+                q.norm());
+  }
+  return q.normalized();
+}
+
+}  // namespace
+
+Trajectory read_trajectory(const std::string& path) {
+  const CsvTable table = read_csv(path);
+  const std::array<std::size_t, 4> txyz{table.column("t"), table.column("x"), table.column("y"),
+                                        table.column("z")};
+  const bool oriented = table.has("qw") || table.has("qx") || table.has("qy") || table.has("qz");
+  std::array<std::size_t, 4> q{};
+  if (oriented) q = {table.column("qw"), table.column("qx"), table.column("qy"), table.column("qz")};
+  if (table.rows() == 0) throw Error("{}: has no poses; at least one row is needed", path);
+
+  Trajectory trajectory;
+  trajectory.reserve(table.rows());
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    TimedPose timed;
+    timed.t = table.at(row, txyz[0]);
+    timed.pose.position = {table.at(row, txyz[1]), table.at(row, txyz[2]), table.at(row, txyz[3])};
+    if (oriented) timed.pose.orientation = orientation_of(table, row, q);
+    if (!trajectory.empty() && !(timed.t > trajectory.back().t)) {
+      throw Error("{}: row {}: time {} does not follow {}; rows must be in order of time", path, row + 1,
+                  timed.t, trajectory.back().t);
+    }
+    trajectory.push_back(timed);
+  }
+  return trajectory;
+}
+
+void write_trajectory(const Trajectory& trajectory, const std::string& path) {
+  std::string text = "t,x,y,z,qw,qx,qy,qz\n";
+  for (const TimedPose& timed : trajectory) {
+    const auto& p = timed.pose.position;
+    const auto& q = timed.pose.orientation;
+    append_csv_row(text, std::array{timed.t, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+  }
+  write_file(path, text);
+}
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+#include <palpate/scene/lint.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+/// The q-quantile (nearest rank) of `values`, which are reordered.
+double quantile(std::vector<double>& values, double q) {
+  if (values.empty()) return 0.0;
+  const auto rank = static_cast<std::ptrdiff_t>(std::llround(q * static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<std::size_t>(rank)];
+}
+
+Quantiles quantiles(std::vector<double>& values) {
+  Quantiles result{};
+  for (std::size_t k = 0; k < kQuantiles.size(); ++k) result[k] = quantile(values, kQuantiles[k]);
+  return result;
+}
+
+}  // namespace
+
+LintReport lint(const GaussianScene& scene) {
+  LintReport report;
+  report.total = scene.size();
+  std::array<std::vector<double>, 3> coordinates;
+  std::vector<double> opacity, longest, shortest;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const Defect d = defect(scene, i);
+    ++report.defects[static_cast<std::size_t>(d)];
+    if (d != Defect::kNone) continue;
+    const Gaussian g = scene.gaussian(i);
+    report.bounds.extend(g.position);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      coordinates[axis].push_back(g.position[static_cast<int>(axis)]);
+    opacity.push_back(g.opacity);
+    longest.push_back(g.sigma.maxCoeff());
+    shortest.push_back(g.sigma.minCoeff());
+    if (shortest.back() == 0.0) ++report.flat;
+  }
+  if (opacity.empty()) return report;
+
+  Eigen::Vector3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    auto& values = coordinates[static_cast<std::size_t>(axis)];
+    low[axis] = quantile(values, 0.01);
+    high[axis] = quantile(values, 0.99);
+  }
+  report.robust_bounds = {low, high};
+  report.robust_diagonal = (high - low).norm();
+  const double giant = kGiantShare * report.robust_diagonal;
+  if (giant > 0.0)
+    report.giant = static_cast<std::size_t>(
+        std::count_if(longest.begin(), longest.end(), [&](double s) { return s > giant; }));
+  report.opacity = quantiles(opacity);
+  report.longest_sigma = quantiles(longest);
+  report.shortest_sigma = quantiles(shortest);
+  return report;
+}
+
+}  // namespace palpate

@@ -1,0 +1,60 @@
+/// \file
+/// The header of a Stanford .ply file: what elements and properties follow, and how.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <palpate/base/file.h>
+#include <palpate/scene/bytes.h>
+
+namespace palpate {
+
+enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+/// Bytes of one number.
+std::size_t size_of(PlyType type);
+/// The number stored at `bytes`, exactly: every .ply type fits a double.
+double load_number(const char* bytes, PlyType type, ByteOrder order);
+/// True if an ASCII number can be held by `type` (integers must be integers in range).
+bool holds(PlyType type, double value);
+const char* to_string(PlyType type);
+
+struct PlyProperty {
+  std::string name;
+  PlyType type;                        ///< of the value, or of a list's items
+  std::optional<PlyType> list_length;  ///< type of the item count, if the property is a list
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count;
+  std::vector<PlyProperty> properties;
+
+  /// Bytes of one row in a binary file; nothing if a list makes rows differ.
+  std::optional<std::size_t> stride() const;
+  /// Index of the property called `name`, if there is one.
+  std::optional<std::size_t> find(std::string_view name) const;
+};
+
+enum class PlyEncoding { kAscii, kBinaryLittleEndian, kBinaryBigEndian };
+const char* to_string(PlyEncoding encoding);
+
+struct PlyHeader {
+  PlyEncoding encoding;
+  std::vector<PlyElement> elements;  ///< in the order of their data
+  std::uint64_t data_offset;         ///< byte after the line "end_header"
+};
+
+/// True if a file that starts with these bytes (at least 4, if it has them) claims to be a .ply.
+bool is_ply(std::string_view start);
+
+/// Reads the header: comments and obj_info are skipped, lines end in LF or CR LF.
+/// \throws Error naming the line if the header is broken, contradicts itself, or does not end
+/// within 1 MiB.
+PlyHeader read_ply_header(const InputFile& file);
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#include <palpate/scene/ply_writer.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include <palpate/base/file.h>
+
+#include <fmt/core.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kShBand0 = 0.28209479177387814;  // 1 / (2 sqrt(pi)), the constant harmonic
+
+constexpr std::array kProperties{"x",       "y",      "z",      "nx",      "ny",      "nz",
+                                 "f_dc_0",  "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
+                                 "scale_2", "rot_0",  "rot_1",  "rot_2",   "rot_3"};
+
+void append(std::string& out, double value) {
+  auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  for (int k = 0; k < 4; ++k, bits >>= 8) out.push_back(static_cast<char>(bits & 0xffU));
+}
+
+}  // namespace
+
+void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment) {
+  OutputFile file(path);
+  std::string header = fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n",
+                                   comment, scene.size());
+  for (const char* name : kProperties) header += fmt::format("property float {}\n", name);
+  file.write(header + "end_header\n");
+
+  std::string row;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    row.clear();
+    const Gaussian g = scene.gaussian(i);
+    for (const double v : g.position) append(row, v);
+    for (int k = 0; k < 3; ++k) append(row, 0.0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double value = scene.color.empty() ? 0.5 : scene.color[i][k] / 255.0;
+      append(row, (value - 0.5) / kShBand0);
+    }
+    append(row, std::log(g.opacity / (1.0 - g.opacity)));
+    for (const double s : g.sigma) append(row, std::log(s));
+    for (const double q : {g.rotation.w(), g.rotation.x(), g.rotation.y(), g.rotation.z()}) append(row, q);
+    file.write(row);
+  }
+  file.commit();
+}
+
+}  // namespace palpate

@@ -1,0 +1,17 @@
+/// \file
+/// Writes scenes as INRIA .ply, the layout that every viewer reads.
+#pragma once
+
+#include <string>
+
+#include <palpate/scene/gaussian_scene.h>
+
+namespace palpate {
+
+/// Writes binary little-endian INRIA .ply with the properties x y z, nx ny nz (zero), f_dc_0..2,
+/// opacity (logit), scale_0..2 (log), rot_0..3, all float, SH degree 0. `comment` goes into the
+/// header. The file appears whole or not at all. Rows are written in order; ids are not kept.
+/// \throws Error if the file cannot be written.
+void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment);
+
+}  // namespace palpate

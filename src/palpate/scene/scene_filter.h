@@ -1,0 +1,77 @@
+/// \file
+/// From a captured scene to what a hand can touch: filter (paper III-A), choice of ellipsoid, and
+/// registration into the world (paper eq. 3).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <palpate/base/progress.h>
+#include <palpate/geometry/ellipsoid.h>
+#include <palpate/geometry/similarity.h>
+#include <palpate/scene/gaussian_scene.h>
+
+namespace palpate {
+
+/// Which Gaussians are solid, and how large the ellipsoid of one is.
+struct SceneFilter {
+  /// Kept if alpha > opacity_min (the paper's threshold, 0.1 to 0.3). In [0, 1].
+  double opacity_min = 0.1;
+  /// Ellipsoid of a Gaussian: this many standard deviations. Positive.
+  double sigma = 1.0;
+  /// If set, the level at which splatting still draws alpha = iso replaces sigma:
+  /// k_i = sqrt(2 ln(alpha_i / iso)). Gaussians with alpha <= iso vanish. In (0, 1).
+  std::optional<double> iso;
+  /// Kept if the longest standard deviation in the world is at most this. Unit: [m].
+  std::optional<double> max_scale;
+  /// Kept if the centre is inside. World frame. Unit: [m].
+  std::optional<Eigen::AlignedBox3d> crop_box;
+  struct Sphere {
+    Eigen::Vector3d center;
+    double radius;
+  };
+  std::optional<Sphere> crop_sphere;  ///< likewise
+};
+
+/// What became of every Gaussian of a scene; each is counted once, at the first rule that drops it
+/// in the order of the members.
+struct FilterReport {
+  std::size_t total = 0;
+  std::array<std::size_t, kDefectCount> defects{};  ///< by Defect; [kNone] stays 0
+  std::size_t low_opacity = 0;
+  std::size_t below_iso = 0;
+  std::size_t over_max_scale = 0;
+  std::size_t outside_crop = 0;
+  std::size_t kept = 0;
+
+  /// All that cannot collide because of a defect.
+  std::size_t defective() const;
+};
+
+/// The ellipsoids of the kept Gaussians in the world frame, in increasing order of id.
+struct EllipsoidScene {
+  std::vector<Ellipsoid> ellipsoids;               ///< Unit: [m].
+  std::vector<double> opacity;                     ///< alpha
+  std::vector<std::uint32_t> id;                   ///< row in the file
+  std::vector<std::array<std::uint8_t, 3>> color;  ///< sRGB; empty if the file has none
+
+  std::size_t size() const { return ellipsoids.size(); }
+};
+
+/// The ellipsoid of `gaussian` under `filter`, registered by `world_from_scene`: centre
+/// c = s R_g mu + t, semi-axes k s R_g R diag(sigma). Never forms a covariance.
+/// \pre with iso set, gaussian.opacity > *iso.
+Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
+                          const Similarity& world_from_scene);
+
+/// Applies filter and registration. `report` says what became of every Gaussian.
+EllipsoidScene filter_scene(const GaussianScene& scene, const SceneFilter& filter,
+                            const Similarity& world_from_scene, FilterReport& report,
+                            const Progress& progress = {});
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+/// \file
+/// The `.splat` format of browser viewers.
+#pragma once
+
+#include <palpate/base/file.h>
+#include <palpate/base/progress.h>
+#include <palpate/scene/gaussian_scene.h>
+
+namespace palpate {
+
+/// Reads `.splat`: no header, 32 bytes a Gaussian, little-endian:
+///
+///     offset  0  float[3]  position
+///     offset 12  float[3]  sigma (linear)
+///     offset 24  uint8[4]  red, green, blue (sRGB), opacity / 255
+///     offset 28  uint8[4]  quaternion w, x, y, z as (byte - 128) / 128
+///
+/// \throws Error if the size is not a multiple of 32.
+GaussianScene read_splat(const InputFile& file, const Progress& progress = {});
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+/// \file
+/// The run format: one row a tick, what was asked, found and answered.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <palpate/base/progress.h>
+#include <palpate/geometry/pose.h>
+
+namespace palpate {
+
+/// One tick.
+struct RunRow {
+  double t = 0.0;              ///< Unit: [s].
+  Pose tool;                   ///< world frame
+  std::size_t candidates = 0;  ///< after the broad phase
+  std::size_t filtered = 0;    ///< after the bounding spheres, paper eq. 4
+  std::size_t colliding = 0;   ///< after the overlap test
+  double k_max = 0.0;          ///< largest K_min; 0 without contact
+  Wrench wrench;               ///< on the tool
+  Eigen::Vector3d proxy =
+      Eigen::Vector3d::Zero();                ///< the tool centre where the model has no proxy. Unit: [m].
+  double compute_us = 0.0;                    ///< time for contacts and force. Unit: [us].
+  std::optional<Eigen::Vector3d> user_force;  ///< measured at the handle, world frame. Unit: [N].
+};
+
+/// A recorded or replayed run, in order of time.
+struct Run {
+  std::string source;  ///< file name, for titles and messages
+  std::vector<RunRow> rows;
+};
+
+/// Writes `t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,
+/// compute_us`, then `ufx,ufy,ufz` if the first row has a user force. Numbers read back exactly.
+/// The file appears whole or not at all.
+void write_run(const std::vector<RunRow>& rows, const std::string& path, const Progress& progress = {});
+
+/// Reads what write_run() writes, columns in any order, further columns ignored.
+/// \throws Error if a column is missing, a row is broken, or time does not increase.
+Run read_run(const std::string& path, const Progress& progress = {});
+
+/// One stretch of contact in a run.
+struct Episode {
+  std::size_t first, last;     ///< rows, both inclusive
+  std::size_t peak;            ///< row of the largest force
+  std::size_t most_colliding;  ///< largest number of contacts
+  double peak_force;           ///< Unit: [N].
+};
+
+/// The stretches of contact, two being one if the gap between them is shorter than `merge_gap`
+/// seconds (a tool that bounces touches once).
+std::vector<Episode> contact_episodes(const std::vector<RunRow>& rows, double merge_gap = 0.05);
+
+}  // namespace palpate
