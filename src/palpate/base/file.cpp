@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -18,6 +17,9 @@ namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 constexpr mode_t kMode = 0666;  // less the user's umask, as any program's output
+
+/// strerror(), safe on any thread.
+std::string error_text(int error_number) { return std::generic_category().message(error_number); }
 
 /// What a person can do about a failed system call.
 std::string_view advice(int error_number) {
@@ -46,7 +48,7 @@ InputFile::InputFile(const std::string& path) : path_(path) {
   descriptor_ = retry_open(path.c_str(), O_RDONLY | O_NONBLOCK);
   if (descriptor_ < 0) {
     const int error_number = errno;
-    throw Error("{}: cannot open: {}{}", path, std::strerror(error_number), advice(error_number));
+    throw Error("{}: cannot open: {}{}", path, error_text(error_number), advice(error_number));
   }
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;
@@ -71,7 +73,7 @@ std::size_t InputFile::read_some(std::uint64_t offset, std::span<char> out) cons
     const ssize_t n =
         ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw Error("{}: cannot read at byte {}: {}", path_, offset + done, std::strerror(errno));
+    if (n < 0) throw Error("{}: cannot read at byte {}: {}", path_, offset + done, error_text(errno));
     if (n == 0) break;
     done += static_cast<std::size_t>(n);
   }
@@ -128,7 +130,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(std::string_view action, int error_number) const {
-  throw Error("{}: cannot {}: {}{}", path_, action, std::strerror(error_number), advice(error_number));
+  throw Error("{}: cannot {}: {}{}", path_, action, error_text(error_number), advice(error_number));
 }
 
 void OutputFile::write(std::string_view bytes) {

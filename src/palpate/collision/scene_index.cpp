@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -33,10 +32,12 @@ float round_up(double v) {
   return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity());
 }
 
+using Box3f = Eigen::AlignedBox3f;
+
 /// Surface area, up to a factor; 0 for an empty box.
-double half_area(const Box& box) {
-  if (box.isEmpty()) return 0.0;
-  const Eigen::Vector3d size = box.sizes();
+float half_area(const Box3f& box) {
+  if (box.isEmpty()) return 0.0F;
+  const Eigen::Vector3f size = box.sizes();
   return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
 }
 
@@ -45,113 +46,144 @@ double half_area(const Box& box) {
 /// Builds the tree top down by the surface area heuristic over binned box centres (Wald 2007).
 class SceneIndex::Builder {
  public:
-  explicit Builder(const EllipsoidScene& scene) : boxes_(scene.size()), order_(scene.size()) {
-    std::iota(order_.begin(), order_.end(), 0U);
-    tbb::parallel_for(std::size_t{0}, scene.size(),
-                      [&](std::size_t i) { boxes_[i] = padded_box(scene.ellipsoids[i]); });
+  explicit Builder(const EllipsoidScene& scene) : items_(scene.size()) {
+    tbb::parallel_for(std::size_t{0}, scene.size(), [&](std::size_t i) {
+      const Box box = padded_box(scene.ellipsoids[i]);
+      items_[i] = {Box3f(box.min().unaryExpr(&round_down), box.max().unaryExpr(&round_up)),
+                   static_cast<std::uint32_t>(i)};
+    });
   }
 
   std::vector<Node> build() {
     std::vector<Node> nodes;
-    if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), nodes);
+    if (!items_.empty()) build(0, static_cast<std::uint32_t>(items_.size()), nodes);
     return nodes;
   }
 
   /// Gaussians in the order of the leaves.
-  const std::vector<std::uint32_t>& order() const { return order_; }
+  std::vector<std::uint32_t> order() const {
+    std::vector<std::uint32_t> order;
+    order.reserve(items_.size());
+    for (const Item& item : items_) order.push_back(item.gaussian);
+    return order;
+  }
 
  private:
   static constexpr std::uint32_t kLeafSize = 4;             // 416 bytes of ellipsoids: a few cache lines
   static constexpr std::uint32_t kParallelSize = 1U << 14;  // smaller ranges are not worth a task
   static constexpr int kBins = 16;                          // finer bins gain less than 1 % in Wald 2007
 
+  /// A Gaussian's box, rounded outwards. The items themselves are sorted, not pointers to them, so
+  /// that every pass over a range reads memory in order.
+  struct Item {
+    Box3f box;
+    std::uint32_t gaussian;
+
+    float center(int axis) const { return 0.5F * box.min()[axis] + 0.5F * box.max()[axis]; }
+  };
   struct Bin {
-    Box box;
+    Box3f box;
     std::uint32_t count = 0;
   };
   struct Split {
-    double cost = std::numeric_limits<double>::infinity();
+    float cost = std::numeric_limits<float>::infinity();
     int axis = 0;
     int bin = 0;  ///< the first bin of the right side
   };
   /// Maps a box centre to its bin along one axis.
   struct Binning {
-    double low, scale;
-    int operator()(double center) const {
+    float low, scale;
+    int operator()(float center) const {
       return std::clamp(static_cast<int>((center - low) * scale), 0, kBins - 1);
     }
   };
+  struct Bounds {
+    Box3f boxes;
+    Box3f centers;
+  };
 
-  Box bounds(std::uint32_t first, std::uint32_t last, Box& centers) const {
-    Box box;
+  Bounds bounds(std::uint32_t first, std::uint32_t last) const {
+    Bounds result;
     for (std::uint32_t k = first; k < last; ++k) {
-      box.extend(boxes_[order_[k]]);
-      centers.extend(boxes_[order_[k]].center());
+      const Item& item = items_[k];
+      result.boxes.extend(item.box);
+      result.centers.extend(Eigen::Vector3f(item.center(0), item.center(1), item.center(2)));
     }
-    return box;
+    return result;
   }
 
-  static Binning binning(const Box& centers, int axis) {
+  static Binning binning(const Box3f& centers, int axis) {
     return {centers.min()[axis], kBins / (centers.max()[axis] - centers.min()[axis])};
   }
 
-  Split best_split(std::uint32_t first, std::uint32_t last, const Box& centers) const {
+  /// The cheapest of the splits between two bins of one axis.
+  static Split best_split(const std::array<Bin, kBins>& bins, int axis) {
+    std::array<float, kBins> right_cost{};
+    Bin sweep;
+    for (std::size_t b = kBins - 1; b > 0; --b) {
+      sweep.box.extend(bins[b].box);
+      sweep.count += bins[b].count;
+      right_cost[b] = static_cast<float>(sweep.count) * half_area(sweep.box);
+    }
+    const std::uint32_t total = sweep.count + bins[0].count;
     Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Binning bin_of = binning(centers, axis);
-      if (!std::isfinite(bin_of.scale)) continue;  // all centres share this coordinate
-      std::array<Bin, kBins> bins;
-      for (std::uint32_t k = first; k < last; ++k) {
-        const Box& box = boxes_[order_[k]];
-        Bin& bin = bins[static_cast<std::size_t>(bin_of(box.center()[axis]))];
-        bin.box.extend(box);
+    sweep = {};
+    for (std::size_t b = 1; b < kBins; ++b) {
+      sweep.box.extend(bins[b - 1].box);
+      sweep.count += bins[b - 1].count;
+      if (sweep.count == 0 || sweep.count == total) continue;
+      const float cost = static_cast<float>(sweep.count) * half_area(sweep.box) + right_cost[b];
+      if (cost < best.cost) best = {cost, axis, static_cast<int>(b)};
+    }
+    return best;
+  }
+
+  Split best_split(std::uint32_t first, std::uint32_t last, const Box3f& centers) const {
+    std::array<Binning, 3> bin_of;
+    for (int axis = 0; axis < 3; ++axis) bin_of[static_cast<std::size_t>(axis)] = binning(centers, axis);
+    std::array<std::array<Bin, kBins>, 3> bins;
+    for (std::uint32_t k = first; k < last; ++k) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(bin_of[axis].scale)) continue;  // all centres share this coordinate
+        const int b = bin_of[axis](items_[k].center(static_cast<int>(axis)));
+        Bin& bin = bins[axis][static_cast<std::size_t>(b)];
+        bin.box.extend(items_[k].box);
         ++bin.count;
       }
-      std::array<double, kBins> right_cost{};
-      Bin sweep;
-      for (int b = kBins - 1; b > 0; --b) {
-        sweep.box.extend(bins[static_cast<std::size_t>(b)].box);
-        sweep.count += bins[static_cast<std::size_t>(b)].count;
-        right_cost[static_cast<std::size_t>(b)] = sweep.count * half_area(sweep.box);
-      }
-      sweep = {};
-      for (int b = 1; b < kBins; ++b) {
-        sweep.box.extend(bins[static_cast<std::size_t>(b) - 1].box);
-        sweep.count += bins[static_cast<std::size_t>(b) - 1].count;
-        if (sweep.count == 0 || sweep.count == last - first) continue;
-        const double cost = sweep.count * half_area(sweep.box) + right_cost[static_cast<std::size_t>(b)];
-        if (cost < best.cost) best = {cost, axis, b};
-      }
+    }
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Split split = best_split(bins[static_cast<std::size_t>(axis)], axis);
+      if (split.cost < best.cost) best = split;
     }
     return best;
   }
 
   /// Orders [first, last) so that the two sides of the split are apart; returns where they meet.
-  std::uint32_t partition(std::uint32_t first, std::uint32_t last, const Box& centers) {
+  std::uint32_t partition(std::uint32_t first, std::uint32_t last, const Box3f& centers) {
     const Split split = best_split(first, last, centers);
     if (!std::isfinite(split.cost)) return first + (last - first) / 2;  // nothing tells them apart
     const Binning bin_of = binning(centers, split.axis);
-    const auto middle = std::partition(order_.begin() + first, order_.begin() + last, [&](std::uint32_t i) {
-      return bin_of(boxes_[i].center()[split.axis]) < split.bin;
+    const auto middle = std::partition(items_.begin() + first, items_.begin() + last, [&](const Item& item) {
+      return bin_of(item.center(split.axis)) < split.bin;
     });
-    return static_cast<std::uint32_t>(middle - order_.begin());
+    return static_cast<std::uint32_t>(middle - items_.begin());
   }
 
   void build(std::uint32_t first, std::uint32_t last, std::vector<Node>& nodes) {
-    Box centers;
-    const Box box = bounds(first, last, centers);
+    const Bounds around = bounds(first, last);
     const std::size_t self = nodes.size();
     Node node{};
     for (int axis = 0; axis < 3; ++axis) {
-      node.low[axis] = round_down(box.min()[axis]);
-      node.high[axis] = round_up(box.max()[axis]);
+      node.low[axis] = around.boxes.min()[axis];
+      node.high[axis] = around.boxes.max()[axis];
     }
     node.right = first;
     node.count = last - first;
     nodes.push_back(node);
     if (last - first <= kLeafSize) return;
 
-    const std::uint32_t middle = partition(first, last, centers);
+    const std::uint32_t middle = partition(first, last, around.centers);
     nodes[self].count = 0;
     if (last - first < kParallelSize) {
       build(first, middle, nodes);
@@ -167,8 +199,7 @@ class SceneIndex::Builder {
     nodes.insert(nodes.end(), right.begin(), right.end());
   }
 
-  std::vector<Box> boxes_;
-  std::vector<std::uint32_t> order_;
+  std::vector<Item> items_;
 };
 
 namespace {
@@ -190,10 +221,11 @@ SceneIndex::SceneIndex(EllipsoidScene scene, const Progress& progress) : scene_(
     Builder builder(scene_);
     nodes_ = builder.build();
     report(progress, "indexing", 0.8);
-    reorder(scene_.ellipsoids, builder.order());
-    reorder(scene_.opacity, builder.order());
-    reorder(scene_.id, builder.order());
-    reorder(scene_.color, builder.order());
+    const std::vector<std::uint32_t> order = builder.order();
+    reorder(scene_.ellipsoids, order);
+    reorder(scene_.opacity, order);
+    reorder(scene_.id, order);
+    reorder(scene_.color, order);
   }
   report(progress, "indexing", 1.0);
 }

@@ -32,6 +32,9 @@ Trajectory read_trajectory(const std::string& path) {
   const bool oriented = table.has("qw") || table.has("qx") || table.has("qy") || table.has("qz");
   std::array<std::size_t, 4> q{};
   if (oriented) q = {table.column("qw"), table.column("qx"), table.column("qy"), table.column("qz")};
+  const bool felt = table.has("ufx");
+  std::array<std::size_t, 3> f{};
+  if (felt) f = {table.column("ufx"), table.column("ufy"), table.column("ufz")};
   if (table.rows() == 0) throw Error("{}: has no poses; at least one row is needed", path);
 
   Trajectory trajectory;
@@ -41,6 +44,8 @@ Trajectory read_trajectory(const std::string& path) {
     timed.t = table.at(row, txyz[0]);
     timed.pose.position = {table.at(row, txyz[1]), table.at(row, txyz[2]), table.at(row, txyz[3])};
     if (oriented) timed.pose.orientation = orientation_of(table, row, q);
+    if (felt)
+      timed.user_force = Eigen::Vector3d(table.at(row, f[0]), table.at(row, f[1]), table.at(row, f[2]));
     if (!trajectory.empty() && !(timed.t > trajectory.back().t)) {
       throw Error("{}: row {}: time {} does not follow {}; rows must be in order of time", path, row + 1,
                   timed.t, trajectory.back().t);

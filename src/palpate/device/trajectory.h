@@ -2,6 +2,7 @@
 /// Recorded or scripted motion of the tool.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,18 +14,20 @@ namespace palpate {
 struct TimedPose {
   double t = 0.0;  ///< Unit: [s].
   Pose pose;
+  /// Measured at the handle, world frame, where a recording has it. Unit: [N].
+  std::optional<Eigen::Vector3d> user_force;
 };
 
 /// In strictly increasing order of time.
 using Trajectory = std::vector<TimedPose>;
 
-/// Reads `t,x,y,z,qw,qx,qy,qz` (seconds, metres, tool in the world); further columns are ignored,
-/// and without the four quaternion columns the orientation is the identity. Quaternions are
-/// normalised.
+/// Reads `t,x,y,z,qw,qx,qy,qz` (seconds, metres, tool in the world); without the four
+/// quaternion columns the orientation is the identity. A measured user force in `ufx,ufy,ufz` is
+/// read if there; further columns are ignored. Quaternions are normalised.
 /// \throws Error if the file is not such a table, time does not increase, or a quaternion is zero.
 Trajectory read_trajectory(const std::string& path);
 
-/// Writes what read_trajectory() reads. The file appears whole or not at all.
+/// Writes the poses as read_trajectory() reads them. The file appears whole or not at all.
 void write_trajectory(const Trajectory& trajectory, const std::string& path);
 
 }  // namespace palpate

@@ -97,7 +97,8 @@ class Layout {
  private:
   int find_sh_degree() const {
     const auto is_rest = [](const PlyProperty& p) { return p.name.starts_with("f_rest_"); };
-    const auto count = std::count_if(vertex_.properties.begin(), vertex_.properties.end(), is_rest);
+    const auto count =
+        static_cast<int>(std::count_if(vertex_.properties.begin(), vertex_.properties.end(), is_rest));
     for (int degree = 0; degree <= 4; ++degree) {
       if (count != 3 * ((degree + 1) * (degree + 1) - 1)) continue;
       for (int k = 0; k < count; ++k) {

@@ -105,6 +105,7 @@ void write_run(const std::vector<RunRow>& rows, const std::string& path, const P
 Run read_run(const std::string& path, const Progress& progress) {
   const CsvTable table = read_csv(path, progress);
   std::vector<std::size_t> columns;
+  columns.reserve(kColumns.size() + kUserForceColumns.size());
   for (const char* name : kColumns) columns.push_back(table.column(name));
   const bool user_force = table.has(kUserForceColumns[0]);
   if (user_force) {

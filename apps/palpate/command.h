@@ -1,0 +1,37 @@
+/// \file
+/// The shape of a subcommand: one file each, one function that declares it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace palpate::cli {
+
+/// A declared subcommand: its options, and what it does once they are parsed.
+struct Command {
+  CLI::App* app;
+  std::function<void()> run;  ///< throws Error
+};
+
+/// Options that every command has.
+struct CommonOptions {
+  bool quiet = false;
+  bool json = false;
+  std::string config;  ///< read before the arguments are parsed, see config.h
+};
+
+Command declare_info(CLI::App& parent);
+Command declare_query(CLI::App& parent);
+Command declare_replay(CLI::App& parent);
+Command declare_report(CLI::App& parent);
+Command declare_make_scene(CLI::App& parent);
+Command declare_make_path(CLI::App& parent);
+Command declare_completion(CLI::App& parent);
+
+/// Adds --quiet and --config, and --json with `json_help` if that is not empty.
+void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help = "");
+
+}  // namespace palpate::cli

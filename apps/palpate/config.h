@@ -1,0 +1,35 @@
+/// \file
+/// Options from a TOML file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace palpate::cli {
+
+/// A key of a configuration file, as the command line would have it.
+struct ConfigEntry {
+  std::string key;    ///< long option name without dashes
+  std::string value;  ///< text of the value; arrays joined by commas
+  std::size_t line;   ///< where, for messages
+};
+
+/// Reads a TOML file whose keys are long option names (`opacity-min = 0.2`, `tool = [0.01, 0.01,
+/// 0.03]`, `json = true`). A flag that is false is left out.
+/// \throws Error with file and line if the file is not TOML or a value has no place on a command
+/// line (tables, dates).
+std::vector<ConfigEntry> read_config(const std::string& path);
+
+/// `arguments` (without the program name) plus what its --config FILE adds: entries that the
+/// command has an option for and that the arguments neither set nor exclude.
+/// \throws Error for a broken file or a key that is no option of any command.
+struct Arguments {
+  std::vector<std::string> all;
+  std::string config_path;               ///< empty without --config
+  std::vector<ConfigEntry> from_config;  ///< what was added
+};
+Arguments with_config(const CLI::App& app, const std::vector<std::string>& arguments);
+
+}  // namespace palpate::cli

@@ -1,0 +1,108 @@
+// The command line program: declares the commands, parses, runs one, and turns every failure into
+// one line on stderr and an exit code (0 success, 1 error, 2 bad usage).
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <palpate/base/error.h>
+
+#include "command.h"
+#include "config.h"
+#include "version.h"
+
+namespace palpate::cli {
+
+void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help) {
+  app.add_flag("-q,--quiet", options.quiet, "no progress and no summary");
+  if (!json_help.empty()) app.add_flag("--json", options.json, json_help);
+  app.add_option("--config", options.config, "TOML file of options, keys as here without the dashes")
+      ->type_name("FILE");
+}
+
+namespace {
+
+constexpr int kExitError = 1;
+constexpr int kExitUsage = 2;
+
+/// Messages of CLI11 may have several lines; ours have one.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
+}
+
+int fail(int code, const std::string& message) {
+  fmt::print(stderr, "palpate: {}\n", message);
+  return code;
+}
+
+/// A value that CLI11 refused: an error of the configuration file if it came from there, else usage.
+int refuse(const CLI::ParseError& error, const Arguments& arguments) {
+  const std::string message = one_line(error.what());
+  for (const ConfigEntry& entry : arguments.from_config) {
+    if (message.starts_with("--" + entry.key + ":")) {
+      return fail(kExitError,
+                  fmt::format("{}: line {}: {}", arguments.config_path, entry.line, message.substr(2)));
+    }
+  }
+  return fail(kExitUsage, message + " (see --help)");
+}
+
+int run(const std::vector<std::string>& given) {
+  CLI::App app("Feel captured 3D Gaussian Splatting scenes.", "palpate");
+  app.set_version_flag("--version", kVersion);
+  app.require_subcommand(1);
+  const std::vector<Command> commands{declare_info(app),      declare_query(app),      declare_replay(app),
+                                      declare_report(app),    declare_make_scene(app), declare_make_path(app),
+                                      declare_completion(app)};
+  if (given.empty()) {
+    fmt::print(stderr, "{}", app.help());
+    return kExitUsage;
+  }
+  const Arguments arguments = with_config(app, given);
+  try {
+    std::vector<std::string> reversed(arguments.all.rbegin(), arguments.all.rend());
+    app.parse(reversed);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return refuse(error, arguments);
+  }
+  for (const Command& command : commands) {
+    if (command.app->parsed()) command.run();
+  }
+  return 0;
+}
+
+/// Output that was buffered and cannot be written is an error too.
+void flush_stdout() {
+  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
+}
+
+}  // namespace
+}  // namespace palpate::cli
+
+int main(int argc, char** argv) {
+  using palpate::cli::fail;
+  using palpate::cli::kExitError;
+  try {
+    const int code = palpate::cli::run(std::vector<std::string>(argv + 1, argv + argc));
+    palpate::cli::flush_stdout();
+    return code;
+  } catch (const palpate::Error& error) {
+    return fail(kExitError, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kExitError, "not enough memory; filter or crop the scene, or free some");
+  } catch (const std::system_error& error) {
+    return fail(kExitError, fmt::format("standard output: {}", error.code().message()));
+  } catch (const std::exception& error) {
+    return fail(kExitError, fmt::format("internal error: {}; please report it", error.what()));
+  }
+}

@@ -1,0 +1,62 @@
+// palpate make-path: a path that touches a scene, for who has a scene but no recorded motion.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <palpate/base/error.h>
+#include <palpate/base/file.h>
+#include <palpate/device/touch_path.h>
+
+#include "command.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  SceneOptions scene;
+  QueryOptions query;
+  std::string out;
+  TouchPathOptions path;
+};
+
+void run(const Options& options) {
+  if (same_file(options.out, options.scene.path)) {
+    throw Error("{}: --out is also an input; give it another name", options.out);
+  }
+  const Progress progress = terminal_progress(options.common.quiet);
+  const SceneIndex index(load_kept(options.scene, progress), progress);
+  const Trajectory path = touch_path(index, index.scene(), options.query.tool, options.path);
+  write_trajectory(path, options.out);
+  if (options.common.quiet) return;
+  fmt::print("wrote {}: {} touches, {} poses, {:.1f} s\n", options.out, options.path.touches, path.size(),
+             path.back().t);
+}
+
+}  // namespace
+
+Command declare_make_path(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("make-path", "A path that touches a scene here and there, as a trajectory file");
+  auto options = std::make_shared<Options>();
+  declare_common(*app, options->common);
+  app->add_option("--out", options->out, "the trajectory")->type_name("T.csv")->required();
+  app->add_option("--touches", options->path.touches, "how many places to touch")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app->add_option("--seed", options->path.seed, "of the choice of places")->capture_default_str();
+  constexpr double kMost = 1e3;
+  add_number(*app, "--press", options->path.press, 0.0, kMost, "m", "how deep to press beyond first contact");
+  add_number(*app, "--slide", options->path.slide, 0.0, kMost, "m", "how far to slide along the surface");
+  add_number(*app, "--rate", options->path.rate, 1.0, 1e5, "Hz", "poses a second");
+  options->scene.declare(*app, SceneOptions::As::kPositional);
+  options->query.declare_tool(*app);
+  return {app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

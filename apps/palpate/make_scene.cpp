@@ -1,0 +1,61 @@
+// palpate make-scene: a scene whose true surface is known exactly.
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <palpate/scene/ply_writer.h>
+#include <palpate/scene/procedural.h>
+
+#include "command.h"
+#include "options.h"
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string shape;
+  std::string out;
+  ProceduralOptions procedural;
+  double tilt_degrees = 0.0;
+};
+
+void run(const Options& options) {
+  ProceduralOptions procedural = options.procedural;
+  procedural.tilt = options.tilt_degrees * std::numbers::pi / 180.0;
+  const auto surface = make_surface(options.shape);
+  const GaussianScene scene = make_scene(*surface, procedural);
+  const double spacing = procedural.spacing.value_or(surface->default_spacing());
+  write_ply(scene, options.out,
+            fmt::format("palpate make-scene {} seed {} spacing {} m noise {} m tilt {} deg", options.shape,
+                        procedural.seed, spacing, procedural.noise, options.tilt_degrees));
+  if (!options.common.quiet)
+    fmt::print("wrote {}: {}, {} Gaussians\n", options.out, options.shape, scene.size());
+}
+
+}  // namespace
+
+Command declare_make_scene(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("make-scene", "Analytic scene with known surface, as INRIA .ply");
+  auto options = std::make_shared<Options>();
+  declare_common(*app, options->common);
+  const auto shapes = procedural_shapes();
+  app->add_option("SHAPE", options->shape, "what to make")
+      ->required()
+      ->check(CLI::IsMember(std::vector<std::string>(shapes.begin(), shapes.end())));
+  app->add_option("--out", options->out, "the scene")->type_name("S.ply")->required();
+  app->add_option("--seed", options->procedural.seed, "of all randomness")->capture_default_str();
+  add_parsed(*app, "--spacing", "m", "mean distance of neighbours, m (default: the shape's own)",
+             [options](const std::string& text) { options->procedural.spacing = parse_positive(text); });
+  add_number(*app, "--noise", options->procedural.noise, 0.0, 1.0, "m",
+             "sd of the displacement along the normal");
+  add_number(*app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
+  return {app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

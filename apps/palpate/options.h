@@ -1,0 +1,101 @@
+/// \file
+/// Options that several commands share, and how their values are checked.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <palpate/base/progress.h>
+#include <palpate/collision/paper_pipeline.h>
+#include <palpate/collision/scene_index.h>
+#include <palpate/geometry/similarity.h>
+#include <palpate/haptics/density_force.h>
+#include <palpate/haptics/tool.h>
+#include <palpate/scene/gaussian_scene.h>
+#include <palpate/scene/scene_filter.h>
+
+namespace palpate::cli {
+
+/// Parses "1,2,3": between `min_count` and `max_count` finite numbers.
+/// \throws CLI::ValidationError otherwise.
+std::vector<double> parse_numbers(const std::string& text, std::size_t min_count, std::size_t max_count);
+
+/// An option whose text `set` takes apart; `type` stands for the value in --help.
+/// \pre `set` throws CLI::ValidationError for a text it cannot take.
+CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& type,
+                        const std::string& description, std::function<void(const std::string&)> set);
+
+/// A number option whose value must lie in [low, high] (NaN does not). Shows `unit` in --help.
+CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, double low, double high,
+                        const std::string& unit, const std::string& description);
+
+/// A finite number above zero. \throws CLI::ValidationError otherwise.
+double parse_positive(const std::string& text);
+
+/// An option of exactly three numbers.
+CLI::Option* add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
+                         const std::string& unit, const std::string& description);
+
+/// "x,y,z" or "x,y,z,qw,qx,qy,qz". \throws CLI::ValidationError otherwise.
+Pose parse_pose(const std::string& text);
+
+/// Which scene, which of its Gaussians, how large, and where.
+struct SceneOptions {
+  std::string path;
+  SceneFilter filter;
+  std::string frame = "as-is";
+  Similarity registration;  ///< of --scale, --rotate, --translate; applied after `frame`
+
+  /// Declares the options, with the scene as positional argument SCENE or as option --scene.
+  enum class As { kPositional, kOption };
+  void declare(CLI::App& app, As as);
+
+  /// From the captured frame to the world: first turns the axis named by `frame` up, then registers.
+  Similarity world_from_scene() const;
+
+  /// One sentence: what is assumed about the captured frame.
+  std::string frame_note() const;
+};
+
+/// What a scene file and its options come to.
+struct LoadedScene {
+  GaussianScene scene;
+  FilterReport filtered;
+  EllipsoidScene kept;
+};
+/// Loads and filters; warns on stderr if nothing is left. \throws Error.
+LoadedScene load(const SceneOptions& options, const Progress& progress);
+
+/// Like load(), but drops the captured scene itself to save its memory.
+EllipsoidScene load_kept(const SceneOptions& options, const Progress& progress);
+
+/// The tool and how its contacts are found.
+struct QueryOptions {
+  Tool tool;
+  std::string pipeline = "exact";
+  std::optional<double> search_radius;
+  int iterations = PaperPipeline::kDefaultIterations;
+
+  void declare_tool(CLI::App& app);
+  void declare_pipeline(CLI::App& app);
+
+  std::unique_ptr<ContactQuery> build(EllipsoidScene scene, const Progress& progress) const;
+};
+
+/// How contacts become a force.
+struct ForceOptions {
+  std::string model = "density";
+  DensityParameters density;
+
+  void declare(CLI::App& app);
+  std::unique_ptr<ForceModel> build() const;
+};
+
+}  // namespace palpate::cli

@@ -1,0 +1,114 @@
+// palpate query: one pose, its contacts and its wrench.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  CommonOptions common;
+  SceneOptions scene;
+  QueryOptions query;
+  ForceOptions force;
+  Pose pose;
+};
+
+Json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json to_json(const ContactSet& set, const Wrench& wrench) {
+  Json json{{"candidates", set.candidates}, {"filtered", set.filtered}, {"contacts", Json::array()}};
+  for (const Contact& c : set.contacts) {
+    json["contacts"].push_back({{"id", c.id},
+                                {"k_min", c.k_min},
+                                {"lambda", c.lambda},
+                                {"opacity", c.opacity},
+                                {"center", to_json(c.center)},
+                                {"point", to_json(c.point)},
+                                {"normal", to_json(c.normal)},
+                                {"depth", c.depth}});
+  }
+  json["force"] = to_json(wrench.force);
+  json["torque"] = to_json(wrench.torque);
+  return json;
+}
+
+/// The deepest contacts first, as many as fit a screen.
+void print_contacts(std::vector<Contact> contacts) {
+  constexpr std::size_t kShown = 20;
+  std::sort(contacts.begin(), contacts.end(),
+            [](const Contact& a, const Contact& b) { return a.k_min > b.k_min; });
+  if (contacts.empty()) return;
+  fmt::print("\n{:>10} {:>8} {:>8} {:>8} {:>9}  {:<30} {}\n", "id", "K_min", "lambda", "opacity", "depth mm",
+             "point m", "normal");
+  for (std::size_t i = 0; i < std::min(kShown, contacts.size()); ++i) {
+    const Contact& c = contacts[i];
+    fmt::print("{:>10} {:>8.5f} {:>8.5f} {:>8.3f} {:>9.3f}  {:<30} {:.3f} {:.3f} {:.3f}\n", c.id, c.k_min,
+               c.lambda, c.opacity, 1e3 * c.depth,
+               fmt::format("{:.5f} {:.5f} {:.5f}", c.point.x(), c.point.y(), c.point.z()), c.normal.x(),
+               c.normal.y(), c.normal.z());
+  }
+  if (contacts.size() > kShown) fmt::print("  ... and {} more; --json lists all\n", contacts.size() - kShown);
+}
+
+void print_text(const ContactSet& set, const Wrench& wrench, const Options& options) {
+  fmt::print("{} candidates, {} after the spheres, {} in contact\n", set.candidates, set.filtered,
+             set.contacts.size());
+  fmt::print("force  {:.4f} {:.4f} {:.4f} N, |F| = {:.4f} N ({})\n", wrench.force.x(), wrench.force.y(),
+             wrench.force.z(), wrench.force.norm(), options.force.model);
+  fmt::print("torque {:.5f} {:.5f} {:.5f} N m\n", wrench.torque.x(), wrench.torque.y(), wrench.torque.z());
+  print_contacts(set.contacts);
+  if (!options.common.quiet) fmt::print(stderr, "palpate: note: {}\n", options.scene.frame_note());
+}
+
+void run(const Options& options) {
+  const Progress progress = terminal_progress(options.common.quiet);
+  const auto query = options.query.build(load_kept(options.scene, progress), progress);
+  ContactSet set;
+  query->query(options.query.tool.at(options.pose), set);
+  const Wrench wrench = options.force.build()->evaluate({options.pose, {}, 0.0, &set});
+
+  Json json = to_json(set, wrench);
+  const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
+  if (paper != nullptr) {
+    json["search_radius"] = paper->search_radius();
+    json["can_miss"] = paper->can_miss(options.query.tool.semi_axes.maxCoeff());
+  }
+  if (options.common.json) {
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  print_text(set, wrench, options);
+  if (paper != nullptr) {
+    fmt::print("\nthe search radius of {:.4g} m can miss {} Gaussians, whatever the pose\n",
+               paper->search_radius(), paper->can_miss(options.query.tool.semi_axes.maxCoeff()));
+  }
+}
+
+}  // namespace
+
+Command declare_query(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("query", "One pose: the contacts and the wrench");
+  auto options = std::make_shared<Options>();
+  declare_common(*app, options->common, "print contacts and wrench as JSON");
+  options->scene.declare(*app, SceneOptions::As::kPositional);
+  add_parsed(*app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose in the world, m",
+             [options](const std::string& text) { options->pose = parse_pose(text); })
+      ->required();
+  options->query.declare_tool(*app);
+  options->query.declare_pipeline(*app);
+  options->force.declare(*app);
+  return {app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

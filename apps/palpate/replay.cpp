@@ -1,0 +1,145 @@
+// palpate replay: every pose of a trajectory, offline and deterministic.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <palpate/base/error.h>
+#include <palpate/base/file.h>
+#include <palpate/device/playback.h>
+
+#include "command.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  CommonOptions common;
+  SceneOptions scene;
+  QueryOptions query;
+  ForceOptions force;
+  std::string trajectory;
+  std::string out;
+  int threads = 0;
+};
+
+/// The q-quantile, nearest rank. \pre values is sorted and not empty.
+double quantile(const std::vector<double>& values, double q) {
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+Json summary_of(const std::vector<RunRow>& rows) {
+  std::vector<double> compute;
+  std::size_t most = 0, in_contact = 0;
+  double force = 0.0;
+  for (const RunRow& row : rows) {
+    compute.push_back(row.compute_us);
+    most = std::max(most, row.colliding);
+    in_contact += row.colliding != 0 ? 1 : 0;
+    force = std::max(force, row.wrench.force.norm());
+  }
+  std::sort(compute.begin(), compute.end());
+  return {{"poses", rows.size()},
+          {"seconds", rows.back().t - rows.front().t},
+          {"contact_poses", in_contact},
+          {"episodes", contact_episodes(rows).size()},
+          {"colliding_max", most},
+          {"force_max", force},
+          {"compute_us",
+           {{"p50", quantile(compute, 0.5)}, {"p99", quantile(compute, 0.99)}, {"max", compute.back()}}}};
+}
+
+void print_episodes(const std::vector<RunRow>& rows) {
+  constexpr std::size_t kShown = 30;
+  const auto episodes = contact_episodes(rows);
+  if (episodes.empty()) {
+    fmt::print("no contact\n");
+    return;
+  }
+  fmt::print("{:>7} {:>9} {:>9} {:>9} {:>11}  {}\n", "contact", "onset s", "for s", "colliding", "max |F| N",
+             "tool at onset, m");
+  for (std::size_t k = 0; k < std::min(kShown, episodes.size()); ++k) {
+    const Episode& e = episodes[k];
+    const Eigen::Vector3d& p = rows[e.first].tool.position;
+    fmt::print("{:>7} {:>9.3f} {:>9.3f} {:>9} {:>11.3f}  {:.4f} {:.4f} {:.4f}\n", k + 1, rows[e.first].t,
+               rows[e.last].t - rows[e.first].t, e.most_colliding, e.peak_force, p.x(), p.y(), p.z());
+  }
+  if (episodes.size() > kShown) fmt::print("  ... and {} more\n", episodes.size() - kShown);
+}
+
+void print_text(const std::vector<RunRow>& rows, const Json& summary, const Options& options) {
+  print_episodes(rows);
+  fmt::print(
+      "\n{} poses over {:.2f} s, {} in contact, up to {} colliding, up to {:.2f} N; compute p50 {:.1f} us, "
+      "p99 {:.1f} us, max {:.0f} us\n",
+      rows.size(), summary["seconds"].get<double>(), summary["contact_poses"].get<std::size_t>(),
+      summary["colliding_max"].get<std::size_t>(), summary["force_max"].get<double>(),
+      summary["compute_us"]["p50"].get<double>(), summary["compute_us"]["p99"].get<double>(),
+      summary["compute_us"]["max"].get<double>());
+  if (summary.contains("can_miss")) {
+    fmt::print("the search radius of {:.4g} m can miss {} Gaussians, whatever the pose\n",
+               summary["search_radius"].get<double>(), summary["can_miss"].get<std::size_t>());
+  }
+  fmt::print("wrote {}\n", options.out);
+}
+
+void run(const Options& options) {
+  if (same_file(options.out, options.trajectory) || same_file(options.out, options.scene.path)) {
+    throw Error("{}: --out is also an input; give it another name", options.out);
+  }
+  const Progress progress = terminal_progress(options.common.quiet);
+  const auto parallelism =
+      options.threads > 0 ? static_cast<std::size_t>(options.threads)
+                          : tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, parallelism);
+
+  const Trajectory trajectory = read_trajectory(options.trajectory);
+  const auto query = options.query.build(load_kept(options.scene, progress), progress);
+  const auto model = options.force.build();
+  const std::vector<RunRow> rows = play_back(*query, options.query.tool, *model, trajectory, progress);
+  write_run(rows, options.out, progress);
+
+  Json summary = summary_of(rows);
+  if (const auto* paper = dynamic_cast<const PaperPipeline*>(query.get())) {
+    summary["search_radius"] = paper->search_radius();
+    summary["can_miss"] = paper->can_miss(options.query.tool.semi_axes.maxCoeff());
+  }
+  if (options.common.json) {
+    fmt::print("{}\n", summary.dump(2));
+  } else if (!options.common.quiet) {
+    print_text(rows, summary, options);
+  }
+}
+
+}  // namespace
+
+Command declare_replay(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("replay", "Every pose of a trajectory file, offline and deterministic");
+  auto options = std::make_shared<Options>();
+  declare_common(*app, options->common, "print the summary as JSON");
+  options->scene.declare(*app, SceneOptions::As::kPositional);
+  app->add_option("--trajectory", options->trajectory, "tool poses in the world: t,x,y,z,qw,qx,qy,qz")
+      ->type_name("T.csv")
+      ->required();
+  app->add_option("--out", options->out, "the run: contacts, wrench and time of every pose")
+      ->type_name("RUN.csv")
+      ->required();
+  app->add_option("--threads", options->threads, "how many (default: all); the result does not depend on it")
+      ->check(CLI::Range(1, 1024));
+  options->query.declare_tool(*app);
+  options->query.declare_pipeline(*app);
+  options->force.declare(*app);
+  return {app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,99 @@
+// palpate report: the paper's Fig. 5 and Fig. 4 of a run, as one page that needs no network.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/base/file.h>
+
+#include "command.h"
+#include "options.h"
+#include "report_data.h"
+#include "terminal.h"
+
+extern "C" {
+extern const char palpate_report_page_begin[];
+extern const char palpate_report_page_end[];
+}
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  SceneOptions scene;
+  QueryOptions query;
+  std::string run;
+  std::string out;
+};
+
+std::string html_escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '&': out += "&amp;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+/// The page template with its one placeholder of each kind filled in.
+std::string fill_page(const std::string& title, const std::string& json) {
+  std::string page(palpate_report_page_begin, palpate_report_page_end);
+  const auto fill = [&](std::string_view placeholder, const std::string& text) {
+    page.replace(page.find(placeholder), placeholder.size(), text);
+  };
+  fill("<!--PALPATE_TITLE-->", html_escaped(title));
+  fill("<!--PALPATE_RUN_JSON-->", json);
+  return page;
+}
+
+void warn_if_different(const RunContacts& contacts, const Options& options) {
+  if (contacts.rows_differing == 0) return;
+  fmt::print(stderr,
+             "palpate: warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
+             "scene options and --tool\n",
+             options.run, contacts.rows_differing, contacts.rows_checked, options.scene.path);
+}
+
+void run(const Options& options) {
+  if (same_file(options.out, options.run) || same_file(options.out, options.scene.path)) {
+    throw Error("{}: --out is also an input; give it another name", options.out);
+  }
+  const Progress progress = terminal_progress(options.common.quiet);
+  const Run recorded = read_run(options.run, progress);
+  std::string json;
+  if (options.scene.path.empty()) {
+    json = report_json(recorded, nullptr, nullptr, nullptr);
+  } else {
+    const SceneIndex index(load_kept(options.scene, progress), progress);
+    const RunContacts contacts = find_contacts(recorded, index, options.query.tool);
+    warn_if_different(contacts, options);
+    json = report_json(recorded, &index, &options.query.tool, &contacts);
+  }
+  const std::string title = std::filesystem::path(options.run).filename().string();
+  write_file(options.out, fill_page(title, json));
+  if (!options.common.quiet) fmt::print("wrote {}\n", options.out);
+}
+
+}  // namespace
+
+Command declare_report(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand("report", "The run as an interactive, self-contained page");
+  auto options = std::make_shared<Options>();
+  declare_common(*app, options->common);
+  app->add_option("RUN.csv", options->run, "a run, as replay writes it")->required();
+  app->add_option("--out", options->out, "the page")->type_name("R.html")->required();
+  options->scene.declare(*app, SceneOptions::As::kOption);
+  options->query.declare_tool(*app);
+  return {app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,218 @@
+#include "report_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "version.h"
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxRows = 300'000;       // drawn; a browser stays fluent
+constexpr std::size_t kMaxContactRows = 3'000;  // queried again
+constexpr std::size_t kMaxContactPoints = 30'000;
+constexpr std::size_t kMaxScenePoints = 60'000;
+
+/// The step that leaves at most `most` of `n` things.
+std::size_t stride_for(std::size_t n, std::size_t most) {
+  return std::max<std::size_t>(1, (n + most - 1) / most);
+}
+
+/// Appends `"name":[v0,v1,...]` with `digits` significant digits.
+template <typename Values>
+void append_array(std::string& out, const char* name, const Values& values, int digits) {
+  fmt::format_to(std::back_inserter(out), "{}\"{}\":[", out.ends_with('{') ? "" : ",", name);
+  const char* separator = "";
+  for (const auto& value : values) {
+    fmt::format_to(std::back_inserter(out), "{}{:.{}g}", separator, static_cast<double>(value), digits);
+    separator = ",";
+  }
+  out += ']';
+}
+
+/// A column of the run, as the page knows it.
+struct Column {
+  const char* name;
+  std::function<double(const RunRow&)> value;
+  int digits = 7;  // more than a screen resolves, single precision's worth
+};
+
+std::vector<Column> columns_of(const Run& run) {
+  const auto vector = [](std::vector<Column>& columns, std::array<const char*, 3> names, auto get) {
+    for (int axis = 0; axis < 3; ++axis) {
+      columns.push_back(
+          {names[static_cast<std::size_t>(axis)], [get, axis](const RunRow& r) { return get(r)[axis]; }});
+    }
+  };
+  std::vector<Column> columns{{"t", [](const RunRow& r) { return r.t; }, 12}};
+  vector(columns, {"x", "y", "z"}, [](const RunRow& r) { return r.tool.position; });
+  columns.push_back({"qw", [](const RunRow& r) { return r.tool.orientation.w(); }});
+  vector(columns, {"qx", "qy", "qz"}, [](const RunRow& r) { return r.tool.orientation.vec().eval(); });
+  columns.push_back({"candidates", [](const RunRow& r) { return static_cast<double>(r.candidates); }});
+  columns.push_back({"filtered", [](const RunRow& r) { return static_cast<double>(r.filtered); }});
+  columns.push_back({"colliding", [](const RunRow& r) { return static_cast<double>(r.colliding); }});
+  columns.push_back({"k_max", [](const RunRow& r) { return r.k_max; }});
+  vector(columns, {"fx", "fy", "fz"}, [](const RunRow& r) { return r.wrench.force; });
+  vector(columns, {"tx", "ty", "tz"}, [](const RunRow& r) { return r.wrench.torque; });
+  vector(columns, {"px", "py", "pz"}, [](const RunRow& r) { return r.proxy; });
+  columns.push_back({"compute_us", [](const RunRow& r) { return r.compute_us; }, 4});
+  if (run.rows.front().user_force) {
+    vector(columns, {"ufx", "ufy", "ufz"},
+           [](const RunRow& r) { return r.user_force.value_or(Eigen::Vector3d::Zero()); });
+  }
+  return columns;
+}
+
+/// `"columns":{...}` of every stride-th row.
+std::string columns_json(const Run& run, std::size_t stride) {
+  std::string out = "{";
+  std::vector<double> values;
+  for (const Column& column : columns_of(run)) {
+    values.clear();
+    for (std::size_t i = 0; i < run.rows.size(); i += stride) values.push_back(column.value(run.rows[i]));
+    append_array(out, column.name, values, column.digits);
+  }
+  return out + "}";
+}
+
+Json episodes_json(const Run& run, std::size_t stride) {
+  Json json = Json::array();
+  for (const Episode& e : contact_episodes(run.rows)) {
+    const RunRow& onset = run.rows[e.first];
+    const auto& p = onset.tool.position;
+    json.push_back({{"first", e.first / stride},
+                    {"last", e.last / stride},
+                    {"peak", e.peak / stride},
+                    {"onset_t", onset.t},
+                    {"duration_s", run.rows[e.last].t - onset.t},
+                    {"position", {p.x(), p.y(), p.z()}},
+                    {"peak_colliding", e.most_colliding},
+                    {"peak_force", e.peak_force}});
+  }
+  return json;
+}
+
+std::string contacts_json(const RunContacts& contacts, std::size_t run_stride) {
+  using Point = RunContacts::Point;
+  const std::size_t stride = stride_for(contacts.points.size(), kMaxContactPoints);
+  std::string out = "{";
+  const auto column = [&](const char* name, int digits, auto get) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < contacts.points.size(); i += stride)
+      values.push_back(get(contacts.points[i]));
+    append_array(out, name, values, digits);
+  };
+  column("row", 12, [&](const Point& p) { return static_cast<double>(p.row / run_stride); });
+  column("x", 7, [](const Point& p) { return p.contact.point.x(); });
+  column("y", 7, [](const Point& p) { return p.contact.point.y(); });
+  column("z", 7, [](const Point& p) { return p.contact.point.z(); });
+  column("nx", 3, [](const Point& p) { return p.contact.normal.x(); });
+  column("ny", 3, [](const Point& p) { return p.contact.normal.y(); });
+  column("nz", 3, [](const Point& p) { return p.contact.normal.z(); });
+  column("k_min", 4, [](const Point& p) { return p.contact.k_min; });
+  column("depth", 4, [](const Point& p) { return p.contact.depth; });
+  return out + "}";
+}
+
+std::string scene_json(const EllipsoidScene& scene) {
+  const std::size_t stride = stride_for(scene.size(), kMaxScenePoints);
+  std::vector<double> points, colors;
+  for (std::size_t i = 0; i < scene.size(); i += stride) {
+    const Eigen::Vector3d& c = scene.ellipsoids[i].center;
+    points.insert(points.end(), {c.x(), c.y(), c.z()});
+    for (std::size_t k = 0; k < 3; ++k) colors.push_back(scene.color.empty() ? 160 : scene.color[i][k]);
+  }
+  std::string out = "{";
+  append_array(out, "points", points, 5);
+  append_array(out, "colors", colors, 3);
+  return out + "}";
+}
+
+Json summary_json(const Run& run, std::size_t stride) {
+  std::vector<double> compute;
+  std::size_t in_contact = 0;
+  double force = 0.0;
+  for (const RunRow& row : run.rows) {
+    compute.push_back(row.compute_us);
+    in_contact += row.colliding != 0 ? 1 : 0;
+    force = std::max(force, row.wrench.force.norm());
+  }
+  const auto middle = compute.begin() + static_cast<std::ptrdiff_t>(compute.size() / 2);
+  std::nth_element(compute.begin(), middle, compute.end());
+  Json json = Json::array();
+  const auto add = [&](const char* label, const std::string& value) {
+    json.push_back({{"label", label}, {"value", value}});
+  };
+  add("Poses", fmt::format("{}", run.rows.size()));
+  add("Time", fmt::format("{:.2f} s", run.rows.back().t - run.rows.front().t));
+  add("Contacts made", fmt::format("{}", contact_episodes(run.rows).size()));
+  add("In contact", fmt::format("{:.1f} %", 100.0 * static_cast<double>(in_contact) /
+                                                static_cast<double>(run.rows.size())));
+  add("Largest force", fmt::format("{:.2f} N", force));
+  add("Compute, median", fmt::format("{:.1f} \u00b5s", *middle));
+  if (stride > 1) add("Shown", fmt::format("every {}th pose", stride));
+  return json;
+}
+
+/// `</script>` in a file name must not end the element that holds the document.
+std::string escaped(const std::string& json) {
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      out += "\\u003c";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& tool) {
+  std::vector<std::size_t> touching;
+  for (std::size_t i = 0; i < run.rows.size(); ++i) {
+    if (run.rows[i].colliding != 0) touching.push_back(i);
+  }
+  RunContacts result;
+  ContactSet set;
+  for (std::size_t k = 0; k < touching.size(); k += stride_for(touching.size(), kMaxContactRows)) {
+    const std::size_t row = touching[k];
+    index.query(tool.at(run.rows[row].tool), set);
+    ++result.rows_checked;
+    if (set.contacts.size() != run.rows[row].colliding) ++result.rows_differing;
+    for (const Contact& contact : set.contacts) result.points.push_back({row, contact});
+  }
+  return result;
+}
+
+std::string report_json(const Run& run, const SceneIndex* index, const Tool* tool,
+                        const RunContacts* contacts) {
+  const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
+  const auto text = [](const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  std::string tool_json = "null";
+  if (tool != nullptr)
+    tool_json = fmt::format("{{\"semi_axes\":[{},{},{}]}}", tool->semi_axes.x(), tool->semi_axes.y(),
+                            tool->semi_axes.z());
+  std::string out = fmt::format(
+      "{{\"title\":{},\"generator\":\"{}\",\"summary\":{},\"tool\":{},\"columns\":{},\"episodes\":{},"
+      "\"contacts\":{},\"scene\":{}}}",
+      text(std::filesystem::path(run.source).filename().string()), kVersion, text(summary_json(run, stride)),
+      tool_json, columns_json(run, stride), text(episodes_json(run, stride)),
+      contacts != nullptr ? contacts_json(*contacts, stride) : "null",
+      index != nullptr ? scene_json(index->scene()) : "null");
+  return escaped(out);
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,36 @@
+/// \file
+/// What the report page draws, as the JSON document it expects.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <palpate/collision/scene_index.h>
+#include <palpate/haptics/tool.h>
+#include <palpate/servo/run_log.h>
+
+namespace palpate::cli {
+
+/// Contacts of a run, found again in its scene: an even selection that a page can draw.
+struct RunContacts {
+  struct Point {
+    std::size_t row;  ///< of the run
+    Contact contact;
+  };
+  std::vector<Point> points;
+  std::size_t rows_checked = 0;
+  std::size_t rows_differing = 0;  ///< where the number of contacts is not the run's
+};
+
+/// Queries the poses of `run` that are in contact, at most some thousands of them, evenly.
+RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& tool);
+
+/// The document of the report page (web/report/README.md). `index`, `tool` and `contacts` may be
+/// null where the run's scene is not at hand. Long runs are thinned; the text says so.
+std::string report_json(const Run& run, const SceneIndex* index, const Tool* tool,
+                        const RunContacts* contacts);
+
+}  // namespace palpate::cli

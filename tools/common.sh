@@ -1,0 +1,52 @@
+# Shared by ./run and ./test: installs what is missing and builds. Sourced, not run.
+
+build_packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev libnanoflann-dev libtbb-dev
+  libcli11-dev nlohmann-json3-dev libtomlplusplus-dev)
+
+say() { printf '\033[1m==> %s\033[0m\n' "$*" >&2; }
+die() {
+  printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+  exit 1
+}
+
+# ensure_packages PACKAGE...: installs the Debian packages that are not there yet.
+ensure_packages() {
+  command -v dpkg-query >/dev/null || die "needs Debian 12 or a relative of it; elsewhere install by hand: $*"
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [[ ${#missing[@]} -eq 0 ]] && return
+  say "installing ${missing[*]}"
+  local as_root=()
+  if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || die "is not root and there is no sudo; as root: apt-get install ${missing[*]}"
+    as_root=(sudo)
+  fi
+  export DEBIAN_FRONTEND=noninteractive
+  # To a file, not a pipe: what failed must be seen, what went well need not.
+  local log
+  log=$(mktemp)
+  if ! "${as_root[@]}" apt-get update >"$log" 2>&1 ||
+    ! "${as_root[@]}" apt-get install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    die "could not install ${missing[*]}; the log is $log"
+  fi
+  rm -f "$log"
+}
+
+# ensure_npm: npm of any origin will do; without one, Debian's.
+ensure_npm() { command -v npm >/dev/null || ensure_packages npm; }
+
+# build_preset PRESET TESTS [TARGET]: configures if the build folder is not what is asked for, and
+# builds TARGET or everything. TESTS is ON or OFF; ON stays ON.
+build_preset() {
+  local preset=$1 tests=$2 target=${3:-all} cache=$root/build/$1/CMakeCache.txt
+  if [[ ! -e $root/build/$preset/build.ninja ]] ||
+    { [[ $tests == ON ]] && ! grep -q '^PALPATE_TESTS:BOOL=ON' "$cache"; }; then
+    say "configuring build/$preset"
+    (cd "$root" && cmake --preset "$preset" "-DPALPATE_TESTS=$tests" >/dev/null)
+  fi
+  say "building build/$preset ($target)"
+  cmake --build "$root/build/$preset" --target "$target" >&2
+}

@@ -1,0 +1,168 @@
+// The run as the page uses it: everything that may be missing or broken in the JSON is settled
+// here, so that the charts, the view and the table can rely on it.
+
+const forceColumns = ['fx', 'fy', 'fz'];
+const torqueColumns = ['tx', 'ty', 'tz'];
+const userForceColumns = ['ufx', 'ufy', 'ufz'];
+
+const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
+const asList = (value) => (Array.isArray(value) ? value : []);
+const numberOrNull = (value) => (isNumber(value) ? value : null);
+const textOr = (value, fallback) => (typeof value === 'string' ? value : fallback);
+
+// A column of `length` numbers or nulls. A clean one is kept as it is: a run may have 300,000 rows.
+function cleanColumn(values, length) {
+  const list = asList(values);
+  const clean = list.length === length && list.every((v) => v === null || isNumber(v));
+  return clean ? list : Array.from({ length }, (_, i) => numberOrNull(list[i]));
+}
+
+const hasValue = (column) => column.some((v) => v !== null);
+const hasNonZero = (column) => column.some((v) => v !== null && v !== 0);
+
+function magnitude(xs, ys, zs) {
+  return xs.map((x, i) =>
+    x === null || ys[i] === null || zs[i] === null ? null : Math.hypot(x, ys[i], zs[i]));
+}
+
+function isTimeAxis(t) {
+  return t.every((value, i) => value !== null && (i === 0 || value >= t[i - 1]));
+}
+
+/// Onset labels as in the paper's Fig. 5: t_a ... t_z, then t_27, t_28, ...
+export function onsetSubscript(index) {
+  return index < 26 ? String.fromCharCode(97 + index) : String(index + 1);
+}
+
+function vector3(value) {
+  const list = asList(value);
+  return list.length >= 3 && list.slice(0, 3).every(isNumber) ? list.slice(0, 3) : null;
+}
+
+function parseEpisodes(list, rows, timeIsRow, x) {
+  const row = (value) => (Number.isInteger(value) && value >= 0 && value < rows ? value : null);
+  return asList(list)
+    .map((e) => ({ ...e, first: row(e?.first), last: row(e?.last), peak: row(e?.peak) }))
+    .filter((e) => e.first !== null && e.last !== null && e.last >= e.first)
+    .map((e, index) => ({
+      subscript: onsetSubscript(index),
+      first: e.first,
+      last: e.last,
+      peak: e.peak ?? e.first,
+      onset: timeIsRow || !isNumber(e.onset_t) ? x[e.first] : e.onset_t,
+      duration: numberOrNull(e.duration_s),
+      position: vector3(e.position),
+      peakColliding: numberOrNull(e.peak_colliding),
+      peakForce: numberOrNull(e.peak_force),
+      maxDepth: null,
+    }));
+}
+
+// Contacts without a position cannot be drawn; a missing normal or K_min is left out by the view.
+function parseContacts(contacts) {
+  const length = asList(contacts?.x).length;
+  if (length === 0) return null;
+  const column = (name) => cleanColumn(contacts[name], length);
+  const [row, x, y, z] = ['row', 'x', 'y', 'z'].map(column);
+  const [nx, ny, nz, kMin, depth] = ['nx', 'ny', 'nz', 'k_min', 'depth'].map(column);
+  const kept = [...x.keys()].filter((i) => x[i] !== null && y[i] !== null && z[i] !== null);
+  return kept.map((i) => ({
+    row: row[i],
+    position: [x[i], y[i], z[i]],
+    normal: vector3([nx[i], ny[i], nz[i]]),
+    kMin: kMin[i],
+    depth: depth[i],
+  }));
+}
+
+// Without recorded contact points, the tool centres of the rows in contact stand in for them.
+function toolCentresInContact(col, rows) {
+  const points = [];
+  for (let i = 0; i < rows; ++i) {
+    const position = vector3([col.x[i], col.y[i], col.z[i]]);
+    if (col.colliding[i] > 0 && position) {
+      points.push({ row: i, position, normal: null, kMin: col.k_max[i], depth: null });
+    }
+  }
+  return points;
+}
+
+// Contacts come in any order, so each finds its episode by row.
+function addMaxDepths(episodes, contacts) {
+  const byRow = contacts
+    .filter((c) => c.row !== null && c.depth !== null)
+    .sort((a, b) => a.row - b.row);
+  let next = 0;
+  for (const episode of episodes) {
+    while (next < byRow.length && byRow[next].row < episode.first) ++next;
+    for (; next < byRow.length && byRow[next].row <= episode.last; ++next) {
+      episode.maxDepth = Math.max(episode.maxDepth ?? -Infinity, byRow[next].depth);
+    }
+  }
+}
+
+function parseScene(scene) {
+  const points = asList(scene?.points);
+  const count = Math.floor(points.length / 3);
+  if (count === 0) return null;
+  const colors = asList(scene.colors);
+  return {
+    positions: Float32Array.from(points.slice(0, 3 * count), (v) => (isNumber(v) ? v : NaN)),
+    colors: colors.length >= 3 * count ? Uint8Array.from(colors.slice(0, 3 * count)) : null,
+  };
+}
+
+function parseSummary(list) {
+  return asList(list).map((item) => ({
+    label: String(item?.label ?? ''),
+    value: String(item?.value ?? ''),
+  }));
+}
+
+function parseColumns(columns) {
+  const source = columns && typeof columns === 'object' ? columns : {};
+  const rows = Math.max(0, ...Object.values(source).map((c) => asList(c).length));
+  const names = ['t', 'x', 'y', 'z', 'qw', 'qx', 'qy', 'qz', 'candidates', 'filtered', 'colliding',
+    'k_max', ...forceColumns, ...torqueColumns, ...userForceColumns, 'compute_us'];
+  const col = Object.fromEntries(names.map((name) => [name, cleanColumn(source[name], rows)]));
+  col.force = magnitude(col.fx, col.fy, col.fz);
+  return { rows, col };
+}
+
+/// \throws SyntaxError if `text` is not JSON.
+export function parseRun(text) {
+  const json = JSON.parse(text);
+  const { rows, col } = parseColumns(json?.columns);
+  const timeIsRow = !isTimeAxis(col.t);
+  const x = timeIsRow ? col.t.map((_, i) => i) : col.t;
+  const episodes = parseEpisodes(json?.episodes, rows, timeIsRow, x);
+  const recorded = parseContacts(json?.contacts);
+  if (recorded) addMaxDepths(episodes, recorded);
+  return {
+    title: textOr(json?.title, 'Run'),
+    generator: textOr(json?.generator, ''),
+    summary: parseSummary(json?.summary),
+    semiAxes: vector3(json?.tool?.semi_axes),
+    rows,
+    col,
+    x,
+    timeIsRow,
+    episodes,
+    contacts: recorded ?? toolCentresInContact(col, rows),
+    contactsRecorded: recorded !== null,
+    scene: parseScene(json?.scene),
+    hasUserForce: userForceColumns.some((name) => hasValue(col[name])),
+    hasTorque: torqueColumns.some((name) => hasNonZero(col[name])),
+  };
+}
+
+/// [x, y, z] of the tool centre in a row, or null.
+export function toolPosition(run, row) {
+  return vector3([run.col.x[row], run.col.y[row], run.col.z[row]]);
+}
+
+/// [x, y, z, w] of the tool's orientation in a row; identity if it is not given.
+export function toolOrientation(run, row) {
+  const q = ['qx', 'qy', 'qz', 'qw'].map((name) => run.col[name][row]);
+  return q.every(isNumber) && Math.hypot(...q) > 0 ? q : [0, 0, 0, 1];
+}

@@ -1,0 +1,127 @@
+// Reads the run out of the page and puts the report together.
+
+import { createCharts } from './charts.js';
+import { parseRun } from './data.js';
+import { element } from './dom.js';
+import { formatCount, formatFixed } from './format.js';
+import { attachKeys } from './gestures.js';
+import { createOnsetStrip } from './onsets.js';
+import { createTable } from './table.js';
+import { Timeline } from './timeline.js';
+import { createView } from './view3d.js';
+
+const contactMargin = 0.35; // of a contact's length, shown before and after it
+const smallestMargin = 0.005; // of the run's length, for contacts of a row or two
+const printWidth = 660; // fits portrait A4 and Letter. Unit: [px].
+
+const byId = (id) => document.getElementById(id);
+
+function showNotice(text) {
+  const notice = byId('notice');
+  notice.textContent = text;
+  notice.hidden = false;
+}
+
+function readRun() {
+  const text = byId('run').textContent.trim();
+  if (text.startsWith('<')) {
+    showNotice('This page holds no run. It is the template that palpate report fills.');
+    return null;
+  }
+  try {
+    return parseRun(text);
+  } catch (error) {
+    showNotice(`The run in this page cannot be read: ${error.message}`);
+    return null;
+  }
+}
+
+function showHeader(run) {
+  byId('title').textContent = run.title;
+  byId('generator').textContent = run.generator;
+  byId('summary').append(...run.summary.map(({ label, value }) =>
+    element('div', {}, element('dt', { text: label }), element('dd', { text: value }))));
+}
+
+function showInstant(run, row) {
+  const parts = [`row ${formatCount(row)}`];
+  if (!run.timeIsRow) parts.unshift(`t = ${formatFixed(run.x[row], 3)} s`);
+  byId('instant').replaceChildren(...parts.map((text) => element('span', { text })));
+}
+
+function showHints(run) {
+  const notes = [];
+  if (run.episodes.length > 0) notes.push('Shaded: in contact.');
+  if (run.timeIsRow) notes.push('The times are incomplete or not in order, so the rows are numbered instead.');
+  byId('bands-hint').textContent = notes.join(' ');
+}
+
+function contactRange(run, timeline, episode) {
+  const end = run.x[episode.last];
+  const length = timeline.full[1] - timeline.full[0];
+  const margin = Math.max(contactMargin * (end - episode.onset), smallestMargin * length);
+  return [episode.onset - margin, end + margin];
+}
+
+function followTheme(redraw) {
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
+}
+
+// Paper is white and narrow: the canvases are drawn anew for it.
+function followPrinting(charts, redraw) {
+  const root = document.documentElement;
+  window.addEventListener('beforeprint', () => {
+    root.dataset.theme = 'light';
+    charts.resize(printWidth);
+    redraw();
+  });
+  window.addEventListener('afterprint', () => {
+    delete root.dataset.theme;
+    charts.resize(byId('charts').clientWidth);
+    redraw();
+  });
+}
+
+function showReport(run) {
+  byId('report').hidden = false;
+  const timeline = new Timeline(run.x);
+  const charts = createCharts(byId('charts'), run, timeline);
+  const view = createView({ host: byId('view'), controls: byId('view-controls'), reset: byId('reset-view') }, run);
+
+  const choose = (index) => {
+    const episode = run.episodes[index];
+    timeline.setRange(...contactRange(run, timeline, episode));
+    timeline.setRow(episode.peak);
+    markRow(index);
+  };
+  const markRow = createTable(byId('contacts'), run, choose);
+  createOnsetStrip(byId('onsets'), run, timeline, choose);
+  attachKeys(byId('charts'), timeline);
+
+  byId('reset-zoom').addEventListener('click', () => timeline.reset());
+  timeline.onRange(() => {
+    byId('reset-zoom').disabled = !timeline.isZoomed;
+    if (!timeline.isZoomed) markRow(null);
+  });
+  timeline.onRow((row) => {
+    showInstant(run, row);
+    view.setMarker(row);
+  });
+  timeline.setRow(run.episodes[0]?.peak ?? 0);
+  showHints(run);
+
+  const redraw = () => {
+    charts.redraw();
+    view.redraw();
+  };
+  followTheme(redraw);
+  followPrinting(charts, redraw);
+  return { run, timeline, plots: charts.plots, view };
+}
+
+const run = readRun();
+if (run) {
+  showHeader(run);
+  if (run.rows > 0) window.palpateReport = showReport(run); // for tests and the console
+  else showNotice('The run has no rows.');
+}
