@@ -380,7 +380,9 @@ TEST(KOracle, LongDoubleDoesForRealScenes) {
     worst = std::max(
         worst, std::abs(static_cast<double>(quad - fast)) / std::max(1.0, static_cast<double>(1 - quad)));
     const PairOracle<long double> oracle(pair.tool, pair.gaussian);
-    EXPECT_EQ(oracle.k_min_below(1e-3L), quad < 1e-3);
+    EXPECT_EQ(oracle.k_min(1e-3L) < 1e-3L, quad < 1e-3);
+    worst = std::max(worst, std::abs(static_cast<double>(quad - oracle.k_min(-1e30L))) /
+                                std::max(1.0, static_cast<double>(1 - quad)));
   }
   EXPECT_LE(worst, 1e-16);
 }

@@ -50,7 +50,7 @@ class EveryShape : public testing::TestWithParam<std::string_view> {
 
 INSTANTIATE_TEST_SUITE_P(Procedural, EveryShape,
                          testing::ValuesIn(procedural_shapes().begin(), procedural_shapes().end()),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& shape) { return std::string(shape.param); });
 
 TEST_P(EveryShape, SamplesLieOnTheSurfaceWithItsNormal) {
   for (std::size_t i = 0; i < scene.size(); ++i) {
@@ -132,7 +132,8 @@ TEST_P(EveryShape, HoldsLegalGaussians) {
     narrowest_share = std::min(narrowest_share, g.sigma.head<2>().minCoeff() / h);
   }
   EXPECT_NEAR(widest_share, 0.65 * 1.2, 0.01);
-  if (GetParam() != "step") EXPECT_NEAR(narrowest_share, 0.65 * 0.8, 0.01);  // its riser is narrower than h
+  const double finest = GetParam() == "step" ? 0.5 : 1.0;  // the riser is half as wide as h
+  EXPECT_NEAR(narrowest_share, finest * 0.65 * 0.8, 0.01);
   EXPECT_EQ(scene.color.size(), scene.size());
 }
 
@@ -306,7 +307,7 @@ TEST(ProceduralTable, HasEveryObjectInItsOwnColor) {
   std::set<std::array<std::uint8_t, 3>> object_colors;
   for (const SurfacePart& part : surface->parts()) {
     const auto count = static_cast<double>(std::ranges::count(scene.color, part.color));
-    EXPECT_GT(count, 0.5 * part.shape->area() / std::pow(surface->default_spacing(), 2)) << part.name;
+    EXPECT_GT(count, 0.4 * part.shape->area() / std::pow(surface->default_spacing(), 2)) << part.name;
     if (part.name == "top" || part.name == "leg") continue;
     EXPECT_TRUE(object_colors.insert(part.color).second) << part.name;
   }

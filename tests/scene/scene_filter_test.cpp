@@ -105,7 +105,9 @@ TEST(SceneFilter, CountsAddUpAndIdsStayRowsOnRandomScenes) {
   ASSERT_EQ(kept.id.size(), report.kept);
   ASSERT_EQ(kept.color.size(), report.kept);
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    if (i > 0) ASSERT_LT(kept.id[i - 1], kept.id[i]);
+    if (i > 0) {
+      ASSERT_LT(kept.id[i - 1], kept.id[i]);
+    }
     const Gaussian g = scene.gaussian(kept.id[i]);
     ASSERT_EQ(kept.ellipsoids[i].center, g.position);
     ASSERT_EQ(kept.opacity[i], g.opacity);

@@ -195,15 +195,17 @@ OracleMinimum<Real> PairOracle<Real>::minimize_near(Real t) const {
 }
 
 template <typename Real>
-bool PairOracle<Real>::k_min_below(Real bound) const {
-  constexpr Real kRange = 1e-9;  // K is flat at its minimum: this decides it to 1e-18
+Real PairOracle<Real>::k_min(Real stop_below) const {
+  constexpr Real kRange = 1e-9;  // K is flat at its minimum: good to the square of this
   Real low = power_of_two<Real>(-kMaxExponent), high = power_of_two<Real>(kMaxExponent);
-  while (high - low > kRange * low) {
+  Real k = 1;
+  while (high - low > kRange * low && k >= stop_below) {
     const Real t = square_root(low * high);
-    if (k_at_t(t) < bound) return true;
-    (slope(t) > 0 ? low : high) = t;
+    const Vec3<Real> z = solve(t);
+    k = 1 - t / (1 + t) * dot(d_, z);
+    (quadratic(b_, z) > t * t * quadratic(a_, z) ? low : high) = t;
   }
-  return false;
+  return k;
 }
 
 template class PairOracle<long double>;

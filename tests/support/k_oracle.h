@@ -111,8 +111,8 @@ class PairOracle {
   OracleMinimum<Real> minimize() const;
   /// The same from a guess, which is only trusted if the slope changes sign around it.
   OracleMinimum<Real> minimize_near(Real t) const;
-  /// True if some K is below `bound`; stops at the first one. Cheaper than minimize().
-  bool k_min_below(Real bound) const;
+  /// K_min alone, good to 1e-18; or any K below `stop_below`, as soon as there is one. Cheap.
+  Real k_min(Real stop_below) const;
 
  private:
   OracleMinimum<Real> at(Real t) const;

@@ -47,7 +47,7 @@ const colorOf = (page, name) => page.evaluate((property) => {
 }, name);
 
 const distance = (a, b) => Math.max(...[0, 1, 2].map((k) => Math.abs(a[k] - b[k])));
-const pixelAt = ({ width, data }, x, y) => data.slice(4 * (y * width + x), 4 * (y * width + x) + 3);
+const pixelAt = ({ width, data }, x, y) => data.subarray(4 * (y * width + x), 4 * (y * width + x) + 3);
 
 /// Whether a pixel of the colour, or of any but the background, lies within `radius` of (x, y).
 function hasPixelNear(pixels, x, y, radius, matches) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include <palpate/base/error.h>
+#include <palpate/scene/lint.h>
 #include <palpate/scene/random.h>
 
 namespace palpate {
@@ -38,14 +40,17 @@ constexpr double kTurnSpeed = 3.0;                  // mean, as a wrist turns. U
 constexpr double kShortestMotion = 0.2;             // bounds the acceleration of short motions. Unit: [s].
 constexpr std::array kTravelRadii{1.0, 1.25, 1.5};  // tried in this order
 
+// Beyond these a slip of the hand would fill the memory.
+constexpr int kMaxTouches = 1000;
+constexpr double kMaxRate = 1e5;  // Unit: [Hz].
+
 // The choice of places.
 constexpr std::size_t kProbeContacts = 8;    // contacts at the probe depth that make a surface
 constexpr double kMaxTiltCosine = 0.766;     // 40 deg between mean contact normal and approach
 constexpr std::size_t kTriesPerTouch = 300;  // Gaussians looked at, at most
 constexpr std::size_t kPlacesPerTouch = 20;  // places to choose from
-constexpr double kColorWeight = 3.0;         // of colour against place: rather another thing than a far place
+constexpr double kColorWeight = 3.0;         // of colour against place: another thing before a far place
 constexpr double kTail = 0.01;               // of the centres on each side of the robust bounds
-constexpr double kGiantShare = 0.1;          // of the robust diagonal: no surface detail is longer
 constexpr int kSlideDirections = 8;
 
 /// A straight approach: where the tool is, by the distance s along `direction` from `origin`.
@@ -76,9 +81,8 @@ double entry(const Approach& line, const Sphere& sphere) {
 struct Touch {
   Approach approach;  ///< s = 0 is first contact
   Vector3d tangent = Vector3d::Zero();
-  double slide_step = 0.0;              ///< Unit: [m].
-  std::vector<double> offsets = {0.0};  ///< of first contact along the approach, one each slide step
-
+  double slide_step = 0.0;                 ///< Unit: [m].
+  std::vector<double> offsets = {0.0};     ///< of first contact along the approach, one each slide step
   std::array<std::uint8_t, 3> color = {};  ///< of the Gaussian aimed at
 
   double slide_length() const { return slide_step * static_cast<double>(offsets.size() - 1); }
@@ -152,8 +156,6 @@ class Prober {
 
 /// The box of the central 98 % of the centres, in each coordinate.
 Eigen::AlignedBox3d robust_bounds(const EllipsoidScene& scene) {
-  Eigen::AlignedBox3d bounds;
-  bounds.setEmpty();
   Vector3d low, high;
   std::vector<double> values(scene.size());
   const auto tail = static_cast<std::ptrdiff_t>(kTail * static_cast<double>(scene.size()));
@@ -223,12 +225,10 @@ class Search {
   std::optional<Touch> touch_at(const Ellipsoid& target) {
     int flattest = 0;
     target.axes.colwise().norm().minCoeff(&flattest);
-    Vector3d normal = target.axes.col(flattest).stableNormalized();
-    if (normal.isZero(0.0)) {  // a disc without thickness
-      normal =
-          target.axes.col((flattest + 1) % 3).cross(target.axes.col((flattest + 2) % 3)).stableNormalized();
-      if (normal.isZero(0.0)) return std::nullopt;
-    }
+    // Not that axis itself: it is zero for a disc without thickness.
+    const Vector3d across = target.axes.col((flattest + 1) % 3).cross(target.axes.col((flattest + 2) % 3));
+    if (across.isZero(0.0)) return std::nullopt;  // a needle
+    Vector3d normal = across.stableNormalized();
     if (normal.dot(target.center - sphere_.center) < 0.0) normal = -normal;
     if (auto touch = touch_along(target, -normal)) return touch;
     return touch_along(target, normal);
@@ -270,17 +270,18 @@ class Search {
 
   /// As many as asked for, each as different as possible from all before it; fewer if all others
   /// are at the same places.
-  std::vector<Touch> spread(std::vector<Touch> from) const {
-    std::vector<Touch> chosen;
-    while (chosen.size() < static_cast<std::size_t>(options_.touches) && !from.empty()) {
-      const auto least_difference = [&](const Touch& t) {
-        double least = std::numeric_limits<double>::infinity();
-        for (const Touch& c : chosen) least = std::min(least, difference(c, t));
-        return least;
-      };
-      chosen.push_back(*std::ranges::max_element(from, {}, least_difference));
-      const Vector3d here = chosen.back().approach.origin;
-      std::erase_if(from, [&](const Touch& t) { return (t.approach.origin - here).norm() < prober_.unit(); });
+  std::vector<Touch> spread(const std::vector<Touch>& from) const {
+    std::vector<Touch> chosen{from.front()};
+    std::vector<double> least(from.size(), std::numeric_limits<double>::infinity());
+    while (chosen.size() < static_cast<std::size_t>(options_.touches)) {
+      const Touch& last = chosen.back();
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const double way = (from[i].approach.origin - last.approach.origin).norm();
+        least[i] = std::min(least[i], way < prober_.unit() ? 0.0 : difference(from[i], last));
+      }
+      const auto next = std::ranges::max_element(least);
+      if (*next == 0.0) break;
+      chosen.push_back(from[static_cast<std::size_t>(next - least.begin())]);
     }
     return chosen;
   }
@@ -364,7 +365,7 @@ Motion arc(const Sphere& sphere, const Pose& from, const Pose& to) {
   const double spin = from.orientation.angularDistance(to.orientation);
   const double duration = std::max({angle * kTravelTime, spin / kTurnSpeed, kShortestMotion});
   return {duration, [=](double u) {
-            const double r = a.norm() + u * (b.norm() - a.norm());  // equal but for rounding
+            const double r = a.norm() + u * (b.norm() - a.norm());  // equal, unless a line missed the sphere
             const Vector3d direction = Quaterniond::Identity().slerp(u, turn) * a.normalized();
             return Pose{sphere.center + r * direction, from.orientation.slerp(u, to.orientation)};
           }};
@@ -405,9 +406,10 @@ class Script {
     for (std::size_t i = 0; i < motions_.size(); ++i) {
       if (!free_[i]) continue;
       const double length = path_length(motions_[i]);
-      const double steps = std::ceil(length / (kMarchStep * prober.unit())) + 1.0;
-      for (double k = 0.0; k <= steps; ++k) {
-        if (!prober.contacts(motions_[i].pose(k / steps)).empty()) ++count;
+      const auto steps = static_cast<std::size_t>(length / (kMarchStep * prober.unit())) + 1;
+      for (std::size_t k = 0; k <= steps; ++k) {
+        const double u = static_cast<double>(k) / static_cast<double>(steps);
+        if (!prober.contacts(motions_[i].pose(u)).empty()) ++count;
       }
     }
     return count;
@@ -462,13 +464,14 @@ class Script {
 
 void check(const EllipsoidScene& scene, const Tool& tool, const TouchPathOptions& options) {
   const auto not_negative = [](double v) { return v >= 0.0 && std::isfinite(v); };
-  if (options.touches < 1) throw Error("touch path: {} touches: at least 1 is needed", options.touches);
+  if (options.touches < 1 || options.touches > kMaxTouches)
+    throw Error("touch path: {} touches: must be 1 to {}", options.touches, kMaxTouches);
   if (!not_negative(options.press))
     throw Error("touch path: press {} m: must be finite and not negative", options.press);
   if (!not_negative(options.slide))
     throw Error("touch path: slide {} m: must be finite and not negative", options.slide);
-  if (!(options.rate > 0.0 && std::isfinite(options.rate)))
-    throw Error("touch path: rate {} Hz: must be positive and finite", options.rate);
+  if (!(options.rate > 0.0 && options.rate <= kMaxRate))
+    throw Error("touch path: rate {} Hz: must be positive and at most {}", options.rate, kMaxRate);
   if (!(tool.semi_axes.minCoeff() > 0.0 && tool.semi_axes.allFinite()))
     throw Error("touch path: the semi-axes of the tool must be positive and finite");
   if (scene.size() == 0)

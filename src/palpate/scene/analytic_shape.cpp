@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <numbers>
 
@@ -94,11 +95,12 @@ void sample_revolution(const Profile& profile, double spacing, Random& random,
     const double r1 = std::max(0.0, profile.at(begin + width).r);
     const double mean_r = (r0 + 4.0 * profile.at(begin + 0.5 * width).r + r1) / 6.0;  // Simpson's rule
     const double wanted = 2.0 * pi * mean_r * width / (h * h) + carry;
-    const double count = std::max(1.0, std::round(wanted));
-    carry = wanted - count;
+    const auto count = static_cast<std::size_t>(std::max(1.0, std::round(wanted)));
+    carry = wanted - static_cast<double>(count);
     const double phase = random.uniform();
-    for (double k = 0.0; k < count; ++k) {
-      const double angle = 2.0 * pi * (k + phase + jitter(random)) / count;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double angle =
+          2.0 * pi * (static_cast<double>(k) + phase + jitter(random)) / static_cast<double>(count);
       const ProfilePoint p = profile.at(begin + width * area_quantile(r0, r1, 0.5 + jitter(random)));
       const double c = std::cos(angle);
       const double s = std::sin(angle);

@@ -73,7 +73,7 @@ struct ProceduralOptions {
   std::uint64_t seed = 1;
   /// Mean distance of neighbours: a surface of area A gets about A / spacing^2 Gaussians. Positive;
   /// the surface's own default if unset. Unit: [m].
-  std::optional<double> spacing;
+  std::optional<double> spacing = {};
   /// Standard deviation of the displacement along the true normal, not negative. Unit: [m].
   double noise = 0.0;
   /// Standard deviation of the angle between the splat's normal and the true one, about a random

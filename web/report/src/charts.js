@@ -132,7 +132,7 @@ function drawEpisodes(u, run) {
     ctx.fillRect(left, bbox.top, Math.max(0, right - left), bbox.height);
     if (episode.onset >= from) {
       ctx.fillStyle = line;
-      ctx.fillRect(Math.round(left) - 0.5 * uPlot.pxRatio, bbox.top, uPlot.pxRatio, bbox.height);
+      ctx.fillRect(Math.round(left - 0.5 * uPlot.pxRatio), bbox.top, uPlot.pxRatio, bbox.height);
     }
   }
   ctx.restore();

@@ -1,0 +1,158 @@
+"""The report page: self-contained, inert to hostile names, and true to its run."""
+
+import html
+import html.parser
+import json
+import re
+import unittest
+
+from support import Case, columns_of, ply, random_rows, tapping_path, wall_rows
+
+LOADING_ATTRIBUTES = {"src", "href", "srcset", "action", "formaction", "poster", "data", "background", "ping"}
+RUN_COLUMNS = ("t x y z qw qx qy qz candidates filtered colliding k_max fx fy fz tx ty tz px py pz "
+               "compute_us").split()
+
+
+class Page(html.parser.HTMLParser):
+    """The title, the JSON document, and every address that a tag could load."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.title, self.document, self.addresses, self.tags = "", "", [], []
+        self._where = None
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        self.tags.append(tag)
+        self.addresses += [value for name, value in attrs.items() if name in LOADING_ATTRIBUTES]
+        if tag == "title":
+            self._where = "title"
+        elif tag == "script" and attrs.get("type") == "application/json":
+            self._where = "document"
+
+    def handle_endtag(self, tag):
+        self._where = None
+
+    def handle_data(self, data):
+        if self._where:
+            setattr(self, self._where, getattr(self, self._where) + data)
+
+
+class Report(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("a.ply", ply(wall_rows() + random_rows(100, 5)))
+        self.write("path.csv", tapping_path(300))
+        self.replay("run.csv")
+
+    def replay(self, out):
+        self.succeed("replay", "a.ply", "--trajectory", "path.csv", "--out", out, "-q")
+
+    def report(self, run="run.csv", *args):
+        self.succeed("report", run, "--out", "page.html", "-q", *args)
+        return Page(self.read("page.html").decode())
+
+    def test_the_columns_are_those_of_the_run(self):
+        document = json.loads(self.report().document)
+        run = columns_of(self.read("run.csv"))
+        self.assertEqual(list(document["columns"]), RUN_COLUMNS)
+        for name, values in run.items():
+            shown = document["columns"][name]
+            self.assertEqual(len(shown), 300)
+            for a, b in zip(shown, values):
+                digits = 1e-3 if name == "compute_us" else 1e-6
+                self.assertLessEqual(abs(a - float(b)), digits * abs(float(b)), name)
+        self.assertEqual(document["title"], "run.csv")
+        self.assertEqual(len(document["episodes"]), 2)
+        for episode in document["episodes"]:
+            first, last = episode["first"], episode["last"]
+            self.assertGreater(int(run["colliding"][first]), 0)
+            self.assertEqual(episode["onset_t"], float(run["t"][first]))
+            self.assertEqual(episode["peak_colliding"], max(int(n) for n in run["colliding"][first:last + 1]))
+        self.assertIsNone(document["contacts"])
+        self.assertIsNone(document["scene"])
+
+    def test_a_scene_adds_points_and_contacts(self):
+        document = json.loads(self.report("run.csv", "--scene", "a.ply").document)
+        run = columns_of(self.read("run.csv"))
+        rows = document["contacts"]["row"]
+        for row in set(rows):
+            self.assertEqual(rows.count(row), int(run["colliding"][row]))
+        self.assertEqual(len(rows), sum(int(n) for n in run["colliding"]))
+        self.assertEqual(len(document["scene"]["points"]), len(document["scene"]["colors"]))
+        self.assertEqual(document["tool"]["semi_axes"], [0.02, 0.02, 0.04])
+        for n in zip(*(document["contacts"][k] for k in ("nx", "ny", "nz"))):
+            self.assertAlmostEqual(sum(c * c for c in n), 1, delta=0.01)
+
+    def test_another_scene_is_noticed(self):
+        self.write("b.ply", ply(random_rows(50, 6)))
+        result = self.succeed("report", "run.csv", "--scene", "b.ply", "--out", "page.html", "-q")
+        self.assertIn(b"have other contacts", result.err)
+        self.assertEqual(self.succeed("report", "run.csv", "--scene", "a.ply", "--out", "page.html", "-q").err, b"")
+
+    def test_a_user_force_is_shown(self):
+        self.write("path.csv", "t,x,y,z,ufx,ufy,ufz\n0,0,0,0.02,1,2,3\n1,0,0,0.01,4,5,6\n")
+        self.replay("run.csv")
+        document = json.loads(self.report().document)
+        self.assertEqual(document["columns"]["ufy"], [2, 5])
+
+    def test_nothing_is_loaded_from_anywhere(self):
+        page = self.report("run.csv", "--scene", "a.ply")
+        for address in page.addresses:
+            self.assertTrue((address or "").startswith(("data:", "#", "blob:")), address)
+        for tag in ("link", "iframe", "object", "embed", "base"):
+            self.assertNotIn(tag, page.tags)
+        text = self.read("page.html").decode()
+        for call in (r"\bimport\s*\(", r"@import", r"url\(\s*['\"]?(?:https?:)?//", r"importScripts\("):
+            self.assertIsNone(re.search(call, text), call)
+
+    def test_a_hostile_name_is_inert(self):
+        for name in ("</script><script>alert(1)</script>.csv".replace("/", "\u2215"), "<!--<script>.csv",
+                     "<\\script><b onload=x>&amp;\"'.csv", "<!--PALPATE_RUN_JSON-->.csv", "$&$1\\u0041.csv",
+                     "a\nb\x1b[31m\u2028.csv"):
+            with self.subTest(name):
+                self.replay(name)
+                page = self.report(name)
+                document = json.loads(page.document)
+                self.assertEqual(document["title"], name)
+                self.assertEqual(html.unescape(page.title), name)
+                self.assertNotIn("b", page.tags)
+                self.assertEqual(page.tags, self.report("run.csv").tags)
+
+    def test_a_folder_may_end_a_script_element(self):
+        folder = "<" # a folder called '<' makes '</script>...' a path
+        import os
+        os.mkdir(self.path(folder))
+        name = "</script><script>alert(1)<"
+        self.replay(name)
+        page = self.report(name)
+        json.loads(page.document)
+        self.assertEqual(page.tags, self.report("run.csv").tags)
+
+    def test_a_name_that_is_not_utf8(self):
+        name = b"run-\xff\xfe.csv"
+        self.succeed("replay", "a.ply", "--trajectory", "path.csv", "--out", name, "-q")
+        self.succeed("report", name, "--out", "page.html", "-q")
+        page = Page(self.read("page.html").decode("utf-8", "replace"))
+        self.assertEqual(json.loads(page.document)["title"], "run-\ufffd\ufffd.csv")
+        self.read("page.html").decode()  # the page says that it is UTF-8, so it must be
+
+    def test_hostile_runs_are_drawn_or_refused_but_end(self):
+        header, row = self.read("run.csv").decode().split("\n")[:2]
+        cells = row.split(",")
+        for changes in ({4: "0", 5: "0", 6: "0", 7: "0"}, {1: "1e308", 2: "-1e308"}, {3: "1e-320"}, {12: "1e300"},
+                        {8: "4294967295"}):
+            changed = list(cells)
+            for k, value in {10: "1", **changes}.items():
+                changed[k] = value
+            self.write("odd.csv", header + "\n" + ",".join(changed) + "\n")
+            result = self.run_palpate("report", "odd.csv", "--scene", "a.ply", "--out", "page.html", "-q")
+            self.assertIn(result.code, (0, 1), (changes, result.err))
+            if result.code == 0:
+                json.loads(Page(self.read("page.html").decode()).document, parse_constant=self.fail)
+
+
+if __name__ == "__main__":
+    unittest.main()
