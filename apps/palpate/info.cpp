@@ -3,18 +3,16 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <palpate/scene/lint.h>
 
 #include "command.h"
 #include "options.h"
+#include "output.h"
 #include "terminal.h"
 
 namespace palpate::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The thresholds between which the paper chooses (III-A), for the table of kept shares.
 constexpr std::array kPaperThresholds{0.1, 0.2, 0.3};
@@ -36,8 +34,7 @@ std::array<double, kPaperThresholds.size()> kept_shares(const GaussianScene& sce
 
 Json to_json(const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return nullptr;
-  return {{"min", {box.min().x(), box.min().y(), box.min().z()}},
-          {"max", {box.max().x(), box.max().y(), box.max().z()}}};
+  return {{"min", vector_json(box.min())}, {"max", vector_json(box.max())}};
 }
 
 Json to_json(const Quantiles& quantiles) {

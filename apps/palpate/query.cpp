@@ -5,16 +5,14 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "command.h"
 #include "options.h"
+#include "output.h"
 #include "terminal.h"
 
 namespace palpate::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   CommonOptions common;
@@ -24,8 +22,6 @@ struct Options {
   Pose pose;
 };
 
-Json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 Json to_json(const ContactSet& set, const Wrench& wrench) {
   Json json{{"candidates", set.candidates}, {"filtered", set.filtered}, {"contacts", Json::array()}};
   for (const Contact& c : set.contacts) {
@@ -33,13 +29,13 @@ Json to_json(const ContactSet& set, const Wrench& wrench) {
                                 {"k_min", c.k_min},
                                 {"lambda", c.lambda},
                                 {"opacity", c.opacity},
-                                {"center", to_json(c.center)},
-                                {"point", to_json(c.point)},
-                                {"normal", to_json(c.normal)},
+                                {"center", vector_json(c.center)},
+                                {"point", vector_json(c.point)},
+                                {"normal", vector_json(c.normal)},
                                 {"depth", c.depth}});
   }
-  json["force"] = to_json(wrench.force);
-  json["torque"] = to_json(wrench.torque);
+  json["force"] = vector_json(wrench.force);
+  json["torque"] = vector_json(wrench.torque);
   return json;
 }
 
@@ -78,20 +74,14 @@ void run(const Options& options) {
   query->query(options.query.tool.at(options.pose), set);
   const Wrench wrench = options.force.build()->evaluate({options.pose, {}, 0.0, &set});
 
-  Json json = to_json(set, wrench);
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
-  if (paper != nullptr) {
-    json["search_radius"] = paper->search_radius();
-    json["can_miss"] = paper->can_miss(options.query.tool.semi_axes.maxCoeff());
-  }
   if (options.common.json) {
+    Json json = to_json(set, wrench);
+    if (paper != nullptr) add_reach(*paper, options.query.tool, json);
     fmt::print("{}\n", json.dump(2));
-    return;
-  }
-  print_text(set, wrench, options);
-  if (paper != nullptr) {
-    fmt::print("\nthe search radius of {:.4g} m can miss {} Gaussians, whatever the pose\n",
-               paper->search_radius(), paper->can_miss(options.query.tool.semi_axes.maxCoeff()));
+  } else {
+    print_text(set, wrench, options);
+    if (paper != nullptr) print_reach(*paper, options.query.tool);
   }
 }
 

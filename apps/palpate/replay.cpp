@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
@@ -15,12 +14,11 @@
 
 #include "command.h"
 #include "options.h"
+#include "output.h"
 #include "terminal.h"
 
 namespace palpate::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   CommonOptions common;
@@ -32,30 +30,17 @@ struct Options {
   int threads = 0;
 };
 
-/// The q-quantile, nearest rank. \pre values is sorted and not empty.
-double quantile(const std::vector<double>& values, double q) {
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
-Json summary_of(const std::vector<RunRow>& rows) {
-  std::vector<double> compute;
-  std::size_t most = 0, in_contact = 0;
-  double force = 0.0;
-  for (const RunRow& row : rows) {
-    compute.push_back(row.compute_us);
-    most = std::max(most, row.colliding);
-    in_contact += row.colliding != 0 ? 1 : 0;
-    force = std::max(force, row.wrench.force.norm());
-  }
-  std::sort(compute.begin(), compute.end());
-  return {{"poses", rows.size()},
-          {"seconds", rows.back().t - rows.front().t},
-          {"contact_poses", in_contact},
-          {"episodes", contact_episodes(rows).size()},
-          {"colliding_max", most},
-          {"force_max", force},
-          {"compute_us",
-           {{"p50", quantile(compute, 0.5)}, {"p99", quantile(compute, 0.99)}, {"max", compute.back()}}}};
+Json to_json(const std::vector<RunRow>& rows) {
+  const RunSummary summary = summarize(rows);
+  return {
+      {"poses", rows.size()},
+      {"seconds", summary.seconds},
+      {"contact_poses", summary.contact_rows},
+      {"episodes", contact_episodes(rows).size()},
+      {"colliding_max", summary.most_colliding},
+      {"force_max", summary.largest_force},
+      {"compute_us",
+       {{"p50", summary.compute_us.p50}, {"p99", summary.compute_us.p99}, {"max", summary.compute_us.max}}}};
 }
 
 void print_episodes(const std::vector<RunRow>& rows) {
@@ -76,20 +61,15 @@ void print_episodes(const std::vector<RunRow>& rows) {
   if (episodes.size() > kShown) fmt::print("  ... and {} more\n", episodes.size() - kShown);
 }
 
-void print_text(const std::vector<RunRow>& rows, const Json& summary, const Options& options) {
+void print_text(const std::vector<RunRow>& rows) {
   print_episodes(rows);
+  const RunSummary s = summarize(rows);
   fmt::print(
       "\n{} poses over {:.2f} s, {} in contact, up to {} colliding, up to {:.2f} N; compute p50 {:.1f} us, "
-      "p99 {:.1f} us, max {:.0f} us\n",
-      rows.size(), summary["seconds"].get<double>(), summary["contact_poses"].get<std::size_t>(),
-      summary["colliding_max"].get<std::size_t>(), summary["force_max"].get<double>(),
-      summary["compute_us"]["p50"].get<double>(), summary["compute_us"]["p99"].get<double>(),
-      summary["compute_us"]["max"].get<double>());
-  if (summary.contains("can_miss")) {
-    fmt::print("the search radius of {:.4g} m can miss {} Gaussians, whatever the pose\n",
-               summary["search_radius"].get<double>(), summary["can_miss"].get<std::size_t>());
-  }
-  fmt::print("wrote {}\n", options.out);
+      "p99 "
+      "{:.1f} us, max {:.0f} us\n",
+      rows.size(), s.seconds, s.contact_rows, s.most_colliding, s.largest_force, s.compute_us.p50,
+      s.compute_us.p99, s.compute_us.max);
 }
 
 void run(const Options& options) {
@@ -108,15 +88,15 @@ void run(const Options& options) {
   const std::vector<RunRow> rows = play_back(*query, options.query.tool, *model, trajectory, progress);
   write_run(rows, options.out, progress);
 
-  Json summary = summary_of(rows);
-  if (const auto* paper = dynamic_cast<const PaperPipeline*>(query.get())) {
-    summary["search_radius"] = paper->search_radius();
-    summary["can_miss"] = paper->can_miss(options.query.tool.semi_axes.maxCoeff());
-  }
+  const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
-    fmt::print("{}\n", summary.dump(2));
+    Json json = to_json(rows);
+    if (paper != nullptr) add_reach(*paper, options.query.tool, json);
+    fmt::print("{}\n", json.dump(2));
   } else if (!options.common.quiet) {
-    print_text(rows, summary, options);
+    print_text(rows);
+    if (paper != nullptr) print_reach(*paper, options.query.tool);
+    fmt::print("wrote {}\n", options.out);
   }
 }
 

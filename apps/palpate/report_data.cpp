@@ -137,27 +137,18 @@ std::string scene_json(const EllipsoidScene& scene) {
 }
 
 Json summary_json(const Run& run, std::size_t stride) {
-  std::vector<double> compute;
-  std::size_t in_contact = 0;
-  double force = 0.0;
-  for (const RunRow& row : run.rows) {
-    compute.push_back(row.compute_us);
-    in_contact += row.colliding != 0 ? 1 : 0;
-    force = std::max(force, row.wrench.force.norm());
-  }
-  const auto middle = compute.begin() + static_cast<std::ptrdiff_t>(compute.size() / 2);
-  std::nth_element(compute.begin(), middle, compute.end());
+  const RunSummary s = summarize(run.rows);
   Json json = Json::array();
   const auto add = [&](const char* label, const std::string& value) {
     json.push_back({{"label", label}, {"value", value}});
   };
   add("Poses", fmt::format("{}", run.rows.size()));
-  add("Time", fmt::format("{:.2f} s", run.rows.back().t - run.rows.front().t));
+  add("Time", fmt::format("{:.2f} s", s.seconds));
   add("Contacts made", fmt::format("{}", contact_episodes(run.rows).size()));
-  add("In contact", fmt::format("{:.1f} %", 100.0 * static_cast<double>(in_contact) /
+  add("In contact", fmt::format("{:.1f} %", 100.0 * static_cast<double>(s.contact_rows) /
                                                 static_cast<double>(run.rows.size())));
-  add("Largest force", fmt::format("{:.2f} N", force));
-  add("Compute, median", fmt::format("{:.1f} \u00b5s", *middle));
+  add("Largest force", fmt::format("{:.2f} N", s.largest_force));
+  add("Compute, median", fmt::format("{:.1f} \u00b5s", s.compute_us.p50));
   if (stride > 1) add("Shown", fmt::format("every {}th pose", stride));
   return json;
 }

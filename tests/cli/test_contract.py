@@ -35,7 +35,7 @@ class Help(Case):
     def test_help_shows_units_and_defaults(self):
         text = self.succeed("query", "--help").out.decode()
         self.assertIn("0.02,0.02,0.04", text)
-        self.assertIn("[0.1]", text)
+        self.assertIn("=0.1 ", text)
 
     def test_version_is_one_line(self):
         out = self.succeed("--version").out.decode()
@@ -280,6 +280,18 @@ class Replay(Case):
         compute = sorted(float(v) for v in columns["compute_us"])
         self.assertEqual(summary["compute_us"]["max"], compute[-1])
         self.assertTrue(compute[0] <= summary["compute_us"]["p50"] <= summary["compute_us"]["p99"])
+
+    def test_no_number_is_ever_nan(self):
+        # Jumps so fast that a velocity overflows; what comes after must be felt as ever.
+        for jump in ([(0, 0, 0, 0.03), (5e-324, 0.1, 0, 0.03)], [(0, 1e308, 0, 0.03), (1e-9, -1e308, 0, 0.03)],
+                     [(-1e308, 0, 0, 0.03), (-1, 0, 0, 0.03)]):
+            later = [(1 + 0.1 * k, 0, 0, 0.03) for k in range(20)]
+            _, run = self.replay(path_csv(jump + later))
+            for name, values in columns_of(run).items():
+                for value in values:
+                    self.assertTrue(math.isfinite(float(value)), (jump, name, value))
+            self.assertGreater(float(columns_of(run)["fz"][-1]), 0)
+            self.succeed("report", "run.csv", "--out", "page.html")  # reads what replay writes
 
     def test_quiet_is_silent(self):
         result, _ = self.replay(tapping_path(), "-q")

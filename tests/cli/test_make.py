@@ -73,6 +73,13 @@ class MakePath(Case):
         self.succeed("make-path", "s.ply", "--touches", "2", "--out", "q.csv", "-q")
         self.assertEqual(first, self.read("q.csv"))
 
+    def test_the_number_of_touches_is_told_as_it_is(self):
+        self.write("wall.ply", ply(wall_rows(11)))  # 10 cm: too small for 40 places
+        text = self.succeed("make-path", "wall.ply", "--touches", "40", "--rate", "200", "--out", "p.csv").out.decode()
+        summary = self.succeed("replay", "wall.ply", "--trajectory", "p.csv", "--out", "r.csv", "--json").json
+        self.assertLess(summary["episodes"], 40)
+        self.assertIn(f"{summary['episodes']} touches", text)
+
     def test_a_seed_changes_the_path(self):
         self.succeed("make-scene", "sphere", "--out", "s.ply", "-q")
         for seed in "12":
@@ -81,7 +88,6 @@ class MakePath(Case):
 
     def test_nowhere_to_touch(self):
         self.write("wall.ply", ply(wall_rows(3)))
-        self.refuse(1, "", "make-path", "wall.ply", "--opacity-min", "1", "--out", "p.csv") if False else None
         result = self.run_palpate("make-path", "wall.ply", "--opacity-min", "1", "--out", "p.csv")
         self.assertEqual(result.code, 1)
         self.assertNotIn("p.csv", self.files())

@@ -13,15 +13,15 @@
 namespace palpate {
 namespace {
 
-using testing::LiteralPaper;
-using testing::moved_to_k_min;
-using testing::oracle_minimum;
-using testing::OracleMinimum;
-using testing::PairOracle;
-using testing::Quad;
-using testing::Random;
-using testing::Solid;
-using testing::Vec3;
+using test::LiteralPaper;
+using test::moved_to_k_min;
+using test::oracle_minimum;
+using test::OracleMinimum;
+using test::PairOracle;
+using test::Quad;
+using test::Random;
+using test::Solid;
+using test::Vec3;
 
 Eigen::Vector3d to_double(const Vec3<Quad>& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
@@ -84,7 +84,7 @@ TEST(ContactNormal, IsAgainstTheGradientOfKMin) {
     EXPECT_NEAR(contact.normal.norm(), 1.0, 1e-15);
     worst = std::max(worst, (contact.normal + gradient(pair).normalized()).norm());
   }
-  RecordProperty("worst_normal_error", ::testing::PrintToString(worst));
+  RecordProperty("worst_normal_error", testing::PrintToString(worst));
   EXPECT_LE(worst, 1e-7);  // lambda is found to 1e-9, which turns the normal as much times the size ratio
 }
 
@@ -101,12 +101,12 @@ TEST(ContactNormal, AgreesWithQuadForFlatGaussians) {
       gaussian = moved_to_k_min(tool, gaussian, random.log_uniform(1e-6, 0.9));
       const OracleMinimum<Quad> truth = oracle_minimum(tool, gaussian);
       const Contact contact = contact_of(tool, gaussian);
-      const Eigen::Vector3d normal = to_double((1 / testing::norm(truth.z)) * truth.z);
+      const Eigen::Vector3d normal = to_double((1 / test::norm(truth.z)) * truth.z);
       worst = std::max(worst, (contact.normal - normal).norm());
       EXPECT_LE((contact.point - to_double(truth.point)).norm(), 1e-8);
     }
   }
-  RecordProperty("worst_normal_error", ::testing::PrintToString(worst));
+  RecordProperty("worst_normal_error", testing::PrintToString(worst));
   EXPECT_LE(worst, 1e-6);
 }
 

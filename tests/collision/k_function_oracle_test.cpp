@@ -24,14 +24,14 @@
 namespace palpate {
 namespace {
 
-using testing::exact_ellipsoid;
-using testing::LiteralPaper;
-using testing::moved_to_k_min;
-using testing::oracle_minimum;
-using testing::OracleMinimum;
-using testing::PairOracle;
-using testing::Quad;
-using testing::Random;
+using test::exact_ellipsoid;
+using test::LiteralPaper;
+using test::moved_to_k_min;
+using test::oracle_minimum;
+using test::OracleMinimum;
+using test::PairOracle;
+using test::Quad;
+using test::Random;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -124,14 +124,14 @@ double random_k_min(Random& random) {
 }
 
 Worst worst_of(const Generator& generate, std::size_t count, std::uint64_t seed) {
-  std::vector<Worst> parts(testing::kThreads);
-  testing::on_threads([&](std::size_t thread) {
-    for (std::size_t i = thread; i < count; i += testing::kThreads) {
+  std::vector<Worst> parts(test::kThreads);
+  test::on_threads([&](std::size_t thread) {
+    for (std::size_t i = thread; i < count; i += test::kThreads) {
       Random random(seed * 1'000'003 + i);
       Pair pair = generate(random);
       pair.gaussian = moved_to_k_min(pair.tool, pair.gaussian, random_k_min(random));
       constexpr std::size_t kEvery = 8;  // curvature() costs as much as the rest
-      parts[thread].merge(compare(pair, i / testing::kThreads % kEvery == 0));
+      parts[thread].merge(compare(pair, i / test::kThreads % kEvery == 0));
     }
   });
   Worst worst;
@@ -225,8 +225,8 @@ void PrintTo(const HardCase& c, std::ostream* out) { *out << c.name; }
 
 /// What a test prints and leaves in its XML output.
 void report(const std::string& name, const Worst& worst) {
-  ::testing::Test::RecordProperty("worst_dk", ::testing::PrintToString(worst.k));
-  ::testing::Test::RecordProperty("worst_dk_over_bound", ::testing::PrintToString(worst.k_bound));
+  testing::Test::RecordProperty("worst_dk", testing::PrintToString(worst.k));
+  testing::Test::RecordProperty("worst_dk_over_bound", testing::PrintToString(worst.k_bound));
   std::printf("  %-24s |dK|/max(1,1-K) %.1e, over its bound %.2g, curvature * |d ln t| %.1e\n", name.c_str(),
               worst.k, worst.k_bound, worst.log_t);
 }
@@ -241,7 +241,7 @@ void expect_exact(const Worst& worst, bool ill_conditioned) {
   EXPECT_EQ(worst.wrong_verdict, 0);
 }
 
-class KMinHardCase : public ::testing::TestWithParam<HardCase> {};
+class KMinHardCase : public testing::TestWithParam<HardCase> {};
 
 TEST_P(KMinHardCase, AgreesWithQuadruplePrecision) {
   const HardCase& c = GetParam();
@@ -250,7 +250,7 @@ TEST_P(KMinHardCase, AgreesWithQuadruplePrecision) {
   expect_exact(worst, c.ill_conditioned);
 }
 
-INSTANTIATE_TEST_SUITE_P(Named, KMinHardCase, ::testing::ValuesIn(hard_cases()),
+INSTANTIATE_TEST_SUITE_P(Named, KMinHardCase, testing::ValuesIn(hard_cases()),
                          [](const auto& info) { return info.param.name; });
 
 TEST(KMin, AgreesWithQuadruplePrecisionOnRandomPairs) {
@@ -344,8 +344,8 @@ TEST(KOracle, AgreesWithTheLiteralPaper) {
       worst = std::max(worst, std::abs(static_cast<double>((oracle.k_at_lambda(lambda) - k) / (1 - k))));
       EXPECT_GE(static_cast<double>(k - minimum.k_min), -1e-24);
     }
-    const testing::Vec3<Quad> m = paper.m(minimum.lambda());
-    EXPECT_LE(static_cast<double>(testing::norm(m - minimum.point)), 1e-24);
+    const test::Vec3<Quad> m = paper.m(minimum.lambda());
+    EXPECT_LE(static_cast<double>(test::norm(m - minimum.point)), 1e-24);
   }
   EXPECT_LE(worst, 1e-22);  // the literal form loses the rest to (0.1 / 0.001)^2 and to w^T m - ...
 }

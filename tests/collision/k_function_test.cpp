@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-using testing::PairOracle;
-using testing::Quad;
-using testing::Random;
+using test::PairOracle;
+using test::Quad;
+using test::Random;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -159,7 +159,7 @@ TEST(KFunction, AgreesWithQuadruplePrecisionAtAnyLambda) {
       worst = std::max(worst, error / std::max(1.0, static_cast<double>(1 - truth)));
     }
   }
-  RecordProperty("worst_dk", ::testing::PrintToString(worst));
+  RecordProperty("worst_dk", testing::PrintToString(worst));
   EXPECT_LE(worst, 1e-13);
 }
 
@@ -284,7 +284,9 @@ TEST(KMinimum, IsFiniteAtTheEdgeOfWhatScenesMayHold) {
       const KMinimum minimum = minimum_of(ball({distance, 0, 0}, 1e-6), ball({0, 0, 0}, size));
       EXPECT_TRUE(std::isfinite(minimum.k_min)) << size << " " << distance;
       EXPECT_TRUE(std::isfinite(minimum.log_t) && minimum.lambda >= 0.0 && minimum.lambda <= 1.0);
-      EXPECT_EQ(minimum.k_min > 0.0, distance < size + 1e-6) << size << " " << distance;
+      if (distance != size) {  // else a double cannot tell
+        EXPECT_EQ(minimum.k_min > 0.0, distance < size + 1e-6) << size << " " << distance;
+      }
       EXPECT_LT(minimum.k_min, kInfinity);
     }
   }

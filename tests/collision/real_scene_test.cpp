@@ -23,9 +23,9 @@
 namespace palpate {
 namespace {
 
-using testing::PairOracle;
-using testing::Random;
-using testing::Vec3;
+using test::PairOracle;
+using test::Random;
+using test::Vec3;
 
 using Wide = long double;
 
@@ -108,7 +108,7 @@ std::array<Vec3<Wide>, 3> columns(std::array<Wide, 4> q) {
 
 /// Eqs. 2-3: what collides, in the world.
 struct WideScene {
-  std::vector<testing::Solid<Wide>> solids;
+  std::vector<test::Solid<Wide>> solids;
   std::vector<std::uint32_t> id;
   std::vector<Eigen::Vector3d> center;
   std::vector<double> radius;
@@ -123,7 +123,7 @@ WideScene solids_of(const std::vector<WideGaussian>& gaussians, const SceneFilte
   for (std::size_t i = 0; i < gaussians.size(); ++i) {
     const WideGaussian& g = gaussians[i];
     if (!(g.alpha > static_cast<Wide>(filter.opacity_min))) continue;
-    testing::Solid<Wide> solid;
+    test::Solid<Wide> solid;
     solid.center = static_cast<Wide>(s.scale) * turn(g.position) +
                    Vec3<Wide>{s.translation.x(), s.translation.y(), s.translation.z()};
     const std::array<Vec3<Wide>, 3> axes = columns(g.q);
@@ -148,7 +148,7 @@ struct Tally {
 /// Compares one pose.
 void check_pose(const WideScene& truth, const Ellipsoid& tool, const ContactSet& found, Tally& tally) {
   constexpr Wide kUndecided = 1e-9;
-  const testing::Solid<Wide> wide_tool(tool);
+  const test::Solid<Wide> wide_tool(tool);
   auto next = found.contacts.begin();
   for (std::size_t i = 0; i < truth.solids.size(); ++i) {
     const bool is_found = next != found.contacts.end() && next->id == truth.id[i];
@@ -175,7 +175,7 @@ struct Case {
   Similarity world_from_scene;
 };
 
-class RealScene : public ::testing::TestWithParam<Case> {};
+class RealScene : public testing::TestWithParam<Case> {};
 
 TEST_P(RealScene, HasNoMissedAndNoExtraContacts) {
   const char* folder = std::getenv("PALPATE_SCENES");
@@ -195,10 +195,10 @@ TEST_P(RealScene, HasNoMissedAndNoExtraContacts) {
   const SceneIndex index(scene);
 
   constexpr std::size_t kPoses = 2000;
-  std::vector<Tally> tallies(testing::kThreads);
-  testing::on_threads([&](std::size_t thread) {
+  std::vector<Tally> tallies(test::kThreads);
+  test::on_threads([&](std::size_t thread) {
     ContactSet found;
-    for (std::size_t i = thread; i < kPoses; i += testing::kThreads) {
+    for (std::size_t i = thread; i < kPoses; i += test::kThreads) {
       Random random(90'000'000 + i);
       const auto near =
           static_cast<std::size_t>(random.integer(0, static_cast<int>(truth.center.size()) - 1));
@@ -219,7 +219,7 @@ TEST_P(RealScene, HasNoMissedAndNoExtraContacts) {
   std::printf(
       "  %s: %zu Gaussians, %zu contacts in %zu poses, %zu within 1e-9 of touching, worst |dK_min| %.1e\n",
       c.file, scene.size(), all.contacts, kPoses, all.undecided, all.worst);
-  RecordProperty("worst_dk", ::testing::PrintToString(all.worst));
+  RecordProperty("worst_dk", testing::PrintToString(all.worst));
   EXPECT_GT(all.contacts, 10U * kPoses);
   EXPECT_EQ(all.missed, 0U);
   EXPECT_EQ(all.extra, 0U);
@@ -230,10 +230,9 @@ const Similarity kRegistered{
     0.6180339887, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
 
 INSTANTIATE_TEST_SUITE_P(Seal, RealScene,
-                         ::testing::Values(Case{"seal.ply", 1.0, {}}, Case{"seal.ply", 2.5, {}},
-                                           Case{"seal.ply", 1.0, kRegistered}, Case{"seal.splat", 1.0, {}},
-                                           Case{"seal.splat", 2.5, {}},
-                                           Case{"seal.splat", 2.5, kRegistered}));
+                         testing::Values(Case{"seal.ply", 1.0, {}}, Case{"seal.ply", 2.5, {}},
+                                         Case{"seal.ply", 1.0, kRegistered}, Case{"seal.splat", 1.0, {}},
+                                         Case{"seal.splat", 2.5, {}}, Case{"seal.splat", 2.5, kRegistered}));
 
 }  // namespace
 }  // namespace palpate

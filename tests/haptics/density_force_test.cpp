@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-using testing::AllocationGuard;
+using test::AllocationGuard;
 
 Contact contact(const Eigen::Vector3d& center, double k_min, double opacity) {
   Contact c;

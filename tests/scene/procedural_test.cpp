@@ -184,6 +184,25 @@ TEST(ProceduralDensity, FlatFacesAndCapsHaveTheirShare) {
   expect_density("shell", pi * 0.15 * 0.15, [](const Vector3d& p) { return p[2] > 0.075; });
 }
 
+TEST(ProceduralDensity, InnermostRingOfACapIsNotDenserTowardsItsCentre) {
+  constexpr double kRadius = 0.1;
+  constexpr double kRing = kRadius / 20.0;
+  const auto cylinder = make_cylinder(kRadius, 0.3);
+  Random random(4);
+  std::vector<SurfaceSample> samples;
+  for (int k = 0; k < 100; ++k) cylinder->sample(kRing, random, samples);
+  double sum_shares = 0.0;
+  int count = 0;
+  for (const SurfaceSample& s : samples) {
+    const double share = s.point.head<2>().squaredNorm() / (kRing * kRing);  // of the ring's area, further in
+    if (share > 1.0) continue;
+    sum_shares += share;
+    ++count;
+  }
+  EXPECT_EQ(count, 2 * 3 * 100);
+  EXPECT_NEAR(sum_shares / count, 0.5, 0.03);
+}
+
 TEST(Procedural, SpacingSetsTheCount) {
   for (const double h : {0.02, 0.007, 0.003}) {
     const auto surface = make_surface("sphere");

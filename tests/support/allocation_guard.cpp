@@ -26,9 +26,9 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
-namespace palpate::testing {
+namespace palpate::test {
 
 AllocationGuard::AllocationGuard() : before_(allocations) {}
 std::size_t AllocationGuard::count() const { return allocations - before_; }
 
-}  // namespace palpate::testing
+}  // namespace palpate::test

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace palpate::testing {
+namespace palpate::test {
 
 /// Counts calls of operator new by the thread that made it, while it lives. Link
 /// support/allocation_guard.cpp, which replaces operator new for the whole program.
@@ -17,4 +17,4 @@ class AllocationGuard {
   std::size_t before_;
 };
 
-}  // namespace palpate::testing
+}  // namespace palpate::test

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace palpate::testing {
+namespace palpate::test {
 namespace {
 
 constexpr int kMaxExponent = 300;  // of t; size ratios of scenes end at 2^80
@@ -235,4 +235,4 @@ Quad LiteralPaper::k(Quad lambda) const {
          (1 - lambda) * dot(c_gaussian, times(A_gaussian, c_gaussian)) + dot(w, m(lambda));
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::test

@@ -19,7 +19,7 @@
 
 #include <palpate/geometry/ellipsoid.h>
 
-namespace palpate::testing {
+namespace palpate::test {
 
 __extension__ typedef __float128 Quad;  ///< 113-bit significand
 
@@ -144,4 +144,4 @@ struct LiteralPaper {
   std::array<Vec3<Quad>, 3> B_tool, A_gaussian;  ///< shape matrices: inverse covariances
 };
 
-}  // namespace palpate::testing
+}  // namespace palpate::test

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace palpate::testing {
+namespace palpate::test {
 
 inline constexpr std::size_t kThreads = 2;
 
@@ -18,4 +18,4 @@ void on_threads(const Body& body) {
   for (std::thread& t : threads) t.join();
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::test

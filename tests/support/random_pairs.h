@@ -12,7 +12,7 @@
 #include <palpate/geometry/ellipsoid.h>
 #include <support/k_oracle.h>
 
-namespace palpate::testing {
+namespace palpate::test {
 
 /// Everything random in these tests comes from one of these, seeded with a literal.
 class Random {
@@ -78,4 +78,4 @@ inline Ellipsoid moved_to_k_min(const Ellipsoid& tool, Ellipsoid gaussian, doubl
   return gaussian;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::test

@@ -502,6 +502,23 @@ describe('other runs', () => {
       assert.ok(hasPixelNear(pixels, pixels.width / 2, pixels.height / 2, pixels.width, (p) => distance(p, color) < 16));
     }));
 
+  test('printing lays the page out for paper, light, and back', () =>
+    withReport(smallRun(), { colorScheme: 'dark' }, async (page) => {
+      const state = async (event) => {
+        await page.evaluate((name) => window.dispatchEvent(new Event(name)), event);
+        await settle(page);
+        const { onset_t: onset } = smallRun().episodes[6];
+        const box = await page.locator('.onset').nth(6).boundingBox();
+        close(box.x + 0.5 * box.width, (await pointAt(page, 'counts', onset)).x, 2, `label on ${event}`);
+        const [red] = pixelAt(await canvasPixels(page, '#view'), 2, 2);
+        return { red, width: await page.evaluate(() => palpateReport.plots.counts.width) };
+      };
+      const printed = await state('beforeprint');
+      assert.ok(printed.red > 200 && printed.width <= 680, JSON.stringify(printed));
+      const shown = await state('afterprint');
+      assert.ok(shown.red < 60 && shown.width > 700, JSON.stringify(shown));
+    }));
+
   test('300,000 rows stay usable', () =>
     withReport(smallRun({ rows: 300000 }), {}, async (page) => {
       const elapsed = await page.evaluate(async () => {

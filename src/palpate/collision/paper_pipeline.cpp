@@ -8,6 +8,8 @@
 
 #include <nanoflann.hpp>
 
+#include <palpate/base/quantile.h>
+
 namespace palpate {
 namespace {
 
@@ -102,13 +104,10 @@ std::size_t PaperPipeline::can_miss(double tool_radius) const {
 }
 
 double PaperPipeline::default_search_radius(const EllipsoidScene& scene, double tool_radius) {
-  if (scene.size() == 0) return tool_radius;
   std::vector<double> radii;
   radii.reserve(scene.size());
   for (const Ellipsoid& e : scene.ellipsoids) radii.push_back(e.radius());
-  const auto rank = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() * 99 / 100);
-  std::nth_element(radii.begin(), rank, radii.end());
-  return *rank + tool_radius;
+  return quantile(radii, 0.99) + tool_radius;
 }
 
 }  // namespace palpate

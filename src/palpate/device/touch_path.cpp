@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <palpate/base/error.h>
+#include <palpate/base/quantile.h>
 #include <palpate/scene/lint.h>
 #include <palpate/scene/random.h>
 
@@ -158,14 +159,11 @@ class Prober {
 Eigen::AlignedBox3d robust_bounds(const EllipsoidScene& scene) {
   Vector3d low, high;
   std::vector<double> values(scene.size());
-  const auto tail = static_cast<std::ptrdiff_t>(kTail * static_cast<double>(scene.size()));
   for (int axis = 0; axis < 3; ++axis) {
     std::ranges::transform(scene.ellipsoids, values.begin(),
                            [&](const Ellipsoid& e) { return e.center[axis]; });
-    std::ranges::nth_element(values, values.begin() + tail);
-    low[axis] = values[static_cast<std::size_t>(tail)];
-    std::ranges::nth_element(values, values.end() - 1 - tail);
-    high[axis] = *(values.end() - 1 - tail);
+    low[axis] = quantile(values, kTail);
+    high[axis] = quantile(values, 1.0 - kTail);
   }
   return {low, high};
 }

@@ -1,19 +1,12 @@
 #include <palpate/scene/lint.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
+
+#include <palpate/base/quantile.h>
 
 namespace palpate {
 namespace {
-
-/// The q-quantile (nearest rank) of `values`, which are reordered.
-double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::ptrdiff_t>(std::llround(q * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
 
 Quantiles quantiles(std::vector<double>& values) {
   Quantiles result{};

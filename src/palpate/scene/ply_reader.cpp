@@ -11,12 +11,13 @@
 #include <vector>
 
 #include <palpate/base/error.h>
+#include <palpate/base/quantile.h>
+#include <palpate/scene/sh_color.h>
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{8} << 20;
-constexpr double kShBand0 = 0.28209479177387814;  // 1 / (2 sqrt(pi)), the constant harmonic
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// What is read of a row; the index of a value in Row.
@@ -45,12 +46,6 @@ using Row = std::array<double, kFieldCount>;
 
 /// Which property of the element holds each field, if any does.
 using Columns = std::array<std::optional<std::size_t>, kFieldCount>;
-
-std::uint8_t color_of(double f_dc) {
-  const double value = 0.5 + kShBand0 * f_dc;
-  return static_cast<std::uint8_t>(
-      std::lround(255.0 * (value > 0.0 ? std::min(value, 1.0) : 0.0)));  // NaN is black
-}
 
 /// Checks that the element is a Gaussian splatting scene and finds its columns.
 class Layout {
@@ -143,25 +138,38 @@ class SceneBuilder {
     scene_.opacity.push_back(number(kOpacity));
     if (layout_.has(kFilter)) scene_.filter_3d.push_back(number(kFilter));
     if (layout_.has(kRed))
-      scene_.color.push_back({color_of(row[kRed]), color_of(row[kGreen]), color_of(row[kBlue])});
+      scene_.color.push_back(
+          {color_from_sh(row[kRed]), color_from_sh(row[kGreen]), color_from_sh(row[kBlue])});
   }
 
-  /// Rounds wide positions to single precision, relative to an origin near them if that loses less.
+  /// Rounds wide positions to single precision, relative to an origin among them if that loses less.
   void finish() {
     if (!wide_) return;
     const auto exact = [](const Eigen::Vector3d& p) {
       return !p.allFinite() || p.cast<float>().cast<double>() == p;
     };
-    if (!std::all_of(wide_positions_.begin(), wide_positions_.end(), exact)) {
-      const auto finite = std::find_if(wide_positions_.begin(), wide_positions_.end(),
-                                       [](const auto& p) { return p.allFinite(); });
-      scene_.origin = finite->array().round();  // a whole unit: exact to add back
-    }
-    for (const Eigen::Vector3d& p : wide_positions_)
+    if (!std::all_of(wide_positions_.begin(), wide_positions_.end(), exact)) scene_.origin = middle();
+    for (const Eigen::Vector3d& p : wide_positions_) {
       scene_.position.push_back((p - scene_.origin).cast<float>());
+    }
   }
 
  private:
+  /// The median of each coordinate, which no stray Gaussian moves, in whole units, which are exact
+  /// to add back.
+  Eigen::Vector3d middle() const {
+    Eigen::Vector3d result;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      values.reserve(wide_positions_.size());
+      for (const Eigen::Vector3d& p : wide_positions_) {
+        if (std::abs(p[axis]) <= kMaxExtent) values.push_back(p[axis]);
+      }
+      result[axis] = std::round(quantile(values, 0.5));
+    }
+    return result;
+  }
+
   GaussianScene& scene_;
   const Layout& layout_;
   bool wide_;
@@ -329,7 +337,7 @@ std::optional<double> take_number(std::string_view& line) {
   const std::size_t end = std::min(line.find_first_of(" \t\r", start), line.size());
   std::string_view word = line.substr(start, end - start);
   line.remove_prefix(end);
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   double value = 0.0;
   const auto [stop, error] = std::from_chars(word.begin(), word.end(), value);
   if (stop != word.end() || error == std::errc::invalid_argument) return std::nullopt;
@@ -350,9 +358,12 @@ void read_ascii(const InputFile& file, const PlyHeader& header, const PlyElement
     }
     return *line;
   };
-  for (const PlyElement* element = header.elements.data(); element != &vertex; ++element) {
-    for (std::uint64_t row = 0; row < element->count; ++row) need_line(*element, row);
-  }
+  const auto skip_others = [&](const PlyElement* first, const PlyElement* last) {
+    for (const PlyElement* element = first; element != last; ++element) {
+      for (std::uint64_t row = 0; row < element->count; ++row) need_line(*element, row);
+    }
+  };
+  skip_others(header.elements.data(), &vertex);
   // A number and its separator take two bytes or more: a count beyond that is a lie, and must not
   // become an allocation.
   if (vertex.count > (lines.bytes_left() + 1) / (2 * vertex.properties.size())) {
@@ -386,7 +397,8 @@ void read_ascii(const InputFile& file, const PlyHeader& header, const PlyElement
       report(progress, "reading", static_cast<double>(k) / static_cast<double>(vertex.count));
   }
   builder.finish();
-  if (&vertex == &header.elements.back()) scene.trailing_bytes = lines.bytes_left();
+  skip_others(&vertex + 1, header.elements.data() + header.elements.size());
+  scene.trailing_bytes = lines.bytes_left();
 }
 
 const PlyElement& find_vertex(const InputFile& file, const PlyHeader& header) {

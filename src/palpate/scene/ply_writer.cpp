@@ -4,14 +4,13 @@
 #include <bit>
 #include <cmath>
 
-#include <palpate/base/file.h>
-
 #include <fmt/core.h>
+
+#include <palpate/base/file.h>
+#include <palpate/scene/sh_color.h>
 
 namespace palpate {
 namespace {
-
-constexpr double kShBand0 = 0.28209479177387814;  // 1 / (2 sqrt(pi)), the constant harmonic
 
 constexpr std::array kProperties{"x",       "y",      "z",      "nx",      "ny",      "nz",
                                  "f_dc_0",  "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
@@ -38,8 +37,7 @@ void write_ply(const GaussianScene& scene, const std::string& path, const std::s
     for (const double v : g.position) append(row, v);
     for (int k = 0; k < 3; ++k) append(row, 0.0);
     for (std::size_t k = 0; k < 3; ++k) {
-      const double value = scene.color.empty() ? 0.5 : scene.color[i][k] / 255.0;
-      append(row, (value - 0.5) / kShBand0);
+      append(row, scene.color.empty() ? 0.0 : sh_from_color(scene.color[i][k]));
     }
     append(row, std::log(g.opacity / (1.0 - g.opacity)));
     for (const double s : g.sigma) append(row, std::log(s));

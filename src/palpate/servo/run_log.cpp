@@ -7,6 +7,7 @@
 
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
+#include <palpate/base/quantile.h>
 
 namespace palpate {
 namespace {
@@ -126,6 +127,21 @@ Run read_run(const std::string& path, const Progress& progress) {
     run.rows.push_back(from_values(values, user_force));
   }
   return run;
+}
+
+RunSummary summarize(const std::vector<RunRow>& rows) {
+  RunSummary summary;
+  summary.seconds = rows.back().t - rows.front().t;
+  std::vector<double> compute;
+  compute.reserve(rows.size());
+  for (const RunRow& row : rows) {
+    compute.push_back(row.compute_us);
+    summary.contact_rows += row.colliding != 0 ? 1 : 0;
+    summary.most_colliding = std::max(summary.most_colliding, row.colliding);
+    summary.largest_force = std::max(summary.largest_force, row.wrench.force.norm());
+  }
+  summary.compute_us = {quantile(compute, 0.5), quantile(compute, 0.99), quantile(compute, 1.0)};
+  return summary;
 }
 
 std::vector<Episode> contact_episodes(const std::vector<RunRow>& rows, double merge_gap) {

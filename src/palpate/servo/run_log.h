@@ -42,6 +42,20 @@ void write_run(const std::vector<RunRow>& rows, const std::string& path, const P
 /// \throws Error if a column is missing, a row is broken, or time does not increase.
 Run read_run(const std::string& path, const Progress& progress = {});
 
+/// A run in a few figures.
+struct RunSummary {
+  double seconds = 0.0;  ///< from the first row to the last
+  std::size_t contact_rows = 0;
+  std::size_t most_colliding = 0;
+  double largest_force = 0.0;  ///< Unit: [N].
+  struct {
+    double p50, p99, max;
+  } compute_us = {};  ///< quantiles. Unit: [us].
+};
+
+/// \pre rows is not empty.
+RunSummary summarize(const std::vector<RunRow>& rows);
+
 /// One stretch of contact in a run.
 struct Episode {
   std::size_t first, last;     ///< rows, both inclusive

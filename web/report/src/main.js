@@ -67,19 +67,17 @@ function followTheme(redraw) {
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
 }
 
-// Paper is white and narrow: the canvases are drawn anew for it.
-function followPrinting(charts, redraw) {
-  const root = document.documentElement;
-  window.addEventListener('beforeprint', () => {
-    root.dataset.theme = 'light';
-    charts.resize(printWidth);
-    redraw();
-  });
-  window.addEventListener('afterprint', () => {
-    delete root.dataset.theme;
+// Paper is white and narrow: the canvases are drawn anew for it, before the browser lays it out.
+function followPrinting(charts, layOutOnsets, redraw) {
+  const fit = (theme, width) => {
+    document.documentElement.dataset.theme = theme;
+    for (const id of ['charts', 'onsets']) byId(id).style.width = width ? `${width}px` : '';
     charts.resize(byId('charts').clientWidth);
+    layOutOnsets();
     redraw();
-  });
+  };
+  window.addEventListener('beforeprint', () => fit('light', printWidth));
+  window.addEventListener('afterprint', () => fit('', null));
 }
 
 function showReport(run) {
@@ -95,7 +93,7 @@ function showReport(run) {
     markRow(index);
   };
   const markRow = createTable(byId('contacts'), run, choose);
-  createOnsetStrip(byId('onsets'), run, timeline, choose);
+  const layOutOnsets = createOnsetStrip(byId('onsets'), run, timeline, choose);
   attachKeys(byId('charts'), timeline);
 
   byId('reset-zoom').addEventListener('click', () => timeline.reset());
@@ -115,7 +113,7 @@ function showReport(run) {
     view.redraw();
   };
   followTheme(redraw);
-  followPrinting(charts, redraw);
+  followPrinting(charts, layOutOnsets, redraw);
   return { run, timeline, plots: charts.plots, view };
 }
 

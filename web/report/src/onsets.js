@@ -5,7 +5,7 @@ import { element, symbol } from './dom.js';
 
 const labelGap = 4; // Unit: [px].
 
-/// `choose(episode index)` is called on a click.
+/// `choose(episode index)` is called on a click. Returns a function that lays the labels out anew.
 export function createOnsetStrip(host, run, timeline, choose) {
   // The table offers the same by keyboard, so the labels stay out of the tab order.
   const labels = run.episodes.map((episode, index) => {
@@ -39,4 +39,5 @@ export function createOnsetStrip(host, run, timeline, choose) {
 
   timeline.onRange(layOut);
   new ResizeObserver(layOut).observe(host);
+  return layOut;
 }

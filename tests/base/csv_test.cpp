@@ -1,0 +1,140 @@
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <palpate/base/csv.h>
+#include <palpate/base/error.h>
+#include <support/temporary_file.h>
+
+namespace palpate {
+namespace {
+
+using test::message_of;
+using test::TemporaryFile;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+CsvTable table_of(const std::string& text) { return read_csv(TemporaryFile(text, "t.csv").path()); }
+std::string message_for(const std::string& text) {
+  return message_of<Error>([&] { table_of(text); });
+}
+
+TEST(Csv, ReadsATable) {
+  const TemporaryFile file("t,x,y\n0,1.5,-2\n0.001,1e-3,.5\n", "t.csv");
+  const CsvTable table = read_csv(file.path());
+  EXPECT_EQ(table.source, file.path());
+  EXPECT_THAT(table.columns, ElementsAre("t", "x", "y"));
+  EXPECT_THAT(table.values, ElementsAre(0, 1.5, -2, 0.001, 1e-3, 0.5));
+  EXPECT_EQ(table.rows(), 2U);
+  EXPECT_EQ(table.at(1, 2), 0.5);
+  EXPECT_EQ(table.column("y"), 2U);
+  EXPECT_TRUE(table.has("x"));
+  EXPECT_FALSE(table.has("z"));
+}
+
+TEST(Csv, TakesAnyLineEndAndSpaceAndBlankLines) {
+  const std::vector<double> expected{1, 2, 3, 4};
+  EXPECT_EQ(table_of("a,b\r\n1,2\r\n3,4\r\n").values, expected);
+  EXPECT_EQ(table_of("a,b\n1,2\n3,4").values, expected);
+  EXPECT_EQ(table_of("a,b\n\n1,2\n  \n\r\n3,4\n\n").values, expected);
+  EXPECT_EQ(table_of(" a ,\tb\n 1 , 2\n3,\t4 \n").values, expected);
+  EXPECT_THAT(table_of(" a ,\tb\r\n").columns, ElementsAre("a", "b"));
+}
+
+TEST(Csv, AHeaderAloneIsATableWithoutRows) { EXPECT_EQ(table_of("a,b\n").rows(), 0U); }
+
+TEST(Csv, RefusesWhatIsNotATable) {
+  EXPECT_THAT(message_for(""), AllOf(HasSubstr("t.csv"), HasSubstr("empty")));
+  EXPECT_THAT(message_for("a,,c\n"), AllOf(HasSubstr("t.csv"), HasSubstr("line 1"), HasSubstr("column 2")));
+  EXPECT_THAT(message_for("a,b,a\n"), AllOf(HasSubstr("t.csv"), HasSubstr("line 1"), HasSubstr("'a'")));
+}
+
+TEST(Csv, NamesTheLineOfARowOfTheWrongLength) {
+  EXPECT_THAT(message_for("a,b\n1,2\n3\n"), AllOf(HasSubstr("t.csv"), HasSubstr("line 3"), HasSubstr("cut")));
+  EXPECT_THAT(message_for("a,b\n\n\n1,2\n\n3\n"), HasSubstr("line 6"));  // blank lines count as lines
+  EXPECT_THAT(message_for("a,b\n1,2,3\n"), AllOf(HasSubstr("t.csv"), HasSubstr("line 2")));
+}
+
+TEST(Csv, NamesLineAndColumnOfWhatIsNoNumber) {
+  for (const std::string cell :
+       {"nan", "NaN", "inf", "-inf", "1e999", "", "x", "1.0x", "1 2", "--1", "0x10", "1;2"}) {
+    EXPECT_THAT(
+        message_for("a,bee,c\n1,2,3\n4," + cell + ",6\n"),
+        AllOf(HasSubstr("t.csv"), HasSubstr("line 3"), HasSubstr("'bee'"), HasSubstr("'" + cell + "'")));
+  }
+}
+
+TEST(Csv, AMessageIsOneLineWhateverTheFileHolds) {
+  const std::string message = message_for("a\n\x1b[31m\x01\n");
+  EXPECT_THAT(message, AllOf(HasSubstr("line 2"), Not(HasSubstr("\x1b")), Not(HasSubstr("\n"))));
+}
+
+TEST(Csv, NamesAMissingColumn) {
+  const CsvTable table = table_of("a,b\n1,2\n");
+  EXPECT_THAT(message_of<Error>([&] { table.column("force"); }),
+              AllOf(HasSubstr("t.csv"), HasSubstr("'force'")));
+}
+
+TEST(Csv, RefusesAMissingFileAndAFolder) {
+  const TemporaryFile file("");
+  EXPECT_THAT(message_of<Error>([&] { read_csv(file.path() + ".no"); }), HasSubstr(".no"));
+  EXPECT_THAT(message_of<Error>([&] { read_csv(file.folder().string()); }), HasSubstr("folder"));
+}
+
+TEST(Csv, NumbersReadBackToTheBit) {
+  std::vector<double> numbers{0.0,
+                              -0.0,
+                              0.1,
+                              1.0 / 3.0,
+                              1e23,
+                              -5e-324,
+                              2.2250738585072011e-308,
+                              std::numeric_limits<double>::max(),
+                              std::numeric_limits<double>::min(),
+                              123456789012345678.0,
+                              4294967295.0};
+  std::mt19937_64 engine(101);
+  while (numbers.size() < 20000) {
+    const auto v = std::bit_cast<double>(engine());
+    if (std::isfinite(v)) numbers.push_back(v);
+  }
+  std::string text = "a,b\n";
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2)
+    append_csv_row(text, std::vector{numbers[i], numbers[i + 1]});
+  const CsvTable table = table_of(text);
+  ASSERT_EQ(table.values.size(), numbers.size() / 2 * 2);
+  for (std::size_t i = 0; i < table.values.size(); ++i) {
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(table.values[i]), std::bit_cast<std::uint64_t>(numbers[i]))
+        << numbers[i];
+  }
+}
+
+TEST(Csv, RowsAreCommaSeparatedAndShort) {
+  std::string text = "x\n";
+  append_csv_row(text, std::vector{0.1, 2.0, -3.5});
+  append_csv_row(text, std::vector{1e-7});
+  EXPECT_EQ(text, "x\n0.1,2,-3.5\n1e-07\n");
+}
+
+TEST(Csv, ReportsProgressOnLongFiles) {
+  std::string text = "a\n";
+  for (int i = 0; i < 200000; ++i) text += "1\n";
+  const TemporaryFile file(text);
+  std::vector<double> fractions;
+  EXPECT_EQ(read_csv(file.path(), [&](std::string_view, double f) { fractions.push_back(f); }).rows(),
+            200000U);
+  EXPECT_GE(fractions.size(), 2U);
+  for (const double f : fractions) EXPECT_TRUE(f >= 0.0 && f <= 1.0) << f;
+}
+
+}  // namespace
+}  // namespace palpate

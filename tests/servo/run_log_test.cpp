@@ -1,0 +1,308 @@
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <palpate/base/error.h>
+#include <palpate/servo/run_log.h>
+#include <support/temporary_file.h>
+
+namespace palpate {
+namespace {
+
+using test::message_of;
+using test::TemporaryFile;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string kHeader =
+    "t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,compute_us";
+
+/// A row whose every number is another.
+RunRow numbered_row() {
+  RunRow row;
+  row.t = 1.5;
+  row.tool.position << 2, 3, 4;
+  row.tool.orientation = Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);
+  row.candidates = 9;
+  row.filtered = 8;
+  row.colliding = 7;
+  row.k_max = 0.25;
+  row.wrench.force << 10, 11, 12;
+  row.wrench.torque << 13, 14, 15;
+  row.proxy << 16, 17, 18;
+  row.compute_us = 19.5;
+  return row;
+}
+
+const std::string kNumberedLine = "1.5,2,3,4,0.5,-0.5,0.5,-0.5,9,8,7,0.25,10,11,12,13,14,15,16,17,18,19.5";
+
+TEST(WriteRun, WritesTheColumnsOfTheContractInOrder) {
+  const TemporaryFile file("");
+  write_run({numbered_row()}, file.path());
+  EXPECT_EQ(file.bytes(), kHeader + "\n" + kNumberedLine + "\n");
+}
+
+TEST(WriteRun, AddsTheUserForceWhereThereIsOne) {
+  const TemporaryFile file("");
+  RunRow row = numbered_row();
+  row.user_force = Eigen::Vector3d(20, 21, 22);
+  write_run({row}, file.path());
+  EXPECT_EQ(file.bytes(), kHeader + ",ufx,ufy,ufz\n" + kNumberedLine + ",20,21,22\n");
+}
+
+TEST(WriteRun, WritesTheHeaderOfAnEmptyRun) {
+  const TemporaryFile file("");
+  write_run({}, file.path());
+  EXPECT_EQ(file.bytes(), kHeader + "\n");
+}
+
+TEST(ReadRun, ReadsEveryColumnToItsPlace) {
+  const TemporaryFile file(kHeader + ",ufx,ufy,ufz\n" + kNumberedLine + ",20,21,22\n");
+  const palpate::Run run = read_run(file.path());
+  EXPECT_EQ(run.source, file.path());
+  ASSERT_EQ(run.rows.size(), 1U);
+  const RunRow& row = run.rows[0];
+  const RunRow expected = numbered_row();
+  EXPECT_EQ(row.t, expected.t);
+  EXPECT_EQ(row.tool.position, expected.tool.position);
+  EXPECT_EQ(row.tool.orientation.coeffs(), expected.tool.orientation.coeffs());
+  EXPECT_EQ(row.candidates, 9U);
+  EXPECT_EQ(row.filtered, 8U);
+  EXPECT_EQ(row.colliding, 7U);
+  EXPECT_EQ(row.k_max, 0.25);
+  EXPECT_EQ(row.wrench.force, expected.wrench.force);
+  EXPECT_EQ(row.wrench.torque, expected.wrench.torque);
+  EXPECT_EQ(row.proxy, expected.proxy);
+  EXPECT_EQ(row.compute_us, 19.5);
+  ASSERT_TRUE(row.user_force.has_value());
+  EXPECT_EQ(*row.user_force, Eigen::Vector3d(20, 21, 22));
+}
+
+TEST(ReadRun, TakesColumnsInAnyOrderAndMore) {
+  const TemporaryFile file(
+      "note,z,y,x,t,qz,qy,qx,qw,compute_us,pz,py,px,tz,ty,tx,fz,fy,fx,k_max,colliding,filtered,candidates,"
+      "more\n"
+      "99,4,3,2,1.5,-0.5,0.5,-0.5,0.5,19.5,18,17,16,15,14,13,12,11,10,0.25,7,8,9,98\n");
+  const TemporaryFile again("");
+  write_run(read_run(file.path()).rows, again.path());
+  EXPECT_EQ(again.bytes(), kHeader + "\n" + kNumberedLine + "\n");
+  EXPECT_FALSE(read_run(file.path()).rows[0].user_force.has_value());
+}
+
+TEST(Run, NumbersReadBackToTheBit) {
+  std::mt19937_64 engine(111);
+  const auto any = [&] {
+    for (;;) {
+      const auto v = std::bit_cast<double>(engine());
+      if (std::isfinite(v)) return v;
+    }
+  };
+  const auto vector = [&] { return Eigen::Vector3d(any(), any(), any()); };
+  std::vector<RunRow> rows;
+  for (int i = 0; i < 500; ++i) {
+    RunRow row;
+    row.t = 0.001 * i + 1e-13 * static_cast<double>(engine() % 1000);
+    row.tool.position = vector();
+    row.tool.orientation.coeffs() << any(), any(), any(), any();
+    row.candidates = engine() % 4294967296;
+    row.filtered = engine() % 4294967296;
+    row.colliding = i == 7 ? 4294967295 : engine() % 100;
+    row.k_max = any();
+    row.wrench = {vector(), vector()};
+    row.proxy = vector();
+    row.compute_us = any();
+    row.user_force = vector();
+    rows.push_back(row);
+  }
+  rows[3].wrench.force << -0.0, 5e-324, 0.0;
+  const TemporaryFile file(""), again("");
+  write_run(rows, file.path());
+  const palpate::Run run = read_run(file.path());
+  ASSERT_EQ(run.rows.size(), rows.size());
+  const auto same = [](double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  };
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_TRUE(same(run.rows[i].t, rows[i].t));
+    EXPECT_EQ(run.rows[i].candidates, rows[i].candidates);
+    EXPECT_EQ(run.rows[i].filtered, rows[i].filtered);
+    EXPECT_EQ(run.rows[i].colliding, rows[i].colliding);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_TRUE(same(run.rows[i].wrench.force[k], rows[i].wrench.force[k]));
+      EXPECT_TRUE(same(run.rows[i].tool.position[k], rows[i].tool.position[k]));
+      EXPECT_TRUE(same((*run.rows[i].user_force)[k], (*rows[i].user_force)[k]));
+    }
+  }
+  write_run(run.rows, again.path());
+  EXPECT_EQ(again.bytes(), file.bytes());
+}
+
+TEST(WriteRun, LeavesAnEarlierFileOnFailure) {
+  const TemporaryFile file("before");
+  const std::string inside_a_file = file.path() + "/run.csv";
+  EXPECT_THAT(message_of<Error>([&] { write_run({numbered_row()}, inside_a_file); }),
+              HasSubstr(inside_a_file));
+  EXPECT_THAT(message_of<Error>([&] { write_run({numbered_row()}, "/dev/full"); }),
+              HasSubstr("No space left"));
+  EXPECT_EQ(file.bytes(), "before");
+}
+
+/// The message for a run of the header and these lines.
+std::string message_for(const std::string& lines, const std::string& header = kHeader) {
+  const TemporaryFile file(header + "\n" + lines, "run.csv");
+  return message_of<Error>([&] { read_run(file.path()); });
+}
+
+std::string quoted(const std::string& name) { return std::string(1, '\'') + name + '\''; }
+
+/// kNumberedLine with the cell of this column replaced.
+std::string line_with(const std::string& column, const std::string& cell) {
+  std::string line, name;
+  std::size_t at = 0, cell_at = 0;
+  const std::string names = kHeader + ",";
+  const std::string cells = kNumberedLine + ",";
+  while (at < names.size()) {
+    const std::size_t end = names.find(',', at), cell_end = cells.find(',', cell_at);
+    line += (names.substr(at, end - at) == column ? cell : cells.substr(cell_at, cell_end - cell_at)) + ",";
+    at = end + 1;
+    cell_at = cell_end + 1;
+  }
+  line.back() = '\n';
+  return line;
+}
+
+TEST(ReadRun, NamesAMissingColumn) {
+  std::size_t at = 0;
+  while (at < kHeader.size()) {
+    const std::size_t end = std::min(kHeader.find(',', at), kHeader.size());
+    const std::string name = kHeader.substr(at, end - at);
+    std::string header = kHeader;
+    header.replace(at, end - at, "other");
+    EXPECT_THAT(message_for(kNumberedLine + "\n", header),
+                AllOf(HasSubstr("run.csv"), HasSubstr("line 1"), HasSubstr(quoted(name))));
+    at = end + 1;
+  }
+  EXPECT_THAT(message_for(kNumberedLine + ",20,21\n", kHeader + ",ufx,ufz"),
+              AllOf(HasSubstr("run.csv"), HasSubstr("'ufy'")));
+}
+
+TEST(ReadRun, NamesADuplicateColumn) {
+  EXPECT_THAT(message_for(kNumberedLine + ",1\n", kHeader + ",fx"),
+              AllOf(HasSubstr("run.csv"), HasSubstr("line 1"), HasSubstr("'fx'")));
+}
+
+TEST(ReadRun, NamesTheLineThatIsCut) {
+  EXPECT_THAT(message_for(kNumberedLine + "\n" + line_with("t", "2").substr(0, 20) + "\n"),
+              AllOf(HasSubstr("run.csv"), HasSubstr("line 3"), HasSubstr("cut")));
+}
+
+TEST(ReadRun, NamesLineAndColumnOfWhatIsNoNumber) {
+  EXPECT_THAT(message_for(kNumberedLine + "\n" + line_with("fy", "nan")),
+              AllOf(HasSubstr("run.csv"), HasSubstr("line 3"), HasSubstr("'fy'")));
+}
+
+TEST(ReadRun, NamesLineAndColumnOfWhatIsNoCount) {
+  for (const std::string column : {"candidates", "filtered", "colliding"}) {
+    for (const std::string cell : {"-1", "1.5", "4294967296", "1e300"}) {
+      EXPECT_THAT(message_for(std::string("\n").append(line_with(column, cell))),
+                  AllOf(HasSubstr("run.csv"), HasSubstr("line 3"), HasSubstr(quoted(column))));
+    }
+  }
+}
+
+TEST(ReadRun, NamesLineAndColumnWhereTimeDoesNotIncrease) {
+  for (const std::string t : {"1.5", "1.25", "-3"}) {
+    EXPECT_THAT(message_for(kNumberedLine + "\n\n" + line_with("t", t)),
+                AllOf(HasSubstr("run.csv"), HasSubstr("line 4"), HasSubstr("'t'"), HasSubstr(t)));
+  }
+}
+
+TEST(ReadRun, RefusesARunWithoutRows) {
+  EXPECT_THAT(message_for(""), AllOf(HasSubstr("run.csv"), HasSubstr("no rows")));
+}
+
+/// Rows 10 ms apart with these numbers of contacts and forces.
+std::vector<RunRow> rows_of(const std::vector<std::pair<std::size_t, double>>& ticks) {
+  std::vector<RunRow> rows(ticks.size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    rows[i].t = 0.01 * static_cast<double>(i);
+    rows[i].colliding = ticks[i].first;
+    rows[i].wrench.force << 0, 0.6 * ticks[i].second, 0.8 * ticks[i].second;
+  }
+  return rows;
+}
+
+TEST(ContactEpisodes, AreTheStretchesOfContact) {
+  const auto episodes =
+      contact_episodes(rows_of({{0, 0}, {2, 1}, {5, 3}, {4, 2}, {0, 0}, {0, 0}, {0, 0}, {1, 7}}), 0.02);
+  ASSERT_EQ(episodes.size(), 2U);
+  EXPECT_EQ(episodes[0].first, 1U);
+  EXPECT_EQ(episodes[0].last, 3U);
+  EXPECT_EQ(episodes[0].peak, 2U);
+  EXPECT_EQ(episodes[0].most_colliding, 5U);
+  EXPECT_NEAR(episodes[0].peak_force, 3.0, 1e-15);
+  EXPECT_EQ(episodes[1].first, 7U);
+  EXPECT_EQ(episodes[1].last, 7U);
+  EXPECT_EQ(episodes[1].peak, 7U);
+  EXPECT_EQ(episodes[1].most_colliding, 1U);
+  EXPECT_NEAR(episodes[1].peak_force, 7.0, 1e-15);
+}
+
+TEST(ContactEpisodes, ThePeakIsTheFirstOfEqualForces) {
+  const auto episodes = contact_episodes(rows_of({{1, 4}, {9, 4}, {1, 2}}));
+  ASSERT_EQ(episodes.size(), 1U);
+  EXPECT_EQ(episodes[0].peak, 0U);
+  EXPECT_EQ(episodes[0].most_colliding, 9U);
+}
+
+TEST(ContactEpisodes, AGapShorterThanTheMergeGapIsABounce) {
+  // Contact at 0 and at 30 ms.
+  const auto rows = rows_of({{1, 1}, {0, 0}, {0, 0}, {1, 5}});
+  EXPECT_EQ(contact_episodes(rows, 0.031).size(), 1U);
+  EXPECT_EQ(contact_episodes(rows, 0.029).size(), 2U);
+  EXPECT_EQ(contact_episodes(rows, 0.0).size(), 2U);
+  const auto merged = contact_episodes(rows);  // 50 ms
+  ASSERT_EQ(merged.size(), 1U);
+  EXPECT_EQ(merged[0].first, 0U);
+  EXPECT_EQ(merged[0].last, 3U);
+  EXPECT_EQ(merged[0].peak, 3U);
+}
+
+TEST(ContactEpisodes, AMergedEpisodeKeepsThePeakOfItsFirstPart) {
+  const auto merged = contact_episodes(rows_of({{3, 8}, {0, 0}, {1, 5}}));
+  ASSERT_EQ(merged.size(), 1U);
+  EXPECT_EQ(merged[0].peak, 0U);
+  EXPECT_EQ(merged[0].last, 2U);
+  EXPECT_EQ(merged[0].most_colliding, 3U);
+}
+
+TEST(ContactEpisodes, RowsFarApartInTimeAreOneEpisodeWhileInContact) {
+  auto rows = rows_of({{1, 1}, {1, 2}, {1, 3}});
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].t = 10.0 * static_cast<double>(i);
+  const auto episodes = contact_episodes(rows);
+  ASSERT_EQ(episodes.size(), 1U);
+  EXPECT_EQ(episodes[0].last, 2U);
+}
+
+TEST(ContactEpisodes, OfNoContactAreNone) {
+  EXPECT_TRUE(contact_episodes({}).empty());
+  EXPECT_TRUE(contact_episodes(rows_of({{0, 0}, {0, 3}})).empty());
+}
+
+TEST(ContactEpisodes, ContactWithoutForceIsAnEpisode) {
+  const auto episodes = contact_episodes(rows_of({{1, 0}, {2, 0}}));
+  ASSERT_EQ(episodes.size(), 1U);
+  EXPECT_EQ(episodes[0].peak, 0U);
+  EXPECT_EQ(episodes[0].peak_force, 0.0);
+}
+
+}  // namespace
+}  // namespace palpate
