@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Shared by ./run and ./test: installs what is missing and builds. Sourced, not run.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev libnanoflann-dev libtbb-dev

@@ -14,7 +14,22 @@
 namespace palpate::cli {
 namespace {
 
-constexpr std::uint64_t kMaxConfigBytes = 1 << 20;
+constexpr std::uint64_t kMaxConfigBytes = 1 << 16;
+
+/// The parser descends once for every dot of a key and every bracket, without a limit of its own:
+/// more of them in a line than any configuration has would end its stack.
+constexpr std::ptrdiff_t kMaxNesting = 100;
+
+void check_nesting(const std::string& path, std::string_view text) {
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::string_view here = text.substr(0, text.find('\n'));
+    const auto nesting =
+        std::count_if(here.begin(), here.end(), [](char c) { return c == '.' || c == '[' || c == '{'; });
+    if (nesting > kMaxNesting)
+      throw Error("{}: line {}: is nested too deeply; keys are option names", path, line);
+    text.remove_prefix(std::min(here.size() + 1, text.size()));
+  }
+}
 
 /// The text of a TOML scalar, nothing for other values.
 std::optional<std::string> scalar_text(const toml::node& node) {
@@ -54,11 +69,6 @@ std::string config_path(const std::vector<std::string>& arguments) {
   return {};
 }
 
-const CLI::App* find_command(const CLI::App& app, const std::string& name) {
-  const auto found = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == name; });
-  return found.empty() ? nullptr : found.front();
-}
-
 const CLI::Option* find_option(const CLI::App& app, const std::string& name) {
   return app.get_option_no_throw(name);
 }
@@ -78,8 +88,14 @@ bool excluded(const CLI::Option& option, const std::vector<std::string>& argumen
 
 }  // namespace
 
+const CLI::App* find_command(const CLI::App& app, const std::string& name) {
+  const auto found = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == name; });
+  return found.empty() ? nullptr : found.front();
+}
+
 std::vector<ConfigEntry> read_config(const std::string& path) {
   const std::string text = read_text_file(path, kMaxConfigBytes);
+  check_nesting(path, text);
   toml::table table;
   try {
     table = toml::parse(text);
@@ -117,6 +133,12 @@ Arguments with_config(const CLI::App& app, const std::vector<std::string>& argum
     }
     if (flag && entry.value == "false") continue;
     result.all.push_back(flag ? name : name + "=" + entry.value);
+    for (const ConfigEntry& other : result.from_config) {
+      if (excluded(*option, {"--" + other.key})) {
+        throw Error("{}: line {}: '{}' cannot go with '{}'; keep one of them", result.config_path, entry.line,
+                    entry.key, other.key);
+      }
+    }
     result.from_config.push_back(entry);
   }
   return result;

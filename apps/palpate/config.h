@@ -9,6 +9,9 @@
 
 namespace palpate::cli {
 
+/// The subcommand called `name`; null if there is none.
+const CLI::App* find_command(const CLI::App& app, const std::string& name);
+
 /// A key of a configuration file, as the command line would have it.
 struct ConfigEntry {
   std::string key;    ///< long option name without dashes
@@ -24,7 +27,8 @@ std::vector<ConfigEntry> read_config(const std::string& path);
 
 /// `arguments` (without the program name) plus what its --config FILE adds: entries that the
 /// command has an option for and that the arguments neither set nor exclude.
-/// \throws Error for a broken file or a key that is no option of any command.
+/// \throws Error for a broken file, a key that is no option of any command, or two that exclude each
+/// other.
 struct Arguments {
   std::vector<std::string> all;
   std::string config_path;               ///< empty without --config

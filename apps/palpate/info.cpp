@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <palpate/base/error.h>
 #include <palpate/scene/lint.h>
 
 #include "command.h"
@@ -122,7 +123,7 @@ void print_counts(const LintReport& lint, const FilterReport& f, const SceneOpti
 
 void print_text(const LoadedScene& loaded, const LintReport& lint, const SceneOptions& options) {
   const GaussianScene& scene = loaded.scene;
-  fmt::print("{}\n{}, {} Gaussians", scene.source, scene.format, scene.size());
+  fmt::print("{}\n{}, {} Gaussians", printable(scene.source), scene.format, scene.size());
   if (scene.trailing_bytes != 0) fmt::print(", {} bytes after the data", scene.trailing_bytes);
   fmt::print("\n\n");
   print_box("centres", lint.bounds);

@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -15,6 +17,7 @@
 
 #include "command.h"
 #include "config.h"
+#include "output.h"
 #include "version.h"
 
 namespace palpate::cli {
@@ -31,16 +34,16 @@ namespace {
 constexpr int kExitError = 1;
 constexpr int kExitUsage = 2;
 
+int fail(int code, std::string_view message) {
+  notify(message);
+  return code;
+}
+
 /// Messages of CLI11 may have several lines; ours have one.
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (text.ends_with(' ')) text.pop_back();
   return text;
-}
-
-int fail(int code, const std::string& message) {
-  fmt::print(stderr, "palpate: {}\n", message);
-  return code;
 }
 
 /// A value that CLI11 refused: an error of the configuration file if it came from there, else usage.
@@ -66,12 +69,18 @@ int run(const std::vector<std::string>& given) {
     fmt::print(stderr, "{}", app.help());
     return kExitUsage;
   }
+  if (!given.front().starts_with('-') && find_command(app, given.front()) == nullptr) {
+    return fail(kExitUsage, fmt::format("'{}' is not a command (see --help)", printable(given.front())));
+  }
   const Arguments arguments = with_config(app, given);
   try {
     std::vector<std::string> reversed(arguments.all.rbegin(), arguments.all.rend());
     app.parse(reversed);
   } catch (const CLI::Success& success) {  // --help, --version
-    return app.exit(success);
+    std::ostringstream text;
+    app.exit(success, text, text);
+    fmt::print("{}", text.str());
+    return 0;
   } catch (const CLI::ParseError& error) {
     return refuse(error, arguments);
   }

@@ -7,11 +7,13 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
-#include <palpate/base/file.h>
+#include <palpate/device/playback.h>
 #include <palpate/device/touch_path.h>
+#include <palpate/haptics/density_force.h>
 
 #include "command.h"
 #include "options.h"
+#include "output.h"
 #include "terminal.h"
 
 namespace palpate::cli {
@@ -25,16 +27,29 @@ struct Options {
   TouchPathOptions path;
 };
 
-void run(const Options& options) {
-  if (same_file(options.out, options.scene.path)) {
-    throw Error("{}: --out is also an input; give it another name", options.out);
+/// The path; errors name the scene.
+Trajectory make_path(const Options& options, const SceneIndex& index) {
+  try {
+    return touch_path(index, index.scene(), options.query.tool, options.path);
+  } catch (const Error& error) {
+    throw Error("{}: {}", options.scene.path, error.what());
   }
+}
+
+void run(const Options& options) {
+  check_output(options.out, {options.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const SceneIndex index(load_kept(options.scene, progress), progress);
-  const Trajectory path = touch_path(index, index.scene(), options.query.tool, options.path);
+  const Trajectory path = make_path(options, index);
   write_trajectory(path, options.out);
+  DensityForce model;
+  const auto contacts = contact_episodes(play_back(index, options.query.tool, model, path)).size();
+  if (contacts < static_cast<std::size_t>(options.path.touches)) {
+    notify(fmt::format("note: {}: only {} of {} places found that the tool can touch", options.scene.path,
+                       contacts, options.path.touches));
+  }
   if (options.common.quiet) return;
-  fmt::print("wrote {}: {} touches, {} poses, {:.1f} s\n", options.out, options.path.touches, path.size(),
+  fmt::print("wrote {}: {} touches, {} poses, {:.1f} s\n", printable(options.out), contacts, path.size(),
              path.back().t);
 }
 
@@ -49,7 +64,7 @@ Command declare_make_path(CLI::App& parent) {
   app->add_option("--touches", options->path.touches, "how many places to touch")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app->add_option("--seed", options->path.seed, "of the choice of places")->capture_default_str();
+  add_seed(*app, options->path.seed, "of the choice of places");
   constexpr double kMost = 1e3;
   add_number(*app, "--press", options->path.press, 0.0, kMost, "m", "how deep to press beyond first contact");
   add_number(*app, "--slide", options->path.slide, 0.0, kMost, "m", "how far to slide along the surface");

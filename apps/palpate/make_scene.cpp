@@ -8,11 +8,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <palpate/base/error.h>
 #include <palpate/scene/ply_writer.h>
 #include <palpate/scene/procedural.h>
 
 #include "command.h"
 #include "options.h"
+#include "output.h"
 
 namespace palpate::cli {
 namespace {
@@ -26,6 +28,7 @@ struct Options {
 };
 
 void run(const Options& options) {
+  check_output(options.out, {options.common.config});
   ProceduralOptions procedural = options.procedural;
   procedural.tilt = options.tilt_degrees * std::numbers::pi / 180.0;
   const auto surface = make_surface(options.shape);
@@ -35,7 +38,7 @@ void run(const Options& options) {
             fmt::format("palpate make-scene {} seed {} spacing {} m noise {} m tilt {} deg", options.shape,
                         procedural.seed, spacing, procedural.noise, options.tilt_degrees));
   if (!options.common.quiet)
-    fmt::print("wrote {}: {}, {} Gaussians\n", options.out, options.shape, scene.size());
+    fmt::print("wrote {}: {}, {} Gaussians\n", printable(options.out), options.shape, scene.size());
 }
 
 }  // namespace
@@ -49,7 +52,7 @@ Command declare_make_scene(CLI::App& parent) {
       ->required()
       ->check(CLI::IsMember(std::vector<std::string>(shapes.begin(), shapes.end())));
   app->add_option("--out", options->out, "the scene")->type_name("S.ply")->required();
-  app->add_option("--seed", options->procedural.seed, "of all randomness")->capture_default_str();
+  add_seed(*app, options->procedural.seed, "of all randomness");
   add_parsed(*app, "--spacing", "m", "mean distance of neighbours, m (default: the shape's own)",
              [options](const std::string& text) { options->procedural.spacing = parse_positive(text); });
   add_number(*app, "--noise", options->procedural.noise, 0.0, 1.0, "m",

@@ -14,6 +14,8 @@
 
 #include <palpate/scene/load_scene.h>
 
+#include "output.h"
+
 namespace palpate::cli {
 namespace {
 
@@ -146,6 +148,18 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, d
   return add_parsed(app, name, unit, description, set)->default_str(fmt::format("{}", value));
 }
 
+CLI::Option* add_seed(CLI::App& app, std::uint64_t& seed, const std::string& description) {
+  const auto set = [&seed](const std::string& text) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      throw CLI::ValidationError(fmt::format("'{}' is not a whole number from 0 to 2^64-1", text));
+    }
+    seed = value;
+  };
+  return add_parsed(app, "--seed", "n", description, set)->default_str(fmt::format("{}", seed));
+}
+
 CLI::Option* add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
                          const std::string& unit, const std::string& description) {
   const auto set = [&value](const std::string& text) {
@@ -169,6 +183,9 @@ Pose parse_pose(const std::string& text) {
   }
   Pose pose;
   pose.position = {v[0], v[1], v[2]};
+  if (pose.position.cwiseAbs().maxCoeff() > kMaxExtent) {
+    throw CLI::ValidationError(fmt::format("'{}' is more than {} m away", text, kMaxExtent));
+  }
   if (v.size() == 7) pose.orientation = parse_quaternion(v.data() + 3);
   return pose;
 }
@@ -217,15 +234,13 @@ LoadedScene load(const SceneOptions& options, const Progress& progress) {
       filter_scene(result.scene, options.filter, options.world_from_scene(), result.filtered, progress);
   const FilterReport& f = result.filtered;
   if (f.kept == 0) {
-    fmt::print(stderr,
-               "palpate: warning: {}: nothing is left to touch: of {} Gaussians {} are defective, {} below "
-               "--opacity-min, {} below --iso, {} above --max-scale, {} outside the crop\n",
-               options.path, f.total, f.defective(), f.low_opacity, f.below_iso, f.over_max_scale,
-               f.outside_crop);
+    notify(fmt::format(
+        "warning: {}: nothing is left to touch: of {} Gaussians {} are defective, {} below "
+        "--opacity-min, {} below --iso, {} above --max-scale, {} outside the crop",
+        options.path, f.total, f.defective(), f.low_opacity, f.below_iso, f.over_max_scale, f.outside_crop));
   } else if (f.defective() != 0) {
-    fmt::print(stderr,
-               "palpate: note: {}: {} of {} Gaussians cannot collide and are left out (see palpate info)\n",
-               options.path, f.defective(), f.total);
+    notify(fmt::format("note: {}: {} of {} Gaussians cannot collide and are left out (see palpate info)",
+                       options.path, f.defective(), f.total));
   }
   return result;
 }

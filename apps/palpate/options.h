@@ -39,6 +39,9 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, d
 /// A finite number above zero. \throws CLI::ValidationError otherwise.
 double parse_positive(const std::string& text);
 
+/// --seed, a whole number.
+CLI::Option* add_seed(CLI::App& app, std::uint64_t& seed, const std::string& description);
+
 /// An option of exactly three numbers.
 CLI::Option* add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
                          const std::string& unit, const std::string& description);

@@ -1,10 +1,25 @@
 #include "output.h"
 
+#include <cstdio>
+
 #include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/base/file.h>
 
 namespace palpate::cli {
 
+void notify(std::string_view message) { fmt::print(stderr, "palpate: {}\n", message_line(message)); }
+
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+void check_output(const std::string& out, std::initializer_list<std::string> inputs) {
+  for (const std::string& input : inputs) {
+    if (!input.empty() && same_file(out, input)) {
+      throw Error("{}: --out is also an input; give it another name", out);
+    }
+  }
+}
 
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json) {
   json["search_radius"] = paper.search_radius();

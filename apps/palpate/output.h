@@ -2,6 +2,10 @@
 /// Pieces of output that several commands share.
 #pragma once
 
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
@@ -12,8 +16,14 @@ namespace palpate::cli {
 
 using Json = nlohmann::ordered_json;
 
+/// One line on stderr: "palpate: " and the message, printable.
+void notify(std::string_view message);
+
 /// [x, y, z]
 Json vector_json(const Eigen::Vector3d& v);
+
+/// \throws Error if writing `out` would destroy one of `inputs` (empty names are skipped).
+void check_output(const std::string& out, std::initializer_list<std::string> inputs);
 
 /// Adds `search_radius` and `can_miss`: what the paper's pipeline does not reach with `tool`.
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json);

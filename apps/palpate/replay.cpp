@@ -9,7 +9,6 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
-#include <palpate/base/file.h>
 #include <palpate/device/playback.h>
 
 #include "command.h"
@@ -73,9 +72,7 @@ void print_text(const std::vector<RunRow>& rows) {
 }
 
 void run(const Options& options) {
-  if (same_file(options.out, options.trajectory) || same_file(options.out, options.scene.path)) {
-    throw Error("{}: --out is also an input; give it another name", options.out);
-  }
+  check_output(options.out, {options.trajectory, options.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const auto parallelism =
       options.threads > 0 ? static_cast<std::size_t>(options.threads)
@@ -96,7 +93,7 @@ void run(const Options& options) {
   } else if (!options.common.quiet) {
     print_text(rows);
     if (paper != nullptr) print_reach(*paper, options.query.tool);
-    fmt::print("wrote {}\n", options.out);
+    fmt::print("wrote {}\n", printable(options.out));
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "command.h"
 #include "options.h"
+#include "output.h"
 #include "report_data.h"
 #include "terminal.h"
 
@@ -50,23 +51,21 @@ std::string fill_page(const std::string& title, const std::string& json) {
   const auto fill = [&](std::string_view placeholder, const std::string& text) {
     page.replace(page.find(placeholder), placeholder.size(), text);
   };
-  fill("<!--PALPATE_TITLE-->", html_escaped(title));
+  fill("<!--PALPATE_TITLE-->", html_escaped(printable(title)));
   fill("<!--PALPATE_RUN_JSON-->", json);
   return page;
 }
 
 void warn_if_different(const RunContacts& contacts, const Options& options) {
   if (contacts.rows_differing == 0) return;
-  fmt::print(stderr,
-             "palpate: warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
-             "scene options and --tool\n",
-             options.run, contacts.rows_differing, contacts.rows_checked, options.scene.path);
+  notify(
+      fmt::format("warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
+                  "scene options and --tool",
+                  options.run, contacts.rows_differing, contacts.rows_checked, options.scene.path));
 }
 
 void run(const Options& options) {
-  if (same_file(options.out, options.run) || same_file(options.out, options.scene.path)) {
-    throw Error("{}: --out is also an input; give it another name", options.out);
-  }
+  check_output(options.out, {options.run, options.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const Run recorded = read_run(options.run, progress);
   std::string json;
@@ -80,7 +79,7 @@ void run(const Options& options) {
   }
   const std::string title = std::filesystem::path(options.run).filename().string();
   write_file(options.out, fill_page(title, json));
-  if (!options.common.quiet) fmt::print("wrote {}\n", options.out);
+  if (!options.common.quiet) fmt::print("wrote {}\n", printable(options.out));
 }
 
 }  // namespace

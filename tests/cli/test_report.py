@@ -117,7 +117,7 @@ class Report(Case):
                 page = self.report(name)
                 document = json.loads(page.document)
                 self.assertEqual(document["title"], name)
-                self.assertEqual(page.title, name)
+                self.assertEqual(page.title, name.replace("\n", "?").replace("\x1b", "?").replace("\u2028", "???"))
                 self.assertNotIn("b", page.tags)
                 self.assertEqual(page.tags, self.report("run.csv").tags)
 

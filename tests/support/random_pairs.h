@@ -46,8 +46,8 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// A rotation times `size`, whose columns are orthogonal without any rounding: the integer matrix of
-/// an integer quaternion, by a power of two.
+/// A rotation, up to a factor in [0.7, 1.5], whose columns are orthogonal without any rounding: the integer
+/// matrix of an integer quaternion, times a power of two.
 inline Eigen::Matrix3d exact_rotation(Random& random) {
   for (;;) {
     const int w = random.integer(-9, 9), x = random.integer(-9, 9), y = random.integer(-9, 9),

@@ -12,6 +12,8 @@
 namespace palpate {
 namespace {
 
+constexpr std::size_t kMaxColumns = 1000;                    // a hostile header must not cost quadratic time
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // as spreadsheets write it
 constexpr std::uint64_t kMaxBytes = std::uint64_t{4} << 30;
 
 std::string_view trimmed(std::string_view text) {
@@ -33,6 +35,10 @@ void for_each_cell(std::string_view line, Visit&& visit) {
 
 void read_header(CsvTable& table, std::string_view line) {
   for_each_cell(line, [&](std::string_view name) {
+    if (table.columns.size() == kMaxColumns) {
+      throw Error("{}: line 1: more than {} columns; it is not a table of this kind", table.source,
+                  kMaxColumns);
+    }
     if (name.empty())
       throw Error("{}: line 1: column {} has no name", table.source, table.columns.size() + 1);
     if (table.has(name)) throw Error("{}: line 1: two columns are called '{}'", table.source, name);
@@ -79,6 +85,7 @@ CsvTable read_csv(const std::string& path, const Progress& progress) {
   CsvTable table;
   table.source = path;
   std::string_view rest = text;
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   for (std::size_t line_number = 1; !rest.empty(); ++line_number) {
     const std::size_t end = rest.find('\n');
     const std::string_view line = trimmed(rest.substr(0, end));
@@ -87,6 +94,7 @@ CsvTable read_csv(const std::string& path, const Progress& progress) {
       read_header(table, line);
     } else if (!line.empty()) {
       read_row(table, line, line_number);
+      table.lines.push_back(line_number);
     }
     if (line_number % kLinesPerReport == 0) {
       report(progress, "reading", 1.0 - static_cast<double>(rest.size()) / static_cast<double>(text.size()));

@@ -19,6 +19,8 @@ struct CsvTable {
   std::vector<std::string> columns;  ///< names, from the header line
   std::vector<double> values;        ///< rows() * columns.size(), row-major
 
+  std::vector<std::size_t> lines;  ///< of each row: its line in the file, from 1, for messages
+
   std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
   double at(std::size_t row, std::size_t column) const { return values[row * columns.size() + column]; }
 

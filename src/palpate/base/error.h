@@ -4,11 +4,20 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
 
 namespace palpate {
+
+/// `text` as valid UTF-8 without control characters, each of which becomes '?'. File names and the
+/// contents of files come from outside: they must not forge a second line, nor reach a terminal as
+/// an escape sequence.
+std::string printable(std::string_view text);
+
+/// `text` as one printable line of bounded length: a long one loses its middle.
+std::string message_line(std::string_view text);
 
 /// Bad input or a failed operation on a file. The message is one line that says what is wrong,
 /// where (file and offset, property or field) and what to do; programs print it as it is.
@@ -17,18 +26,7 @@ class Error : public std::runtime_error {
  public:
   template <typename... Args>
   explicit Error(fmt::format_string<Args...> format, Args&&... args)
-      : std::runtime_error(one_line(fmt::format(format, std::forward<Args>(args)...))) {}
-
- private:
-  /// File names and header lines come from outside: control characters in them must not forge a
-  /// second line or an escape sequence on a terminal.
-  static std::string one_line(std::string text) {
-    for (char& c : text) {
-      const auto code = static_cast<unsigned char>(c);
-      if (code < 0x20 || code == 0x7f) c = '?';
-    }
-    return text;
-  }
+      : std::runtime_error(message_line(fmt::format(format, std::forward<Args>(args)...))) {}
 };
 
 }  // namespace palpate

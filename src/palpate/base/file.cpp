@@ -16,7 +16,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
-constexpr mode_t kMode = 0666;  // less the user's umask, as any program's output
+constexpr std::size_t kMaxName = 255;  // bytes of a file name
+constexpr mode_t kMode = 0666;         // less the user's umask, as any program's output
 
 /// strerror(), safe on any thread.
 std::string error_text(int error_number) { return std::generic_category().message(error_number); }
@@ -39,6 +40,18 @@ int retry_open(const char* path, int flags, mode_t mode = 0) {
   do descriptor = ::open(path, flags | O_CLOEXEC, mode);
   while (descriptor < 0 && errno == EINTR);
   return descriptor;
+}
+
+/// `path` with symbolic links followed, also one that points to nothing yet.
+std::string resolve_links(const std::string& path) {
+  namespace fs = std::filesystem;
+  constexpr int kMaxLinks = 40;  // as many as Linux follows
+  std::error_code ignored;
+  fs::path resolved = path;
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(resolved, ignored); ++i) {
+    resolved = resolved.parent_path() / fs::read_symlink(resolved, ignored);
+  }
+  return resolved.string();
 }
 
 }  // namespace
@@ -109,12 +122,13 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     if (descriptor_ < 0) fail("open for writing", errno);
     return;
   }
-  const fs::path resolved = fs::weakly_canonical(path_, ignored);
-  target_ = resolved.empty() ? path_ : resolved.string();
-  const std::string folder = fs::path(target_).parent_path().string();
-  descriptor_ = retry_open(folder.empty() ? "." : folder.c_str(), O_WRONLY | O_TMPFILE, kMode);
+  target_ = resolve_links(path_);
+  if (fs::path(target_).filename().string().size() > kMaxName) fail("open for writing", ENAMETOOLONG);
+  folder_ = fs::path(target_).parent_path().string();
+  if (folder_.empty()) folder_ = ".";
+  descriptor_ = retry_open(folder_.c_str(), O_WRONLY | O_TMPFILE, kMode);
   if (descriptor_ < 0) {  // a file system without unnamed files
-    std::string name = target_ + ".XXXXXX";
+    std::string name = folder_ + "/.palpate-XXXXXX";
     descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (descriptor_ < 0) fail("open for writing", errno);
     temporary_ = name;
@@ -155,12 +169,14 @@ void OutputFile::commit() {
     if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", errno);
     return;
   }
+  struct stat earlier {};
+  if (::stat(target_.c_str(), &earlier) == 0) ::fchmod(descriptor_, earlier.st_mode & 07777);
   if (::fsync(descriptor_) != 0) fail("write", errno);
   if (temporary_.empty()) {
     // linkat() cannot replace a file, so the unnamed file gets a name of its own first.
     const std::string source = "/proc/self/fd/" + std::to_string(descriptor_);
     for (int attempt = 0; temporary_.empty(); ++attempt) {
-      const std::string name = fmt::format("{}.{}-{}", target_, ::getpid(), attempt);
+      const std::string name = folder_ + fmt::format("/.palpate-{}-{}", ::getpid(), attempt);
       if (::linkat(AT_FDCWD, source.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
         temporary_ = name;
       } else if (errno != EEXIST) {

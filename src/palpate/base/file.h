@@ -42,8 +42,9 @@ std::string read_text_file(const std::string& path, std::uint64_t max_bytes);
 
 /// A file that appears whole or not at all: bytes go to an unnamed file in the target's folder,
 /// which takes the target's name in commit(). Without a commit (an exception, a kill) nothing is
-/// left behind and an earlier file of that name is untouched. A symbolic link is followed. A
-/// target that exists and is not a regular file (a pipe, /dev/stdout) is written through directly.
+/// left behind and an earlier file of that name is untouched; after one, the new file has the earlier one's
+/// mode. A symbolic link is followed. A target that exists and is not a regular file (a pipe, /dev/stdout) is
+/// written through directly.
 class OutputFile {
  public:
   /// \throws Error if the folder is missing or cannot be written.
@@ -64,6 +65,7 @@ class OutputFile {
   [[noreturn]] void fail(std::string_view action, int error_number) const;
 
   std::string path_;       ///< as the user gave it, for messages
+  std::string folder_;     ///< of the target
   std::string target_;     ///< with symbolic links resolved
   std::string temporary_;  ///< name to unlink if not committed; empty for an unnamed file
   std::string buffer_;

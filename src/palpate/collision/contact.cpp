@@ -1,21 +1,30 @@
 #include <palpate/collision/contact.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace palpate {
 namespace {
 
-/// The Gaussian's axis along which the two solids are thinnest, for coincident centres.
+/// The axis of either solid along which the two together are thinnest, for coincident centres. An
+/// axis of length zero is found from the other two.
 Eigen::Vector3d thinnest_direction(const Ellipsoid& tool, const Ellipsoid& gaussian) {
   Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
-  double least = tool.support(best) + gaussian.support(best);
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d axis = gaussian.axes.col(k).stableNormalized();
-    if (axis.isZero(0.0)) continue;
-    const double thickness = tool.support(axis) + gaussian.support(axis);
-    if (thickness < least) {
-      least = thickness;
-      best = axis;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Ellipsoid* solid : {&gaussian, &tool}) {
+    for (int k = 0; k < 3; ++k) {
+      Eigen::Vector3d axis = solid->axes.col(k).stableNormalized();
+      if (axis.isZero(0.0)) {
+        axis = solid->axes.col((k + 1) % 3)
+                   .stableNormalized()
+                   .cross(solid->axes.col((k + 2) % 3).stableNormalized());
+        if (axis.isZero(0.0)) continue;
+      }
+      const double thickness = tool.support(axis) + gaussian.support(axis);
+      if (thickness < least) {
+        least = thickness;
+        best = axis;
+      }
     }
   }
   return best;
@@ -44,7 +53,7 @@ Contact make_contact(const WhitenedTool& tool, const Ellipsoid& gaussian, const 
   contact.k_min = minimum.k_min;
   contact.lambda = minimum.lambda;
   contact.center = gaussian.center;
-  contact.normal = q.isZero(0.0) ? thinnest_direction(tool.ellipsoid, gaussian) : q.stableNormalized().eval();
+  contact.normal = k.p0 == 0.0 ? thinnest_direction(tool.ellipsoid, gaussian) : q.stableNormalized().eval();
   // m(lambda) = c_tool - (1-lambda) B [ (1-lambda) B + lambda A ]^-1 d = c_tool - W^-1 y, and for a
   // tool with orthogonal axes V, W^-1 = V.
   contact.point = tool.ellipsoid.center - tool.ellipsoid.axes * y;

@@ -17,17 +17,17 @@ namespace palpate {
 
 /// One Gaussian that the tool overlaps. Vectors in the world frame.
 struct Contact {
-  std::uint32_t id = 0;    ///< row of the Gaussian in the scene file
-  double k_min = 0.0;      ///< min K in (0, 1]: 0 at first touch, 1 when the centres coincide
-  double lambda = 0.0;     ///< where K is least, in [0, 1]
-  double opacity = 0.0;    ///< alpha in (0, 1]
-  Eigen::Vector3d center;  ///< of the Gaussian. Unit: [m].
+  std::uint32_t id = 0;  ///< row of the Gaussian in the scene file
+  double k_min = 0.0;    ///< min K in (0, 1]: 0 at first touch, 1 when the centres coincide
+  double lambda = 0.0;   ///< where K is least, in [0, 1]
+  double opacity = 0.0;  ///< alpha in (0, 1]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< of the Gaussian. Unit: [m].
   /// m(lambda) of paper eq. 5: a point inside both solids; where they touch, if they only touch.
   /// Unit: [m].
-  Eigen::Vector3d point;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
   /// Unit vector against the gradient of K, out of the Gaussian towards the tool: the way out.
-  /// If the centres coincide, the direction in which the two are thinnest among the Gaussian's axes.
-  Eigen::Vector3d normal;
+  /// If the centres coincide, the axis of either along which the two are thinnest.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   /// How far the tool must move along `normal` until a plane across it separates the two:
   /// h_tool(n) + h_gaussian(n) - n . (c_tool - c_gaussian), h the support function. Exact at first
   /// touch and never less than the true separating translation. Unit: [m].

@@ -5,10 +5,6 @@
 namespace palpate {
 namespace {
 
-/// |ln t| beyond this is the end point: e^-120 is far below the resolution of any size ratio that
-/// kMaxExtent admits, and its cube still fits a double.
-constexpr double kMaxLogT = 120.0;
-
 /// Numerator p0 + p1 t + p2 t^2 and denominator 1 + e1 t + e2 t^2 + e3 t^3 of K, term by term. For
 /// t > 1 both are divided by their highest power, so that nothing overflows.
 struct Terms {
@@ -35,20 +31,34 @@ struct Slope {
   double second;  ///< dg / d ln t
 };
 
-/// The powers of t in numerator and denominator, weighted by their terms, have a mean and a
-/// variance; these are the logarithmic derivatives.
+/// The powers of t in numerator and denominator, weighted by their terms, have means and variances;
+/// these are the logarithmic derivatives:
+///
+///     g = 1 - lambda + mean_p - mean_e = sum_kj (p_k t^k / P) (e_j t^j / E) (1 - lambda + k - j)
+///
+/// The sum is taken pair by pair, because on a plateau of K (a disc of no thickness) the three terms
+/// of the short form cancel to rounding noise, while the pairs that matter there keep their digits.
 Slope slope_at(const Terms& x) {
   const double n = x.numerator();
+  const double d = x.denominator();
+  const double lambda = (x.inverted ? 1.0 : x.t) / (1.0 + x.t);
+  const double rest = (x.inverted ? x.t : 1.0) / (1.0 + x.t);  // 1 - lambda, to all its digits
+  double first = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 4; ++j) {
+      const double factor = j == k + 1 ? -lambda : rest + (k - j);
+      first += (x.p[k] / n) * (x.e[j] / d) * factor;
+    }
+  }
   const double n_mean = (x.p[1] + 2.0 * x.p[2]) / n;
   const double n_square = (x.p[1] + 4.0 * x.p[2]) / n;
-  const double d = x.denominator();
   const double d_mean = (x.e[1] + 2.0 * x.e[2] + 3.0 * x.e[3]) / d;
   const double d_square = (x.e[1] + 4.0 * x.e[2] + 9.0 * x.e[3]) / d;
-  const double lambda = (x.inverted ? 1.0 : x.t) / (1.0 + x.t);
-  const double rest = (x.inverted ? x.t : 1.0) / (1.0 + x.t);  // 1 - lambda
-  return {rest + n_mean - d_mean,
-          (n_square - n_mean * n_mean) - lambda * rest - (d_square - d_mean * d_mean)};
+  return {first, (n_square - n_mean * n_mean) - lambda * rest - (d_square - d_mean * d_mean)};
 }
+
+/// True if the minimum of K lies beyond log_t.
+bool descends(const KFunction& k, double log_t) { return slope_at(terms_at(k, log_t)).first > 0.0; }
 
 /// ln t of the minimum of K if the Gaussian were a ball of its extent along d'.
 double initial_log_t(const KFunction& k) {
@@ -93,14 +103,30 @@ KMinimum minimize(const KFunction& k) {
   double low = -kMaxLogT;
   double high = kMaxLogT;
   double log_t = std::clamp(initial_log_t(k), low, high);
-  for (int step = 0; step < kMaxSteps; ++step) {
+  double change = high - low;
+  for (int step = 0; step < kMaxSteps && high - low > 4.0 * kTolerance; ++step) {
     const Slope g = slope_at(terms_at(k, log_t));
     (g.first > 0.0 ? low : high) = log_t;
     double next = log_t - g.first / g.second;
-    if (!(g.second < 0.0 && next > low && next < high)) next = 0.5 * (low + high);
-    const double change = std::abs(next - log_t);
+    // Newton's steps must shrink, or rounding makes them creep along a plateau.
+    const bool trusted = g.second < 0.0 && next > low && next < high && std::abs(next - log_t) < 0.5 * change;
+    if (!trusted) next = 0.5 * (low + high);
+    change = std::abs(next - log_t);
     log_t = next;
-    if (change < kTolerance) break;
+    if (change >= kTolerance) continue;
+    // A small step proves nothing on a plateau, where slope and bend both vanish: the slope must
+    // change its sign across it.
+    const double before = std::max(low, log_t - kTolerance);
+    const double after = std::min(high, log_t + kTolerance);
+    if (!descends(k, before)) {
+      high = before;
+    } else if (descends(k, after)) {
+      low = after;
+    } else {
+      break;
+    }
+    log_t = 0.5 * (low + high);
+    change = high - low;
   }
   return {1.0 - terms_at(k, log_t).f(), to_lambda(log_t), log_t};
 }

@@ -47,7 +47,8 @@ KMinimum golden_section(const KFunction& k, int iterations) {
     }
   }
   const double lambda = 0.5 * (low + high);
-  return {k(lambda), lambda, std::log(lambda) - std::log1p(-lambda)};
+  const double log_t = std::log(lambda) - std::log1p(-lambda);  // infinite if lambda has rounded to 1
+  return {k(lambda), lambda, std::clamp(log_t, -kMaxLogT, kMaxLogT)};
 }
 
 }  // namespace

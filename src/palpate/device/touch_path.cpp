@@ -44,6 +44,7 @@ constexpr std::array kTravelRadii{1.0, 1.25, 1.5};  // tried in this order
 // Beyond these a slip of the hand would fill the memory.
 constexpr int kMaxTouches = 1000;
 constexpr double kMaxRate = 1e5;  // Unit: [Hz].
+constexpr std::size_t kMaxPoses = 5'000'000;
 
 // The choice of places.
 constexpr std::size_t kProbeContacts = 8;    // contacts at the probe depth that make a surface
@@ -423,6 +424,8 @@ class Script {
         const double t = static_cast<double>(trajectory.size()) / options_.rate;
         const double x = (t - begin) / motion.duration;
         if (x >= 1.0) break;
+        if (trajectory.size() == kMaxPoses)
+          throw Error("touch path: more than {} poses; ask for fewer touches or a lower rate", kMaxPoses);
         const double u = x * x * x * (10.0 + x * (6.0 * x - 15.0));
         append(trajectory, t, motion.pose(u));
       }

@@ -6,10 +6,14 @@
 
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
+#include <palpate/scene/gaussian_scene.h>
 
 namespace palpate {
 namespace {
 
+// What no hand does, but a damaged file may; inside these bounds every velocity is a finite number.
+constexpr double kMaxTime = 1e12;      // s
+constexpr double kMinTimeStep = 1e-9;  // s
 constexpr double kMaxDeviation = 0.1;  // of a quaternion's norm from 1; more is not a rounding error
 
 Eigen::Quaterniond orientation_of(const CsvTable& table, std::size_t row,
@@ -17,8 +21,8 @@ Eigen::Quaterniond orientation_of(const CsvTable& table, std::size_t row,
   const Eigen::Quaterniond q(table.at(row, columns[0]), table.at(row, columns[1]), table.at(row, columns[2]),
                              table.at(row, columns[3]));
   if (!(std::abs(q.norm() - 1.0) <= kMaxDeviation)) {
-    throw Error("{}: row {}: the quaternion qw,qx,qy,qz has norm {}; it must be 1", table.source, row + 1,
-                q.norm());
+    throw Error("{}: line {}: the quaternion qw,qx,qy,qz has norm {}; it must be 1", table.source,
+                table.lines[row], q.norm());
   }
   return q.normalized();
 }
@@ -47,8 +51,17 @@ Trajectory read_trajectory(const std::string& path) {
     if (felt)
       timed.user_force = Eigen::Vector3d(table.at(row, f[0]), table.at(row, f[1]), table.at(row, f[2]));
     if (!trajectory.empty() && !(timed.t > trajectory.back().t)) {
-      throw Error("{}: row {}: time {} does not follow {}; rows must be in order of time", path, row + 1,
-                  timed.t, trajectory.back().t);
+      throw Error("{}: line {}: column 't': {} does not follow {}; rows must be in order of time", path,
+                  table.lines[row], timed.t, trajectory.back().t);
+    }
+    if (!trajectory.empty() && timed.t - trajectory.back().t < kMinTimeStep) {
+      throw Error("{}: line {}: column 't': {} follows {} by less than a nanosecond; seconds are needed",
+                  path, table.lines[row], timed.t, trajectory.back().t);
+    }
+    if (std::abs(timed.t) > kMaxTime || timed.pose.position.cwiseAbs().maxCoeff() > kMaxExtent) {
+      throw Error(
+          "{}: line {}: columns 't' to 'z': a time or position beyond 1e12; seconds and metres are needed",
+          path, table.lines[row]);
     }
     trajectory.push_back(timed);
   }

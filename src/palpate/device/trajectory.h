@@ -24,7 +24,8 @@ using Trajectory = std::vector<TimedPose>;
 /// Reads `t,x,y,z,qw,qx,qy,qz` (seconds, metres, tool in the world); without the four
 /// quaternion columns the orientation is the identity. A measured user force in `ufx,ufy,ufz` is
 /// read if there; further columns are ignored. Quaternions are normalised.
-/// \throws Error if the file is not such a table, time does not increase, or a quaternion is zero.
+/// \throws Error if the file is not such a table, time does not increase by a nanosecond or
+/// more, a time or coordinate is beyond 1e12, or the norm of a quaternion is more than a tenth off 1.
 Trajectory read_trajectory(const std::string& path);
 
 /// Writes the poses as read_trajectory() reads them. The file appears whole or not at all.

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// What a force model is told at one instant.
+/// What a force model is told at one instant. Every number is finite.
 struct ForceInput {
   Pose tool;                             ///< world frame
   Twist velocity;                        ///< of the tool, unfiltered, world frame

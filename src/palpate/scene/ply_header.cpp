@@ -13,6 +13,10 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{1} << 20;
+// Real scenes have a handful of elements and up to about a hundred properties; a hostile header must
+// not cost quadratic time.
+constexpr std::size_t kMaxElements = 100;
+constexpr std::size_t kMaxProperties = 1000;
 
 struct TypeInfo {
   std::string_view old_name;  ///< of the 1994 format description
@@ -112,12 +116,14 @@ class HeaderParser {
     for (const PlyElement& e : header_.elements) {
       if (e.name == words[1]) fail("a second element '{}'", words[1]);
     }
+    if (header_.elements.size() == kMaxElements) fail("more than {} elements", kMaxElements);
     header_.elements.push_back({std::string(words[1]), count, {}});
   }
 
   void parse_property(const std::vector<std::string_view>& words) {
     if (header_.elements.empty()) fail("a property before the first element");
     PlyElement& element = header_.elements.back();
+    if (element.properties.size() == kMaxProperties) fail("more than {} properties", kMaxProperties);
     const bool list = words.size() == 5 && words[1] == "list";
     if (!list && words.size() != 3) fail("the property line is not 'property TYPE NAME'");
     PlyProperty property{std::string(words.back()), parse_type(words[list ? 3 : 1]), {}};

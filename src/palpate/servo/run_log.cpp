@@ -71,7 +71,7 @@ void check_counts(const CsvTable& table, std::size_t row, const Values& values) 
   constexpr double kMaxCount = 4294967295.0;
   for (std::size_t k = 8; k <= 10; ++k) {
     if (!(values[k] >= 0.0 && values[k] <= kMaxCount && values[k] == std::floor(values[k]))) {
-      throw Error("{}: row {}: column '{}': {} is not a count", table.source, row + 1, kColumns[k],
+      throw Error("{}: line {}: column '{}': {} is not a count", table.source, table.lines[row], kColumns[k],
                   values[k]);
     }
   }
@@ -121,8 +121,8 @@ Run read_run(const std::string& path, const Progress& progress) {
     for (std::size_t k = 0; k < columns.size(); ++k) values[k] = table.at(row, columns[k]);
     check_counts(table, row, values);
     if (!run.rows.empty() && !(values[0] > run.rows.back().t)) {
-      throw Error("{}: row {}: time {} does not follow {}; rows must be in order of time", path, row + 1,
-                  values[0], run.rows.back().t);
+      throw Error("{}: line {}: column 't': {} does not follow {}; rows must be in order of time", path,
+                  table.lines[row], values[0], run.rows.back().t);
     }
     run.rows.push_back(from_values(values, user_force));
   }
