@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2034,SC2154 # the scripts that source this use what it sets, and set root
 # Shared by ./run and ./test: installs what is missing and builds. Sourced, not run.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev libnanoflann-dev libtbb-dev

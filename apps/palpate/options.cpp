@@ -123,7 +123,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t min_count
 }
 
 CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& type,
-                        const std::string& description, std::function<void(const std::string&)> set) {
+                        const std::string& description, const std::function<void(const std::string&)>& set) {
   const auto callback = [name, set](const CLI::results_t& results) {
     try {
       set(results.front());

@@ -30,7 +30,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t min_count
 /// An option whose text `set` takes apart; `type` stands for the value in --help.
 /// \pre `set` throws CLI::ValidationError for a text it cannot take.
 CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& type,
-                        const std::string& description, std::function<void(const std::string&)> set);
+                        const std::string& description, const std::function<void(const std::string&)>& set);
 
 /// A number option whose value must lie in [low, high] (NaN does not). Shows `unit` in --help.
 CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, double low, double high,

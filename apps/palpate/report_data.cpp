@@ -110,7 +110,10 @@ std::string contacts_json(const RunContacts& contacts, std::size_t run_stride) {
       values.push_back(get(contacts.points[i]));
     append_array(out, name, values, digits);
   };
-  column("row", 12, [&](const Point& p) { return static_cast<double>(p.row / run_stride); });
+  column("row", 12, [&](const Point& p) {
+    const std::size_t shown = p.row / run_stride;
+    return static_cast<double>(shown);
+  });
   column("x", 7, [](const Point& p) { return p.contact.point.x(); });
   column("y", 7, [](const Point& p) { return p.contact.point.y(); });
   column("z", 7, [](const Point& p) { return p.contact.point.z(); });

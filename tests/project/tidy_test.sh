@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# clang-tidy finds nothing in the library and the program. usage: tidy_test.sh BUILD_FOLDER
+# clang-tidy finds nothing in the given folders. usage: tidy_test.sh BUILD_FOLDER FOLDER...
 set -euo pipefail
-build=$(realpath "${1:?usage: tidy_test.sh BUILD_FOLDER}")
+build=$(realpath "${1:?usage: tidy_test.sh BUILD_FOLDER FOLDER...}")
+shift
 cd "$(dirname "$(realpath "$0")")/../.."
-find src apps -name '*.cpp' -print0 | xargs -0 -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet
+find "$@" -name '*.cpp' -print0 | xargs -0 -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet
