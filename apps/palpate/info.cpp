@@ -15,24 +15,6 @@
 namespace palpate::cli {
 namespace {
 
-/// The thresholds between which the paper chooses (III-A), for the table of kept shares.
-constexpr std::array kPaperThresholds{0.1, 0.2, 0.3};
-
-/// Shares of all Gaussians that stay above each of kPaperThresholds.
-std::array<double, kPaperThresholds.size()> kept_shares(const GaussianScene& scene) {
-  std::array<std::size_t, kPaperThresholds.size()> counts{};
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    if (defect(scene, i) != Defect::kNone) continue;
-    const double opacity = scene.gaussian(i).opacity;
-    for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += opacity > kPaperThresholds[k] ? 1 : 0;
-  }
-  std::array<double, kPaperThresholds.size()> shares{};
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    shares[k] = static_cast<double>(counts[k]) / static_cast<double>(scene.size());
-  }
-  return shares;
-}
-
 Json to_json(const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return nullptr;
   return {{"min", vector_json(box.min())}, {"max", vector_json(box.max())}};
@@ -83,9 +65,8 @@ Json to_json(const LoadedScene& loaded, const LintReport& lint, const SceneOptio
                     {"below_iso", f.below_iso},
                     {"over_max_scale", f.over_max_scale},
                     {"outside_crop", f.outside_crop}};
-  const auto shares = kept_shares(scene);
-  for (std::size_t k = 0; k < shares.size(); ++k)
-    json["kept_share"][fmt::format("{}", kPaperThresholds[k])] = shares[k];
+  for (std::size_t k = 0; k < kPaperThresholds.size(); ++k)
+    json["kept_share"][fmt::format("{}", kPaperThresholds[k])] = lint.share_above[k];
   json["frame"] = options.frame_note();
   json["world_bounds"] = to_json(bounds_of(loaded.kept));
   return json;
@@ -135,9 +116,8 @@ void print_text(const LoadedScene& loaded, const LintReport& lint, const SceneOp
   print_row("longest sigma", lint.longest_sigma);
   print_row("shortest sigma", lint.shortest_sigma);
   print_counts(lint, loaded.filtered, options);
-  const auto shares = kept_shares(scene);
   fmt::print("share kept        {:.1f} % above 0.1, {:.1f} % above 0.2, {:.1f} % above 0.3\n",
-             100 * shares[0], 100 * shares[1], 100 * shares[2]);
+             100 * lint.share_above[0], 100 * lint.share_above[1], 100 * lint.share_above[2]);
   fmt::print("\nworld             {}; scale {} m/unit\n", options.frame_note(), options.registration.scale);
   print_box("kept ellipsoids", bounds_of(loaded.kept));
 }

@@ -84,6 +84,14 @@ TEST(Lint, DefectsCountNowhereElse) {
   EXPECT_EQ(report.bounds.max().x(), 99.0);
   EXPECT_DOUBLE_EQ(report.opacity.front(), 4.0 / 255);
   EXPECT_DOUBLE_EQ(report.opacity.back(), 99.0 / 255);
+  EXPECT_DOUBLE_EQ(report.share_above[0], 74.0 / 101);  // bytes 26 to 99; 25.5 is a tenth of 255
+}
+
+TEST(Lint, SharesCountWhatIsStrictlyAboveAThreshold) {
+  const LintReport report = lint(ladder());             // opacities 0/255 to 100/255
+  EXPECT_DOUBLE_EQ(report.share_above[0], 75.0 / 101);  // 26 to 100
+  EXPECT_DOUBLE_EQ(report.share_above[1], 49.0 / 101);  // 52 to 100: 51/255 is 0.2 itself
+  EXPECT_DOUBLE_EQ(report.share_above[2], 24.0 / 101);  // 77 to 100
 }
 
 TEST(Lint, NothingSoundIsNoError) {

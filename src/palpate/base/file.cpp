@@ -124,8 +124,8 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   target_ = resolve_links(path_);
   if (fs::path(target_).filename().string().size() > kMaxName) fail("open for writing", ENAMETOOLONG);
-  folder_ = fs::path(target_).parent_path().string();
-  if (folder_.empty()) folder_ = ".";
+  const fs::path folder = fs::path(target_).parent_path();
+  folder_ = (folder.empty() ? fs::path(".") : folder).string();
   descriptor_ = retry_open(folder_.c_str(), O_WRONLY | O_TMPFILE, kMode);
   if (descriptor_ < 0) {  // a file system without unnamed files
     std::string name = folder_ + "/.palpate-XXXXXX";

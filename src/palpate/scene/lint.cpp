@@ -48,6 +48,11 @@ LintReport lint(const GaussianScene& scene) {
   if (giant > 0.0)
     report.giant = static_cast<std::size_t>(
         std::count_if(longest.begin(), longest.end(), [&](double s) { return s > giant; }));
+  for (std::size_t k = 0; k < kPaperThresholds.size(); ++k) {
+    const auto above =
+        std::count_if(opacity.begin(), opacity.end(), [&](double a) { return a > kPaperThresholds[k]; });
+    report.share_above[k] = static_cast<double>(above) / static_cast<double>(report.total);
+  }
   report.opacity = quantiles(opacity);
   report.longest_sigma = quantiles(longest);
   report.shortest_sigma = quantiles(shortest);

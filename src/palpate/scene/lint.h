@@ -15,6 +15,9 @@ namespace palpate {
 inline constexpr std::array<double, 7> kQuantiles{0.0, 0.01, 0.25, 0.5, 0.75, 0.99, 1.0};
 using Quantiles = std::array<double, kQuantiles.size()>;
 
+/// The opacity thresholds between which the paper chooses (III-A).
+inline constexpr std::array<double, 3> kPaperThresholds{0.1, 0.2, 0.3};
+
 /// Facts about a scene in its captured frame; Gaussians with a defect count in `defects` only.
 struct LintReport {
   std::size_t total = 0;
@@ -26,9 +29,11 @@ struct LintReport {
   double robust_diagonal = 0.0;       ///< diagonal of the box of the central 98 % of each coordinate
   Eigen::AlignedBox3d bounds;         ///< of the centres
   Eigen::AlignedBox3d robust_bounds;  ///< of the central 98 % of each coordinate
-  Quantiles opacity{};                ///< of alpha
-  Quantiles longest_sigma{};          ///< captured units
-  Quantiles shortest_sigma{};         ///< captured units
+  /// Share of all Gaussians that are sound and of opacity above each of kPaperThresholds.
+  std::array<double, kPaperThresholds.size()> share_above{};
+  Quantiles opacity{};         ///< of alpha
+  Quantiles longest_sigma{};   ///< captured units
+  Quantiles shortest_sigma{};  ///< captured units
 };
 
 /// A Gaussian whose longest sigma exceeds this share of the robust diagonal is called giant: at
