@@ -39,15 +39,16 @@ ensure_packages() {
 # ensure_npm: npm of any origin will do; without one, Debian's.
 ensure_npm() { command -v npm >/dev/null || ensure_packages npm; }
 
-# build_preset PRESET TESTS [TARGET]: configures if the build folder is not what is asked for, and
-# builds TARGET or everything. TESTS is ON or OFF; ON stays ON.
+# build_preset PRESET TESTS [TARGET...]: configures if the build folder is not what is asked for, and
+# builds the targets or everything. TESTS is ON or OFF; ON stays ON.
 build_preset() {
-  local preset=$1 tests=$2 target=${3:-all} cache=$root/build/$1/CMakeCache.txt
+  local preset=$1 tests=$2 cache=$root/build/$1/CMakeCache.txt
   if [[ ! -e $root/build/$preset/build.ninja ]] ||
     { [[ $tests == ON ]] && ! grep -q '^PALPATE_TESTS:BOOL=ON' "$cache"; }; then
     say "configuring build/$preset"
     (cd "$root" && cmake --preset "$preset" "-DPALPATE_TESTS=$tests" >/dev/null)
   fi
-  say "building build/$preset ($target)"
-  cmake --build "$root/build/$preset" --target "$target" >&2
+  shift 2
+  say "building build/$preset (${*:-all})"
+  cmake --build "$root/build/$preset" --target "${@:-all}" >&2
 }

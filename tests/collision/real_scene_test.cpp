@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <ostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -174,6 +175,11 @@ struct Case {
   double sigma;
   Similarity world_from_scene;
 };
+
+/// How a case is called in the list of tests.
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.file << " at " << c.sigma << " sigma" << (c.world_from_scene.scale == 1.0 ? "" : ", registered");
+}
 
 class RealScene : public testing::TestWithParam<Case> {};
 

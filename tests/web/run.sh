@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # The report page in a real browser. usage: run.sh WORK_FOLDER REPORT_PAGE
 set -euo pipefail
-work=${1:?usage: run.sh WORK_FOLDER REPORT_PAGE}
-export REPORT_PAGE=${2:?usage: run.sh WORK_FOLDER REPORT_PAGE}
+work=$(realpath -m "${1:?usage: run.sh WORK_FOLDER REPORT_PAGE}")
+REPORT_PAGE=$(realpath "${2:?usage: run.sh WORK_FOLDER REPORT_PAGE}")
+export REPORT_PAGE
 mkdir -p "$work"
 cp "$(dirname "$(realpath "$0")")"/{package.json,package-lock.json,*.mjs} "$work"
 cd "$work"
