@@ -1,6 +1,5 @@
 // palpate query: one pose, its contacts and its wrench.
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
@@ -64,7 +63,7 @@ void print_text(const ContactSet& set, const Wrench& wrench, const Options& opti
              wrench.force.z(), wrench.force.norm(), options.force.model);
   fmt::print("torque {:.5f} {:.5f} {:.5f} N m\n", wrench.torque.x(), wrench.torque.y(), wrench.torque.z());
   print_contacts(set.contacts);
-  if (!options.common.quiet) fmt::print(stderr, "palpate: note: {}\n", options.scene.frame_note());
+  if (!options.common.quiet) notify("note: " + options.scene.frame_note());
 }
 
 void run(const Options& options) {

@@ -65,8 +65,7 @@ void print_text(const std::vector<RunRow>& rows) {
   const RunSummary s = summarize(rows);
   fmt::print(
       "\n{} poses over {:.2f} s, {} in contact, up to {} colliding, up to {:.2f} N; compute p50 {:.1f} us, "
-      "p99 "
-      "{:.1f} us, max {:.0f} us\n",
+      "p99 {:.1f} us, max {:.0f} us\n",
       rows.size(), s.seconds, s.contact_rows, s.most_colliding, s.largest_force, s.compute_us.p50,
       s.compute_us.p99, s.compute_us.max);
 }
