@@ -50,18 +50,20 @@ const char* to_string(Defect defect) {
   return "?";
 }
 
-Defect defect(const GaussianScene& scene, std::size_t i) {
+Defect defect(const GaussianScene& scene, std::size_t i) { return defect(scene, i, scene.gaussian(i)); }
+
+Defect defect(const GaussianScene& scene, std::size_t i, const Gaussian& activated) {
   const bool nan = scene.position[i].hasNaN() || scene.scale[i].hasNaN() || scene.rotation[i].hasNaN() ||
                    std::isnan(scene.opacity[i]) ||
                    (!scene.filter_3d.empty() && std::isnan(scene.filter_3d[i]));
   if (nan) return Defect::kNan;
-  const Gaussian g = scene.gaussian(i);
   const auto real = [](double v) { return std::abs(v) <= kMaxExtent; };
-  const bool finite = real(g.position[0]) && real(g.position[1]) && real(g.position[2]) && real(g.sigma[0]) &&
-                      real(g.sigma[1]) && real(g.sigma[2]) && scene.rotation[i].allFinite();
+  const bool finite = real(activated.position[0]) && real(activated.position[1]) &&
+                      real(activated.position[2]) && real(activated.sigma[0]) && real(activated.sigma[1]) &&
+                      real(activated.sigma[2]) && scene.rotation[i].allFinite();
   if (!finite) return Defect::kInfinite;
   if (scene.rotation[i].isZero(0.0F)) return Defect::kZeroQuaternion;
-  if (g.sigma.isZero(0.0)) return Defect::kZeroScale;
+  if (activated.sigma.isZero(0.0)) return Defect::kZeroScale;
   return Defect::kNone;
 }
 

@@ -85,4 +85,7 @@ inline constexpr double kMaxExtent = 1e12;
 /// Opacity of +/-infinity is legal: it is the logit of exactly 1 or 0.
 Defect defect(const GaussianScene& scene, std::size_t i);
 
+/// The same, for a caller that has `activated` = scene.gaussian(i) already.
+Defect defect(const GaussianScene& scene, std::size_t i, const Gaussian& activated);
+
 }  // namespace palpate

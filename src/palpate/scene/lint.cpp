@@ -22,10 +22,10 @@ LintReport lint(const GaussianScene& scene) {
   std::array<std::vector<double>, 3> coordinates;
   std::vector<double> opacity, longest, shortest;
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    const Defect d = defect(scene, i);
+    const Gaussian g = scene.gaussian(i);
+    const Defect d = defect(scene, i, g);
     ++report.defects[static_cast<std::size_t>(d)];
     if (d != Defect::kNone) continue;
-    const Gaussian g = scene.gaussian(i);
     report.bounds.extend(g.position);
     for (std::size_t axis = 0; axis < 3; ++axis)
       coordinates[axis].push_back(g.position[static_cast<int>(axis)]);

@@ -43,11 +43,11 @@ EllipsoidScene filter_scene(const GaussianScene& scene, const SceneFilter& filte
   for (std::size_t i = 0; i < scene.size(); ++i) {
     if (i % kPerReport == 0)
       palpate::report(progress, "filtering", static_cast<double>(i) / static_cast<double>(scene.size()));
-    if (const Defect d = defect(scene, i); d != Defect::kNone) {
+    const Gaussian gaussian = scene.gaussian(i);
+    if (const Defect d = defect(scene, i, gaussian); d != Defect::kNone) {
       ++report.defects[static_cast<std::size_t>(d)];
       continue;
     }
-    const Gaussian gaussian = scene.gaussian(i);
     if (!(gaussian.opacity > filter.opacity_min)) {
       ++report.low_opacity;
       continue;
