@@ -1,10 +1,12 @@
 // Which Gaussians are solid, how large they are, and where they stand.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <palpate/scene/scene_filter.h>
 
@@ -74,25 +76,36 @@ TEST(SceneFilter, EveryGaussianIsCountedOnceAtTheFirstRuleThatDropsIt) {
   EXPECT_EQ(kept.id, (Ids{5}));
 }
 
-TEST(SceneFilter, CountsAddUpAndIdsStayRowsOnRandomScenes) {
+/// Gaussians of which each rule of strict_filter() drops some.
+GaussianScene mixed_scene(std::size_t count) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Splat> splats;
-  for (int k = 0; k < 2000; ++k)
+  for (std::size_t k = 0; k < count; ++k)
     splats.push_back({{4 * unit(random) - 2, 0, 0}, {unit(random), 0.1, 0.1}, 0.01 + 0.98 * unit(random)});
   GaussianScene scene = scene_of(splats);
-  scene.color.resize(2000);
-  for (std::size_t k = 0; k < 2000; ++k) {
+  scene.color.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
     scene.color[k] = {static_cast<std::uint8_t>(k % 256), static_cast<std::uint8_t>(k / 256), 0};
     if (k % 13 == 0) scene.position[k].y() = kNan;
     if (k % 17 == 0) scene.scale[k].setZero();
     if (k % 19 == 0) scene.position[k].z() = 1e30F;
   }
+  return scene;
+}
+
+SceneFilter strict_filter() {
   SceneFilter filter;
   filter.opacity_min = 0.3;
   filter.iso = 0.4;
   filter.max_scale = 0.8;
   filter.crop_sphere = SceneFilter::Sphere{{0, 0, 0}, 1.5};
+  return filter;
+}
+
+TEST(SceneFilter, CountsAddUpAndIdsStayRowsOnRandomScenes) {
+  const GaussianScene scene = mixed_scene(2000);
+  const SceneFilter filter = strict_filter();
   FilterReport report;
   const EllipsoidScene kept = filter_scene(scene, filter, {}, report);
   EXPECT_EQ(report.defective() + report.low_opacity + report.below_iso + report.over_max_scale +
@@ -215,6 +228,50 @@ TEST(SceneFilter, ARegistrationThatOverflowsMakesADefect) {
   EXPECT_EQ(kept.id, (Ids{1}));
   EXPECT_EQ(report.defects[static_cast<std::size_t>(Defect::kInfinite)], 1U);
   EXPECT_EQ(report.kept, 1U);
+}
+
+TEST(SceneFilter, AsksAboutOneGaussianAsAboutAScene) {
+  const GaussianScene scene = mixed_scene(2000);
+  FilterReport whole;
+  const Ids kept = filter_scene(scene, strict_filter(), quarter_turn(0.9), whole).id;
+  Ids ids;
+  FilterReport first, second;  // of the two halves
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    FilterReport& half = i < 1000 ? first : second;
+    if (keeps(scene, i, scene.gaussian(i), strict_filter(), quarter_turn(0.9), half))
+      ids.push_back(scene.id[i]);
+    EXPECT_EQ(half.total, i % 1000 + 1);
+  }
+  EXPECT_EQ(ids, kept);
+  EXPECT_EQ(first += second, whole);
+}
+
+TEST(SceneFilter, TheReportsOfPartsAddUpInEveryMember) {
+  const FilterReport a{1, {2, 3, 4, 5, 6}, 7, 8, 9, 10, 11};
+  FilterReport sum{100, {200, 300, 400, 500, 600}, 700, 800, 900, 1000, 1100};
+  sum += a;
+  EXPECT_EQ(sum, (FilterReport{101, {202, 303, 404, 505, 606}, 707, 808, 909, 1010, 1111}));
+}
+
+TEST(SceneFilter, IsTheSameOnOneThreadAndOnSeveral) {
+  const GaussianScene scene = mixed_scene(600'000);  // two rounds and a part of a third
+  const auto filtered = [&](std::size_t threads, FilterReport& report) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    return filter_scene(scene, strict_filter(), quarter_turn(0.9), report);
+  };
+  FilterReport one_report, four_report;
+  const EllipsoidScene one = filtered(1, one_report);
+  const EllipsoidScene four = filtered(4, four_report);
+  EXPECT_EQ(one_report, four_report);
+  EXPECT_EQ(one_report.total, scene.size());
+  ASSERT_EQ(one.size(), one_report.kept);
+  ASSERT_EQ(one.id, four.id);
+  EXPECT_TRUE(std::is_sorted(one.id.begin(), one.id.end()));
+  EXPECT_TRUE(one.opacity == four.opacity && one.color == four.color);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one.ellipsoids[i].center, four.ellipsoids[i].center);
+    ASSERT_EQ(one.ellipsoids[i].axes, four.ellipsoids[i].axes);
+  }
 }
 
 TEST(SceneFilter, AFilterThatKeepsNothingLeavesEmptyArrays) {

@@ -148,22 +148,30 @@ void OutputFile::fail(std::string_view action, int error_number) const {
 }
 
 void OutputFile::write(std::string_view bytes) {
+  if (bytes.size() >= kBufferBytes) {
+    flush();
+    write_through(bytes);
+    return;
+  }
   buffer_ += bytes;
   if (buffer_.size() >= kBufferBytes) flush();
 }
 
 void OutputFile::flush() {
-  std::string_view left = buffer_;
-  while (!left.empty()) {
-    const ssize_t n = ::write(descriptor_, left.data(), left.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail("write", errno);
-    left.remove_prefix(static_cast<std::size_t>(n));
-  }
+  write_through(buffer_);
   buffer_.clear();
 }
 
-void OutputFile::commit() {
+void OutputFile::write_through(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("write", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+}
+
+void OutputFile::commit(Sync sync) {
   flush();
   if (direct_) {
     if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", errno);
@@ -171,7 +179,7 @@ void OutputFile::commit() {
   }
   struct stat earlier {};
   if (::stat(target_.c_str(), &earlier) == 0) ::fchmod(descriptor_, earlier.st_mode & 07777);
-  if (::fsync(descriptor_) != 0) fail("write", errno);
+  if (sync == Sync::kYes && ::fsync(descriptor_) != 0) fail("write", errno);
   if (temporary_.empty()) {
     // linkat() cannot replace a file, so the unnamed file gets a name of its own first.
     const std::string source = "/proc/self/fd/" + std::to_string(descriptor_);
@@ -187,6 +195,66 @@ void OutputFile::commit() {
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail("write", errno);
   temporary_.clear();
   ::close(std::exchange(descriptor_, -1));
+}
+
+namespace {
+
+/// The folder that `path` is in, links to it resolved.
+std::string folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(resolve_links(path)).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(std::string folder) : folder_(std::move(folder)) {
+  descriptor_ = retry_open(folder_.c_str(), O_RDWR | O_TMPFILE, kMode);
+  if (descriptor_ >= 0) return;
+  std::string name = folder_ + "/.palpate-XXXXXX";  // a file system without unnamed files
+  descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor_ < 0) throw Error("{}: cannot make a temporary file: {}", folder_, error_text(errno));
+  ::unlink(name.c_str());
+}
+
+TemporaryFile::~TemporaryFile() { ::close(descriptor_); }
+
+void TemporaryFile::write(std::uint64_t offset, std::span<const char> bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done,
+                               static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw Error("{}: cannot write a temporary file: {}{}", folder_, error_text(errno), advice(errno));
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+void TemporaryFile::read(std::uint64_t offset, std::span<char> out) const {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t n =
+        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw Error("{}: cannot read a temporary file: {}", folder_, error_text(n < 0 ? errno : EIO));
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+FileStamp stamp_of(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) throw Error("{}: cannot open: {}", path, error_text(errno));
+  const auto nanoseconds = [](const timespec& t) {
+    return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+  };
+  return {static_cast<std::uint64_t>(status.st_size), nanoseconds(status.st_mtim), nanoseconds(status.st_ctim)};
+}
+
+bool folder_is_writable(const std::string& path) {
+  const std::string folder = folder_of(path);
+  struct stat status {};
+  constexpr mode_t kAnyWrite = S_IWUSR | S_IWGRP | S_IWOTH;
+  return ::stat(folder.c_str(), &status) == 0 && (status.st_mode & kAnyWrite) != 0 &&
+         ::access(folder.c_str(), W_OK) == 0;
 }
 
 void write_file(const std::string& path, std::string_view bytes) {

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A regular file open for reading at any offset. Move-only. One thread at a time.
+/// A regular file open for reading at any offset. Move-only. Any number of threads may read at once.
 class InputFile {
  public:
   /// \throws Error if `path` is missing, unreadable or not a regular file.
@@ -56,12 +56,16 @@ class OutputFile {
   /// Appends `bytes`. \throws Error when the disk is full or the write fails.
   void write(std::string_view bytes);
 
-  /// Flushes to disk and gives the file its name. \throws Error on failure; the target is then
-  /// as it was before.
-  void commit();
+  /// Whether commit() waits until the bytes are on the disk. What can be made again at any time, and is checked when
+  /// it is read, need not wait.
+  enum class Sync { kYes, kNo };
+
+  /// Gives the file its name. \throws Error on failure; the target is then as it was before.
+  void commit(Sync sync = Sync::kYes);
 
  private:
   void flush();
+  void write_through(std::string_view bytes);
   [[noreturn]] void fail(std::string_view action, int error_number) const;
 
   std::string path_;       ///< as the user gave it, for messages
@@ -72,6 +76,40 @@ class OutputFile {
   int descriptor_ = -1;
   bool direct_ = false;  ///< the target is a pipe or a device
 };
+
+/// A file without a name, for what does not fit memory. Gone with the object, or with the process.
+class TemporaryFile {
+ public:
+  /// In `folder`. \throws Error if that cannot be written.
+  explicit TemporaryFile(std::string folder);
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  /// Bytes at `offset`. \throws Error when the disk is full or fails.
+  void write(std::uint64_t offset, std::span<const char> bytes);
+  void read(std::uint64_t offset, std::span<char> out) const;
+
+ private:
+  std::string folder_;
+  int descriptor_ = -1;
+};
+
+/// What tells that a file is not the one that was seen before.
+struct FileStamp {
+  std::uint64_t size = 0;
+  std::int64_t modified_ns = 0;  ///< mtime
+  std::int64_t changed_ns = 0;   ///< ctime, which nobody can set back
+
+  bool operator==(const FileStamp&) const = default;
+};
+
+/// \throws Error if there is no such file.
+FileStamp stamp_of(const std::string& path);
+
+/// True if a file could be made in the folder of `path`. A folder that its permissions let nobody write to is left
+/// alone, also by a superuser, whom they do not bind.
+bool folder_is_writable(const std::string& path);
 
 /// Writes `bytes` as an OutputFile in one go.
 void write_file(const std::string& path, std::string_view bytes);

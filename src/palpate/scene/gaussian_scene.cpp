@@ -36,6 +36,7 @@ void GaussianScene::reserve(std::size_t n) {
   scale.reserve(n);
   rotation.reserve(n);
   opacity.reserve(n);
+  filter_3d.reserve(n);
   color.reserve(n);
 }
 

@@ -61,6 +61,7 @@ struct GaussianScene {
   /// sigma' = sqrt(sigma^2 + f^2) and alpha' = alpha * prod(sigma / sigma').
   Gaussian gaussian(std::size_t i) const;
 
+  /// Makes room in all arrays; what is not used in the end is never touched.
   void reserve(std::size_t n);
 };
 

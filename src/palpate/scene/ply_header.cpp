@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <palpate/base/error.h>
@@ -154,17 +153,8 @@ std::size_t size_of(PlyType type) { return info(type).bytes; }
 const char* to_string(PlyType type) { return info(type).name.data(); }
 
 double load_number(const char* bytes, PlyType type, ByteOrder order) {
-  switch (type) {
-    case PlyType::kInt8: return load_as<std::int8_t>(bytes, order);
-    case PlyType::kUint8: return load_as<std::uint8_t>(bytes, order);
-    case PlyType::kInt16: return load_as<std::int16_t>(bytes, order);
-    case PlyType::kUint16: return load_as<std::uint16_t>(bytes, order);
-    case PlyType::kInt32: return load_as<std::int32_t>(bytes, order);
-    case PlyType::kUint32: return load_as<std::uint32_t>(bytes, order);
-    case PlyType::kFloat32: return load_as<float>(bytes, order);
-    case PlyType::kFloat64: return load_as<double>(bytes, order);
-  }
-  return std::numeric_limits<double>::quiet_NaN();
+  return with_type(type,
+                   [&](auto kind) { return static_cast<double>(load_as<decltype(kind)>(bytes, order)); });
 }
 
 bool holds(PlyType type, double value) {

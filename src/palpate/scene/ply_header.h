@@ -15,6 +15,22 @@ namespace palpate {
 
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
+/// Calls use(T{}) for the C++ type T that `type` names.
+template <typename Use>
+auto with_type(PlyType type, const Use& use) {
+  switch (type) {
+    case PlyType::kInt8: return use(std::int8_t{});
+    case PlyType::kUint8: return use(std::uint8_t{});
+    case PlyType::kInt16: return use(std::int16_t{});
+    case PlyType::kUint16: return use(std::uint16_t{});
+    case PlyType::kInt32: return use(std::int32_t{});
+    case PlyType::kUint32: return use(std::uint32_t{});
+    case PlyType::kFloat32: return use(float{});
+    case PlyType::kFloat64: break;
+  }
+  return use(double{});
+}
+
 /// Bytes of one number.
 std::size_t size_of(PlyType type);
 /// The number stored at `bytes`, exactly: every .ply type fits a double.

@@ -2,10 +2,12 @@
 /// Gaussian splatting scenes in .ply, as they occur in the wild.
 #pragma once
 
+#include <memory>
+
 #include <palpate/base/file.h>
 #include <palpate/base/progress.h>
-#include <palpate/scene/gaussian_scene.h>
 #include <palpate/scene/ply_header.h>
+#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 
@@ -24,6 +26,9 @@ namespace palpate {
 /// Other elements are skipped, before and after; bytes after the data are counted. Values wider
 /// than single precision are rounded to it, positions relative to GaussianScene::origin.
 /// \throws Error for a broken header, a missing property, a file that ends early, or a bad number.
-GaussianScene read_ply(const InputFile& file, const Progress& progress = {});
+std::unique_ptr<SceneReader> open_ply(InputFile file, const Progress& progress = {});
+
+/// All of it at once.
+GaussianScene read_ply(InputFile file, const Progress& progress = {});
 
 }  // namespace palpate

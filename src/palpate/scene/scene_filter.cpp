@@ -1,15 +1,21 @@
 #include <palpate/scene/scene_filter.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+
+#include <palpate/base/append.h>
 
 namespace palpate {
 namespace {
 
-/// Standard deviations out to which the Gaussian is solid.
-double sigma_multiple(double opacity, const SceneFilter& filter) {
-  return filter.iso ? std::sqrt(2.0 * std::log(opacity / *filter.iso)) : filter.sigma;
-}
+/// Gaussians that one thread filters in one go.
+constexpr std::size_t kBlock = std::size_t{1} << 12;
+/// Blocks that are filtered before what they keep is collected: bounds what is held twice to 30 MB.
+constexpr std::size_t kBlocksPerRound = 64;
 
 bool beyond_extent(const Ellipsoid& e) {
   return !(e.center.cwiseAbs().maxCoeff() <= kMaxExtent && e.radius() <= kMaxExtent);
@@ -20,10 +26,90 @@ bool outside_crop(const Eigen::Vector3d& center, const SceneFilter& filter) {
   return filter.crop_sphere && (center - filter.crop_sphere->center).norm() > filter.crop_sphere->radius;
 }
 
+/// keeps(), with the ellipsoid of a Gaussian that is kept.
+std::optional<Ellipsoid> kept_ellipsoid(const GaussianScene& scene, std::size_t i, const Gaussian& activated,
+                                        const SceneFilter& filter, const Similarity& world_from_scene,
+                                        FilterReport& report) {
+  const auto drop = [](std::size_t& count) {
+    ++count;
+    return std::nullopt;
+  };
+  ++report.total;
+  if (const Defect d = defect(scene, i, activated); d != Defect::kNone)
+    return drop(report.defects[static_cast<std::size_t>(d)]);
+  if (!(activated.opacity > filter.opacity_min)) return drop(report.low_opacity);
+  if (filter.iso && !(activated.opacity > *filter.iso)) return drop(report.below_iso);
+  if (filter.max_scale && world_from_scene.scale * activated.sigma.maxCoeff() > *filter.max_scale)
+    return drop(report.over_max_scale);
+  const Ellipsoid ellipsoid = world_ellipsoid(activated, filter, world_from_scene);
+  if (beyond_extent(ellipsoid)) return drop(report.defects[static_cast<std::size_t>(Defect::kInfinite)]);
+  if (outside_crop(ellipsoid.center, filter)) return drop(report.outside_crop);
+  ++report.kept;
+  return ellipsoid;
+}
+
+struct FilteredBlock {
+  EllipsoidScene kept;
+  FilterReport report;
+};
+
+/// Memory that is not used in the end is never touched, so it costs nothing; growing would copy.
+void reserve(EllipsoidScene& scene, std::size_t n) {
+  scene.ellipsoids.reserve(n);
+  scene.opacity.reserve(n);
+  scene.id.reserve(n);
+  scene.color.reserve(n);
+}
+
+void append(EllipsoidScene& scene, const EllipsoidScene& part) {
+  palpate::append(scene.ellipsoids, part.ellipsoids);
+  palpate::append(scene.opacity, part.opacity);
+  palpate::append(scene.id, part.id);
+  palpate::append(scene.color, part.color);
+}
+
+void clear(EllipsoidScene& scene) {
+  scene.ellipsoids.clear();
+  scene.opacity.clear();
+  scene.id.clear();
+  scene.color.clear();
+}
+
+/// Replaces `block` by what becomes of the Gaussians begin ... end-1.
+void filter_block(const GaussianScene& scene, std::size_t begin, std::size_t end, const SceneFilter& filter,
+                  const Similarity& world_from_scene, FilteredBlock& block) {
+  clear(block.kept);  // keeps its memory
+  block.report = {};
+  for (std::size_t i = begin; i < end; ++i) {
+    const Gaussian gaussian = scene.gaussian(i);
+    const auto ellipsoid = kept_ellipsoid(scene, i, gaussian, filter, world_from_scene, block.report);
+    if (!ellipsoid) continue;
+    block.kept.ellipsoids.push_back(*ellipsoid);
+    block.kept.opacity.push_back(gaussian.opacity);
+    block.kept.id.push_back(scene.id[i]);
+    if (!scene.color.empty()) block.kept.color.push_back(scene.color[i]);
+  }
+}
+
 }  // namespace
 
 std::size_t FilterReport::defective() const {
   return std::accumulate(defects.begin(), defects.end(), std::size_t{0});
+}
+
+FilterReport& operator+=(FilterReport& sum, const FilterReport& part) {
+  sum.total += part.total;
+  for (std::size_t d = 0; d < kDefectCount; ++d) sum.defects[d] += part.defects[d];
+  sum.low_opacity += part.low_opacity;
+  sum.below_iso += part.below_iso;
+  sum.over_max_scale += part.over_max_scale;
+  sum.outside_crop += part.outside_crop;
+  sum.kept += part.kept;
+  return sum;
+}
+
+double sigma_multiple(double opacity, const SceneFilter& filter) {
+  return filter.iso ? std::sqrt(2.0 * std::log(opacity / *filter.iso)) : filter.sigma;
 }
 
 Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
@@ -33,48 +119,31 @@ Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
   return {world_from_scene * gaussian.position, R_world * (k * gaussian.sigma).asDiagonal()};
 }
 
+bool keeps(const GaussianScene& scene, std::size_t i, const Gaussian& activated, const SceneFilter& filter,
+           const Similarity& world_from_scene, FilterReport& report) {
+  return kept_ellipsoid(scene, i, activated, filter, world_from_scene, report).has_value();
+}
+
 EllipsoidScene filter_scene(const GaussianScene& scene, const SceneFilter& filter,
                             const Similarity& world_from_scene, FilterReport& report,
                             const Progress& progress) {
-  constexpr std::size_t kPerReport = 1 << 16;
   report = {};
-  report.total = scene.size();
   EllipsoidScene kept;
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    if (i % kPerReport == 0)
-      palpate::report(progress, "filtering", static_cast<double>(i) / static_cast<double>(scene.size()));
-    const Gaussian gaussian = scene.gaussian(i);
-    if (const Defect d = defect(scene, i, gaussian); d != Defect::kNone) {
-      ++report.defects[static_cast<std::size_t>(d)];
-      continue;
+  reserve(kept, scene.size());
+  std::vector<FilteredBlock> blocks(kBlocksPerRound);
+  constexpr std::size_t kRound = kBlock * kBlocksPerRound;
+  for (std::size_t first = 0; first < scene.size(); first += kRound) {
+    palpate::report(progress, "filtering", static_cast<double>(first) / static_cast<double>(scene.size()));
+    tbb::parallel_for(std::size_t{0}, kBlocksPerRound, [&](std::size_t b) {
+      const std::size_t begin = std::min(first + b * kBlock, scene.size());
+      const std::size_t end = std::min(begin + kBlock, scene.size());
+      filter_block(scene, begin, end, filter, world_from_scene, blocks[b]);
+    });
+    for (const FilteredBlock& block : blocks) {
+      report += block.report;
+      append(kept, block.kept);
     }
-    if (!(gaussian.opacity > filter.opacity_min)) {
-      ++report.low_opacity;
-      continue;
-    }
-    if (filter.iso && !(gaussian.opacity > *filter.iso)) {
-      ++report.below_iso;
-      continue;
-    }
-    if (filter.max_scale && world_from_scene.scale * gaussian.sigma.maxCoeff() > *filter.max_scale) {
-      ++report.over_max_scale;
-      continue;
-    }
-    const Ellipsoid ellipsoid = world_ellipsoid(gaussian, filter, world_from_scene);
-    if (beyond_extent(ellipsoid)) {
-      ++report.defects[static_cast<std::size_t>(Defect::kInfinite)];
-      continue;
-    }
-    if (outside_crop(ellipsoid.center, filter)) {
-      ++report.outside_crop;
-      continue;
-    }
-    kept.ellipsoids.push_back(ellipsoid);
-    kept.opacity.push_back(gaussian.opacity);
-    kept.id.push_back(scene.id[i]);
-    if (!scene.color.empty()) kept.color.push_back(scene.color[i]);
   }
-  report.kept = kept.size();
   palpate::report(progress, "filtering", 1.0);
   return kept;
 }

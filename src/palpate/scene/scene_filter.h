@@ -38,8 +38,8 @@ struct SceneFilter {
   std::optional<Sphere> crop_sphere;  ///< likewise
 };
 
-/// What became of every Gaussian of a scene; each is counted once, at the first rule that drops it
-/// in the order of the members.
+/// What became of the Gaussians of a scene or of a part of one; each is counted once, at the first rule that
+/// drops it in the order of the members.
 struct FilterReport {
   std::size_t total = 0;
   std::array<std::size_t, kDefectCount> defects{};  ///< by Defect; [kNone] stays 0
@@ -51,7 +51,12 @@ struct FilterReport {
 
   /// All that cannot collide because of a defect.
   std::size_t defective() const;
+
+  bool operator==(const FilterReport&) const = default;
 };
+
+/// The reports of two parts of a scene add up to that of both.
+FilterReport& operator+=(FilterReport& sum, const FilterReport& part);
 
 /// The ellipsoids of the kept Gaussians in the world frame, in increasing order of id.
 struct EllipsoidScene {
@@ -63,13 +68,24 @@ struct EllipsoidScene {
   std::size_t size() const { return ellipsoids.size(); }
 };
 
+/// k of the ellipsoid of a Gaussian: the standard deviations out to which it is solid.
+/// \pre with iso set, opacity > *iso.
+double sigma_multiple(double opacity, const SceneFilter& filter);
+
 /// The ellipsoid of `gaussian` under `filter`, registered by `world_from_scene`: centre
-/// c = s R_g mu + t, semi-axes k s R_g R diag(sigma). Never forms a covariance.
+/// c = s R_g mu + t, semi-axes k s R_g R diag(sigma), k = sigma_multiple(). Never forms a covariance.
 /// \pre with iso set, gaussian.opacity > *iso.
 Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
                           const Similarity& world_from_scene);
 
-/// Applies filter and registration. `report` says what became of every Gaussian.
+/// True if `filter` keeps Gaussian i of `scene`, registered by `world_from_scene`. `activated` is
+/// scene.gaussian(i). Counts it in `report`: in the total, and where it is kept or dropped. Parts of a
+/// scene may be asked about by several threads, each with a report of its own.
+bool keeps(const GaussianScene& scene, std::size_t i, const Gaussian& activated, const SceneFilter& filter,
+           const Similarity& world_from_scene, FilterReport& report);
+
+/// Applies filter and registration. `report` says what became of every Gaussian. Runs in parallel on the
+/// caller's oneTBB arena; the result does not depend on the number of threads.
 EllipsoidScene filter_scene(const GaussianScene& scene, const SceneFilter& filter,
                             const Similarity& world_from_scene, FilterReport& report,
                             const Progress& progress = {});

@@ -2,9 +2,11 @@
 /// The `.splat` format of browser viewers.
 #pragma once
 
+#include <memory>
+
 #include <palpate/base/file.h>
 #include <palpate/base/progress.h>
-#include <palpate/scene/gaussian_scene.h>
+#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 
@@ -16,6 +18,9 @@ namespace palpate {
 ///     offset 28  uint8[4]  quaternion w, x, y, z as (byte - 128) / 128
 ///
 /// \throws Error if the size is not a multiple of 32.
-GaussianScene read_splat(const InputFile& file, const Progress& progress = {});
+std::unique_ptr<SceneReader> open_splat(InputFile file, const Progress& progress = {});
+
+/// All of it at once.
+GaussianScene read_splat(InputFile file, const Progress& progress = {});
 
 }  // namespace palpate

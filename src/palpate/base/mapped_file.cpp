@@ -1,0 +1,39 @@
+#include <palpate/base/mapped_file.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <palpate/base/error.h>
+
+namespace palpate {
+namespace {
+
+std::string error_text(int error_number) { return std::generic_category().message(error_number); }
+
+}  // namespace
+
+MappedFile::MappedFile(const std::string& path) : path_(path) {
+  // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) throw Error("{}: cannot open: {}", path, error_text(errno));
+  struct stat status {};
+  const bool regular = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  const auto size = static_cast<std::size_t>(status.st_size);
+  void* address = MAP_FAILED;
+  if (regular && size != 0) address = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
+  const int error_number = errno;
+  ::close(descriptor);
+  if (!regular) throw Error("{}: is not a regular file", path);
+  if (size == 0) throw Error("{}: is empty", path);
+  if (address == MAP_FAILED) throw Error("{}: cannot map: {}", path, error_text(error_number));
+  bytes_ = {static_cast<const std::byte*>(address), size};
+}
+
+MappedFile::~MappedFile() { ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size()); }
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+/// \file
+/// A text file line by line.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <palpate/base/file.h>
+
+namespace palpate {
+
+/// Hands out the lines of a text file from an offset on, without their terminators.
+class LineReader {
+ public:
+  /// \param file is kept by reference.
+  LineReader(const InputFile& file, std::uint64_t offset);
+
+  /// The next line that is not blank, valid until the next call; nothing at the end of the file.
+  /// \throws Error when the read fails or a line is unreasonably long.
+  std::optional<std::string_view> next();
+
+  /// Byte offset in the file of the line last handed out.
+  std::uint64_t line_start() const { return line_start_; }
+  /// Bytes of the file behind that line.
+  std::uint64_t bytes_left() const { return file_.size() - position(); }
+
+ private:
+  /// Byte offset in the file of what next() looks at first.
+  std::uint64_t position() const { return next_read_ - (buffer_.size() - at_); }
+  bool refill();
+
+  const InputFile& file_;
+  std::string buffer_;
+  std::size_t at_ = 0;
+  std::uint64_t next_read_;
+  std::uint64_t line_start_;
+};
+
+}  // namespace palpate

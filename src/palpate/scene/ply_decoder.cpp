@@ -1,0 +1,80 @@
+#include <palpate/scene/ply_decoder.h>
+
+#include <cmath>
+#include <limits>
+
+#include <palpate/scene/sh_color.h>
+
+namespace palpate {
+namespace {
+
+/// The log of a sigma of zero: sigma z of a 2DGS disc.
+constexpr float kLogZero = -std::numeric_limits<float>::infinity();
+
+PlyField operator+(PlyField field, int k) {
+  return static_cast<PlyField>(static_cast<std::size_t>(field) + static_cast<std::size_t>(k));
+}
+
+}  // namespace
+
+PlyDecoder::PlyDecoder(const PlyElement& vertex, ByteOrder order) : order_(order) {
+  std::size_t offset = 0;
+  for (const PlyProperty& property : vertex.properties) {
+    for (std::size_t field = 0; field < kPlyFieldCount; ++field) {
+      if (property.name == kPlyFieldNames[field]) columns_[field] = Column{offset, property.type};
+    }
+    offset += size_of(property.type);
+  }
+}
+
+template <typename Use>
+void PlyDecoder::for_each(PlyField field, const RowBlock& rows, const Use& use) const {
+  const auto [offset, type] = *columns_[field];
+  const ByteOrder order = order_;
+  with_type(type, [&, offset = offset](auto kind) {
+    const char* bytes = rows.bytes + offset;
+    for (std::size_t k = 0; k < rows.count; ++k, bytes += rows.stride) {
+      use(k, static_cast<double>(load_as<decltype(kind)>(bytes, order)));
+    }
+  });
+}
+
+void PlyDecoder::size_optional(GaussianScene& chunk) const {
+  if (has(kFilter)) chunk.filter_3d.resize(chunk.size());
+  if (has(kRed)) chunk.color.resize(chunk.size());
+}
+
+void PlyDecoder::decode(const RowBlock& rows, GaussianScene& chunk, std::size_t at) const {
+  const auto read = [&](PlyField field, const auto& number_of) {
+    for_each(field, rows,
+             [&](std::size_t k, double value) { number_of(at + k) = static_cast<float>(value); });
+  };
+  for (int i = 0; i < 3; ++i) {
+    for_each(kX + i, rows, [&, origin = chunk.origin[i]](std::size_t k, double value) {
+      chunk.position[at + k][i] = static_cast<float>(value - origin);
+    });
+    const auto scale = [&](std::size_t k) -> float& { return chunk.scale[k][i]; };
+    if (has(kScale0 + i)) {
+      read(kScale0 + i, scale);
+    } else {
+      for (std::size_t k = 0; k < rows.count; ++k) scale(at + k) = kLogZero;
+    }
+    if (has(kRed)) {
+      for_each(kRed + i, rows, [&, channel = static_cast<std::size_t>(i)](std::size_t k, double value) {
+        chunk.color[at + k][channel] = color_from_sh(value);
+      });
+    }
+  }
+  for (int i = 0; i < 4; ++i) read(kRot0 + i, [&](std::size_t k) -> float& { return chunk.rotation[k][i]; });
+  read(kOpacity, [&](std::size_t k) -> float& { return chunk.opacity[k]; });
+  if (has(kFilter)) read(kFilter, [&](std::size_t k) -> float& { return chunk.filter_3d[k]; });
+}
+
+Eigen::Vector3d PlyDecoder::position(const char* row) const {
+  const auto number = [&](PlyField field) {
+    return load_number(row + columns_[field]->offset, columns_[field]->type, order_);
+  };
+  return {number(kX), number(kY), number(kZ)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+/// \file
+/// From rows of a .ply to Gaussians.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include <palpate/scene/bytes.h>
+#include <palpate/scene/gaussian_scene.h>
+#include <palpate/scene/ply_header.h>
+#include <palpate/scene/ply_layout.h>
+#include <palpate/scene/row_reader.h>
+
+namespace palpate {
+
+/// Decodes binary rows of an element `vertex` that has passed check_layout(). Goes column by column, so
+/// that type and byte order are looked at once a column and block, not once a number. Const functions
+/// may be called from several threads.
+class PlyDecoder {
+ public:
+  PlyDecoder(const PlyElement& vertex, ByteOrder order);
+
+  /// Sizes the optional arrays of `chunk` as the others are, if the file has what goes there.
+  void size_optional(GaussianScene& chunk) const;
+
+  /// Puts the rows into the Gaussians `at`, at + 1, ... of `chunk`, but for their ids. Positions become
+  /// relative to chunk.origin. Values wider than single precision are rounded to it.
+  void decode(const RowBlock& rows, GaussianScene& chunk, std::size_t at) const;
+
+  /// The position in one row, as the file has it.
+  Eigen::Vector3d position(const char* row) const;
+
+ private:
+  struct Column {
+    std::size_t offset;  ///< in a row
+    PlyType type;
+  };
+
+  bool has(PlyField field) const { return columns_[field].has_value(); }
+
+  /// Calls use(k, value) with the number, exactly, that row k has in the column of `field`, for all rows.
+  template <typename Use>
+  void for_each(PlyField field, const RowBlock& rows, const Use& use) const;
+
+  std::array<std::optional<Column>, kPlyFieldCount> columns_;
+  ByteOrder order_;
+};
+
+}  // namespace palpate

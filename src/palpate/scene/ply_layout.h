@@ -1,0 +1,48 @@
+/// \file
+/// What a .ply must have to be a Gaussian splatting scene, and which variant of it is there.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include <palpate/scene/ply_header.h>
+
+namespace palpate {
+
+/// The properties of the element `vertex` that are read.
+enum PlyField : std::size_t {
+  kX,
+  kY,
+  kZ,
+  kScale0,
+  kScale1,
+  kScale2,
+  kRot0,
+  kRot1,
+  kRot2,
+  kRot3,
+  kOpacity,
+  kFilter,
+  kRed,
+  kGreen,
+  kBlue,
+  kPlyFieldCount
+};
+
+/// Their names, by PlyField.
+inline constexpr std::array<const char*, kPlyFieldCount> kPlyFieldNames{
+    "x",     "y",     "z",       "scale_0",   "scale_1", "scale_2", "rot_0", "rot_1",
+    "rot_2", "rot_3", "opacity", "filter_3D", "f_dc_0",  "f_dc_1",  "f_dc_2"};
+
+struct PlyLayout {
+  std::string variant;  ///< "INRIA", "2DGS" or "Mip-Splatting"
+  int sh_degree = 0;
+  bool wide_positions = false;  ///< a position may not fit single precision
+};
+
+/// Checks that `vertex` has the properties of a Gaussian splatting scene, see ply_reader.h.
+/// \throws Error naming `path` and the property otherwise.
+PlyLayout check_layout(const std::string& path, const PlyElement& vertex);
+
+}  // namespace palpate
