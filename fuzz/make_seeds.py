@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes seeds for the fuzzers into FOLDER/ply, FOLDER/csv and FOLDER/config.
+"""Writes seeds for the fuzzers into FOLDER/ply, FOLDER/csv, FOLDER/config and FOLDER/index.
 
     make_seeds.py FOLDER
 
@@ -38,6 +38,12 @@ def sound_files():
     yield "csv", (RUN_HEADER + "\r\n" + ",".join(["0"] * 4 + ["1"] + ["2"] * 17) + "\r\n").encode()
     yield "config", (b'# options\nsigma = 1.5\ntool = [0.01, 0.02, 0.03]\njson = true\nframe = "y-up"\n'
                      b"[table]\na.b = {c = 1, d = 1979-05-27T07:32:00Z}\n'x y' = '''\nz'''\n")
+    # Changes to an index, see index_fuzzer.cpp: none, a byte of each part, a cut; and one that is only a front.
+    yield "index", b""
+    yield "index", bytes([0, 0, 12, 2])
+    yield "index", bytes([0, 16, 0, 255, 0, 80, 0, 255])
+    yield "index", bytes([0, 32, 0])
+    yield "index", b"PALPATE\n" + bytes([4, 3, 2, 1, 1, 0, 0, 0]) + bytes(8176)
 
 
 def main():

@@ -25,7 +25,7 @@ void use(const palpate::GaussianScene& scene) {
   palpate::FilterReport report;
   palpate::SceneFilter filter;
   filter.opacity_min = 0.0;
-  palpate::EllipsoidScene kept = palpate::filter_scene(scene, filter, {}, report);
+  const palpate::EllipsoidScene kept = palpate::filter_scene(scene, filter, {}, report);
   require(lint.total == scene.size() && report.total == scene.size());
   require(report.defective() + report.low_opacity + report.kept == scene.size());
   require(report.kept == kept.size() && lint.defects[0] >= kept.size());
@@ -36,8 +36,9 @@ void use(const palpate::GaussianScene& scene) {
   if (kept.size() == 0) return;
   const palpate::Pose pose{kept.ellipsoids.front().center, Eigen::Quaterniond::Identity()};
   palpate::ContactSet contacts;
-  palpate::SceneIndex(std::move(kept))
-      .query(palpate::Ellipsoid::from_semi_axes(pose, {0.02, 0.02, 0.04}), contacts);
+  const palpate::SceneIndex index(scene, filter, {});
+  require(index.size() == kept.size());
+  index.query(palpate::Ellipsoid::from_semi_axes(pose, {0.02, 0.02, 0.04}), contacts);
   require(!contacts.contacts.empty());  // the tool sits on the first Gaussian
   for (const palpate::Contact& c : contacts.contacts) {
     require(c.k_min > 0.0 && c.k_min <= 1.0 && std::isfinite(c.depth));

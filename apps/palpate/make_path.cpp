@@ -28,9 +28,9 @@ struct Options {
 };
 
 /// The path; errors name the scene.
-Trajectory make_path(const Options& options, const SceneIndex& index) {
+Trajectory make_path(const Options& options, const SceneIndex& index, const EllipsoidScene& kept) {
   try {
-    return touch_path(index, index.scene(), options.query.tool, options.path);
+    return touch_path(index, kept, options.query.tool, options.path);
   } catch (const Error& error) {
     throw Error("{}: {}", options.scene.path, error.what());
   }
@@ -39,8 +39,9 @@ Trajectory make_path(const Options& options, const SceneIndex& index) {
 void run(const Options& options) {
   check_output(options.out, {options.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
-  const SceneIndex index(load_kept(options.scene, progress), progress);
-  const Trajectory path = make_path(options, index);
+  const LoadedScene loaded = load(options.scene, progress);
+  const SceneIndex index(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
+  const Trajectory path = make_path(options, index, loaded.kept);
   write_trajectory(path, options.out);
   DensityForce model;
   const auto contacts = contact_episodes(play_back(index, options.query.tool, model, path)).size();

@@ -227,26 +227,45 @@ std::string SceneOptions::frame_note() const {
   return "no frame is declared in the file: captured axes are taken as world axes, z up (see --frame)";
 }
 
+namespace {
+
+/// Says what the filter dropped that a person should know of.
+void tell(const FilterReport& f, const std::string& path) {
+  if (f.kept == 0) {
+    notify(fmt::format(
+        "warning: {}: nothing is left to touch: of {} Gaussians {} are defective, {} below "
+        "--opacity-min, {} below --iso, {} above --max-scale, {} outside the crop",
+        path, f.total, f.defective(), f.low_opacity, f.below_iso, f.over_max_scale, f.outside_crop));
+  } else if (f.defective() != 0) {
+    notify(fmt::format("note: {}: {} of {} Gaussians cannot collide and are left out (see palpate info)",
+                       path, f.defective(), f.total));
+  }
+}
+
+}  // namespace
+
 LoadedScene load(const SceneOptions& options, const Progress& progress) {
   LoadedScene result;
   result.scene = load_scene(options.path, progress);
   result.kept =
       filter_scene(result.scene, options.filter, options.world_from_scene(), result.filtered, progress);
-  const FilterReport& f = result.filtered;
-  if (f.kept == 0) {
-    notify(fmt::format(
-        "warning: {}: nothing is left to touch: of {} Gaussians {} are defective, {} below "
-        "--opacity-min, {} below --iso, {} above --max-scale, {} outside the crop",
-        options.path, f.total, f.defective(), f.low_opacity, f.below_iso, f.over_max_scale, f.outside_crop));
-  } else if (f.defective() != 0) {
-    notify(fmt::format("note: {}: {} of {} Gaussians cannot collide and are left out (see palpate info)",
-                       options.path, f.defective(), f.total));
-  }
+  tell(result.filtered, options.path);
   return result;
 }
 
-EllipsoidScene load_kept(const SceneOptions& options, const Progress& progress) {
-  return load(options, progress).kept;
+SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progress& progress) {
+  const OpenedIndex opened =
+      palpate::open_index(options.path, options.filter, options.world_from_scene(), files, progress);
+  if (opened.rejected) notify(fmt::format("note: {}; made again", *opened.rejected));
+  if (opened.not_written) {
+    notify(fmt::format("warning: {}; the index is in memory, and made again by every command",
+                       *opened.not_written));
+  }
+  if (opened.origin == OpenedIndex::Origin::kNewFile && progress) {  // someone watches
+    notify(fmt::format("note: wrote {}, which the next command starts from", index_path(options.path)));
+  }
+  tell(opened.report, options.path);
+  return opened.index;
 }
 
 void QueryOptions::declare_tool(CLI::App& app) {
@@ -270,6 +289,9 @@ void QueryOptions::declare_pipeline(CLI::App& app) {
   CLI::Option* choice =
       app.add_option("--pipeline", pipeline, "exact, or the paper's kd-tree and golden section");
   choice->check(CLI::IsMember({"exact", "paper"}))->capture_default_str()->group(kToolGroup);
+  app.add_flag("--no-index-file", no_index_file,
+               "neither read nor write SCENE.palpate, the index beside the scene")
+      ->group(kToolGroup);
   add_parsed(app, "--search-radius", "m", "of the paper's kd-tree (default: reaches 99 % of the Gaussians)",
              [this](const std::string& text) { search_radius = parse_positive(text); })
       ->group(kToolGroup);
@@ -279,8 +301,13 @@ void QueryOptions::declare_pipeline(CLI::App& app) {
       ->group(kToolGroup);
 }
 
-std::unique_ptr<ContactQuery> QueryOptions::build(EllipsoidScene scene, const Progress& progress) const {
-  if (pipeline == "exact") return std::make_unique<SceneIndex>(std::move(scene), progress);
+std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
+                                                  const Progress& progress) const {
+  if (pipeline == "exact") {
+    const IndexFiles files = no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
+    return std::make_unique<SceneIndex>(open_index(options, files, progress));
+  }
+  EllipsoidScene scene = load(options, progress).kept;
   const double radius =
       search_radius.value_or(PaperPipeline::default_search_radius(scene, tool.semi_axes.maxCoeff()));
   return std::make_unique<PaperPipeline>(std::move(scene), radius, iterations);

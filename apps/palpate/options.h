@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include <palpate/base/progress.h>
+#include <palpate/collision/open_index.h>
 #include <palpate/collision/paper_pipeline.h>
 #include <palpate/collision/scene_index.h>
 #include <palpate/geometry/similarity.h>
@@ -20,6 +21,8 @@
 #include <palpate/haptics/tool.h>
 #include <palpate/scene/gaussian_scene.h>
 #include <palpate/scene/scene_filter.h>
+
+#include "command.h"
 
 namespace palpate::cli {
 
@@ -76,20 +79,22 @@ struct LoadedScene {
 /// Loads and filters; warns on stderr if nothing is left. \throws Error.
 LoadedScene load(const SceneOptions& options, const Progress& progress);
 
-/// Like load(), but drops the captured scene itself to save its memory.
-EllipsoidScene load_kept(const SceneOptions& options, const Progress& progress);
+/// The index of a scene; tells on stderr what became of the index file beside it. \throws Error.
+SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progress& progress);
 
 /// The tool and how its contacts are found.
 struct QueryOptions {
   Tool tool;
   std::string pipeline = "exact";
+  bool no_index_file = false;
   std::optional<double> search_radius;
   int iterations = PaperPipeline::kDefaultIterations;
 
   void declare_tool(CLI::App& app);
   void declare_pipeline(CLI::App& app);
 
-  std::unique_ptr<ContactQuery> build(EllipsoidScene scene, const Progress& progress) const;
+  /// \throws Error.
+  std::unique_ptr<ContactQuery> build(const SceneOptions& scene, const Progress& progress) const;
 };
 
 /// How contacts become a force.

@@ -21,9 +21,15 @@ struct Options {
   Pose pose;
 };
 
+/// Of the file that they are from, whatever index found them.
+std::vector<Contact> ordered_by_id(std::vector<Contact> contacts) {
+  std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) { return a.id < b.id; });
+  return contacts;
+}
+
 Json to_json(const ContactSet& set, const Wrench& wrench) {
   Json json{{"candidates", set.candidates}, {"filtered", set.filtered}, {"contacts", Json::array()}};
-  for (const Contact& c : set.contacts) {
+  for (const Contact& c : ordered_by_id(set.contacts)) {
     json["contacts"].push_back({{"id", c.id},
                                 {"k_min", c.k_min},
                                 {"lambda", c.lambda},
@@ -68,7 +74,7 @@ void print_text(const ContactSet& set, const Wrench& wrench, const Options& opti
 
 void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
-  const auto query = options.query.build(load_kept(options.scene, progress), progress);
+  const auto query = options.query.build(options.scene, progress);
   ContactSet set;
   query->query(options.query.tool.at(options.pose), set);
   const Wrench wrench = options.force.build()->evaluate({options.pose, {}, 0.0, &set});

@@ -79,7 +79,7 @@ void run(const Options& options) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, parallelism);
 
   const Trajectory trajectory = read_trajectory(options.trajectory);
-  const auto query = options.query.build(load_kept(options.scene, progress), progress);
+  const auto query = options.query.build(options.scene, progress);
   const auto model = options.force.build();
   const std::vector<RunRow> rows = play_back(*query, options.query.tool, *model, trajectory, progress);
   write_run(rows, options.out, progress);

@@ -72,10 +72,11 @@ void run(const Options& options) {
   if (options.scene.path.empty()) {
     json = report_json(recorded, nullptr, nullptr, nullptr);
   } else {
-    const SceneIndex index(load_kept(options.scene, progress), progress);
+    const LoadedScene loaded = load(options.scene, progress);
+    const SceneIndex index(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
     const RunContacts contacts = find_contacts(recorded, index, options.query.tool);
     warn_if_different(contacts, options);
-    json = report_json(recorded, &index, &options.query.tool, &contacts);
+    json = report_json(recorded, &loaded.kept, &options.query.tool, &contacts);
   }
   const std::string title = std::filesystem::path(options.run).filename().string();
   write_file(options.out, fill_page(title, json));

@@ -189,7 +189,7 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
   return result;
 }
 
-std::string report_json(const Run& run, const SceneIndex* index, const Tool* tool,
+std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
                         const RunContacts* contacts) {
   const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
   const auto text = [](const Json& json) {
@@ -205,7 +205,7 @@ std::string report_json(const Run& run, const SceneIndex* index, const Tool* too
       text(std::filesystem::path(run.source).filename().string()), kVersion, text(summary_json(run, stride)),
       tool_json, columns_json(run, stride), text(episodes_json(run, stride)),
       contacts != nullptr ? contacts_json(*contacts, stride) : "null",
-      index != nullptr ? scene_json(index->scene()) : "null");
+      scene != nullptr ? scene_json(*scene) : "null");
   return escaped(out);
 }
 

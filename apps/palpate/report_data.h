@@ -10,6 +10,7 @@
 
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/scene/scene_filter.h>
 #include <palpate/servo/run_log.h>
 
 namespace palpate::cli {
@@ -30,7 +31,7 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
 
 /// The document of the report page (web/report/README.md). `index`, `tool` and `contacts` may be
 /// null where the run's scene is not at hand. Long runs are thinned; the text says so.
-std::string report_json(const Run& run, const SceneIndex* index, const Tool* tool,
+std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
                         const RunContacts* contacts);
 
 }  // namespace palpate::cli

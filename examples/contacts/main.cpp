@@ -3,11 +3,9 @@
 #include <iostream>
 
 #include <palpate/base/error.h>
-#include <palpate/collision/scene_index.h>
+#include <palpate/collision/open_index.h>
 #include <palpate/haptics/density_force.h>
 #include <palpate/haptics/tool.h>
-#include <palpate/scene/load_scene.h>
-#include <palpate/scene/scene_filter.h>
 
 int main(int argc, char** argv) {
   if (argc != 5) {
@@ -15,19 +13,17 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    palpate::FilterReport report;
     const palpate::Similarity world_from_scene;  // the scene is in metres already
-    palpate::EllipsoidScene scene =
-        palpate::filter_scene(palpate::load_scene(argv[1]), palpate::SceneFilter{}, world_from_scene, report);
-    const palpate::SceneIndex index(std::move(scene));
+    const palpate::OpenedIndex opened =
+        palpate::open_index(argv[1], palpate::SceneFilter{}, world_from_scene);
 
     palpate::Pose pose;
     pose.position = {std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4])};
     palpate::ContactSet contacts;
-    index.query(palpate::Tool{}.at(pose), contacts);
+    opened.index.query(palpate::Tool{}.at(pose), contacts);
     palpate::DensityForce force;
     const palpate::Wrench wrench = force.evaluate({pose, {}, 0.0, &contacts});
-    std::cout << report.kept << " Gaussians, " << contacts.contacts.size() << " in contact, force "
+    std::cout << opened.report.kept << " Gaussians, " << contacts.contacts.size() << " in contact, force "
               << wrench.force.transpose() << " N\n";
   } catch (const palpate::Error& error) {
     std::cerr << "contacts: " << error.what() << "\n";

@@ -9,6 +9,7 @@ from support import SANITIZED, Case, RUN_HEADER, path_csv, ply, refusal_problem,
 
 MAX_SECONDS = 5.0
 MAX_MB = 300.0
+INDEX = b"a.ply.palpate"
 
 
 class BrokenInputs(Case):
@@ -34,6 +35,8 @@ class BrokenInputs(Case):
         for name in found:
             if name not in map(os.fsencode, self.sound):
                 os.remove(os.path.join(folder, name))
+        if INDEX in found:  # of the sound scene; test_index.py is about it
+            found.remove(INDEX)
         problem = refusal_problem(result, row.code, row.words)
         if problem:
             return problem

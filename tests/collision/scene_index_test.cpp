@@ -1,444 +1,408 @@
-// SceneIndex and PaperPipeline against a loop over all Gaussians, which tests/k_function*_test.cpp vouch for.
+// SceneIndex against a loop over all Gaussians in scalar double precision, on every instruction set. The bars
+// are those of two codes that round differently; simd_oracle_test.cpp compares with extended precision.
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
-#include <string>
+#include <cstdio>
+#include <limits>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include <palpate/collision/paper_pipeline.h>
 #include <palpate/collision/scene_index.h>
-#include <support/parallel.h>
-#include <support/random_pairs.h>
+#include <support/brute_force.h>
+#include <support/effort.h>
+#include <support/on_every_target.h>
+#include <support/random_scenes.h>
 
 namespace palpate {
 namespace {
 
+using Eigen::Vector3d;
+using test::Bars;
+using test::BruteForce;
+using test::draws;
+using test::in_bytes;
+using test::in_logarithms;
 using test::Random;
+using test::random_tools;
+using test::scene_of;
+using test::splat;
+using test::Splat;
+using test::with_gaps_in_ids;
 
-/// Ids that are not positions, as after a filter: 3 i + 5.
-EllipsoidScene scene_of(std::vector<Ellipsoid> ellipsoids) {
-  EllipsoidScene scene;
-  for (std::size_t i = 0; i < ellipsoids.size(); ++i) {
-    scene.opacity.push_back(0.1 + 0.9 * static_cast<double>(i % 97) / 97.0);
-    scene.id.push_back(static_cast<std::uint32_t>(3 * i + 5));
+/// Size ratios to 1e8: K is as good as its own conditioning, and so flat that where it is least means little.
+constexpr Bars kWild{1e-9, 0.0};
+
+class SceneIndexOnEveryTarget : public test::OnEveryTarget {
+ protected:
+  static void TearDownTestSuite() {
+    const test::WorstSeen worst = test::worst_seen();
+    std::printf("  against brute force: worst |dK_min| %.1e, worst of lambda, normal, point and depth %.1e\n",
+                worst.k, worst.place);
   }
-  scene.ellipsoids = std::move(ellipsoids);
-  return scene;
-}
 
-/// Every contact, by trying every Gaussian.
-std::vector<Contact> brute_force(const EllipsoidScene& scene, const Ellipsoid& tool) {
-  const WhitenedTool whitened(tool);
-  std::vector<Contact> contacts;
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    const KFunction k(whitened, scene.ellipsoids[i]);
-    const KMinimum minimum = minimize(k);
-    if (!(minimum.k_min > 0.0)) continue;
-    contacts.push_back(make_contact(whitened, scene.ellipsoids[i], k, minimum));
-    contacts.back().id = scene.id[i];
-    contacts.back().opacity = scene.opacity[i];
+  /// Compares the index of `scene` with brute force for all `tools`; there must be more than `least`
+  /// contacts.
+  static void check(const GaussianScene& scene, std::vector<Ellipsoid> tools, std::size_t least,
+                    const Bars& bars = {}, const SceneFilter& filter = {}, const Similarity& world = {}) {
+    const SceneIndex index(scene, filter, world);
+    const BruteForce truth(scene, filter, world, std::move(tools));
+    ASSERT_EQ(index.size(), truth.scene().size());
+    on_every_target([&] { EXPECT_GT(truth.check(index, bars), least / test::kSlowdown); });
   }
-  return contacts;
-}
-
-/// Least and most Gaussians that can be meant by "those whose own box meets the tool's box", given that
-/// boxes are rounded: boxes shrunk and grown by 1e-12 of their numbers.
-struct Bounds {
-  std::size_t least = 0, most = 0;
 };
-Bounds boxes_that_meet(const EllipsoidScene& scene, const Ellipsoid& tool) {
-  Bounds bounds;
-  for (const Ellipsoid& e : scene.ellipsoids) {
-    double gap = -std::numeric_limits<double>::infinity(), slack = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double reach = std::hypot(e.axes(axis, 0), e.axes(axis, 1), e.axes(axis, 2)) +
-                           std::hypot(tool.axes(axis, 0), tool.axes(axis, 1), tool.axes(axis, 2));
-      gap = std::max(gap, std::abs(e.center[axis] - tool.center[axis]) - reach);
-      slack = std::max(slack, 1e-12 * (std::abs(e.center[axis]) + std::abs(tool.center[axis]) + reach));
-    }
-    bounds.least += gap < -slack;
-    bounds.most += gap <= slack;
-  }
-  return bounds;
+
+std::vector<Splat> wild_splats(Random& random, std::size_t count, double half) {
+  std::vector<Splat> splats;
+  for (std::size_t i = 0; i < count; ++i) splats.push_back(wild_splat(random, half));
+  return splats;
 }
 
-void expect_same(const std::vector<Contact>& found, const std::vector<Contact>& expected) {
-  ASSERT_EQ(found.size(), expected.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    ASSERT_EQ(found[i].id, expected[i].id);
-    EXPECT_EQ(found[i].k_min, expected[i].k_min);
-    EXPECT_EQ(found[i].lambda, expected[i].lambda);
-    EXPECT_EQ(found[i].opacity, expected[i].opacity);
-    EXPECT_EQ(found[i].center, expected[i].center);
-    EXPECT_EQ(found[i].point, expected[i].point);
-    EXPECT_EQ(found[i].normal, expected[i].normal);
-    EXPECT_EQ(found[i].depth, expected[i].depth);
-  }
-}
-
-/// Queries `index` with each tool and compares with brute force over `scene`; returns the contacts seen.
-std::size_t check(const SceneIndex& index, const EllipsoidScene& scene, const std::vector<Ellipsoid>& tools) {
-  std::size_t seen = 0;
-  ContactSet set;
-  for (const Ellipsoid& tool : tools) {
-    index.query(tool, set);
-    expect_same(set.contacts, brute_force(scene, tool));
-    const Bounds bounds = boxes_that_meet(scene, tool);
-    EXPECT_GE(set.candidates, bounds.least);
-    EXPECT_LE(set.candidates, bounds.most);
-    EXPECT_LE(set.filtered, set.candidates);
-    EXPECT_LE(set.contacts.size(), set.filtered);
-    EXPECT_TRUE(std::is_sorted(set.contacts.begin(), set.contacts.end(),
-                               [](const Contact& a, const Contact& b) { return a.id < b.id; }));
-    seen += set.contacts.size();
-    if (testing::Test::HasFatalFailure()) break;
-  }
-  return seen;
-}
-
-/// Semi-axes over nine orders of magnitude, some of them zero.
-Eigen::Vector3d wild_semi_axes(Random& r) {
-  Eigen::Vector3d s = r.log_uniform(1e-6, 1e3) * r.semi_axes(1e-3, 1.0);
-  if (r.integer(0, 9) == 0) s[r.integer(0, 2)] = 0.0;
-  return s;
-}
-Ellipsoid wild(Random& r, double half) {
-  return Ellipsoid::from_semi_axes({r.in_box(half), r.rotation()}, wild_semi_axes(r));
-}
-
-std::vector<Ellipsoid> random_tools(Random& r, std::size_t count, double half, double low, double high) {
-  std::vector<Ellipsoid> tools;
-  for (std::size_t i = 0; i < count; ++i)
-    tools.push_back(Ellipsoid::from_semi_axes({r.in_box(half), r.rotation()},
-                                              r.log_uniform(low, high) * r.semi_axes(0.3, 1.0)));
-  return tools;
-}
-
-/// A cloud like a captured scene: small flat splats near the unit sphere.
-std::vector<Ellipsoid> splats(Random& r, std::size_t count) {
-  std::vector<Ellipsoid> result;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d n = r.direction();
-    const Eigen::Quaterniond q =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), (n + 0.1 * r.direction()).normalized());
-    result.push_back(Ellipsoid::from_semi_axes(
-        {n * (1.0 + 0.005 * r.normal()), q},
-        {r.log_uniform(0.003, 0.05), r.log_uniform(0.003, 0.05), r.log_uniform(1e-6, 1e-3)}));
-  }
-  return result;
-}
-
-TEST(SceneIndex, OfWildSizes_vs_bruteforce) {
+TEST_F(SceneIndexOnEveryTarget, OfWildSizes_vs_bruteforce) {
   Random random(71);
-  std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 3000; ++i) ellipsoids.push_back(wild(random, 100.0));
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  const SceneIndex index(scene);
-  EXPECT_GT(check(index, scene, random_tools(random, 150, 150.0, 1e-4, 50.0)), 1000U);
+  const GaussianScene scene = with_gaps_in_ids(scene_of(wild_splats(random, 3000, 100.0)));
+  check(scene, random_tools(random, draws(2000), 150.0, 1e-4, 50.0), 5000, kWild);
 }
 
-TEST(SceneIndex, OfTwentyThousandSplats_vs_bruteforce) {
+TEST_F(SceneIndexOnEveryTarget, OfTwentyThousandSplats_vs_bruteforce) {
   Random random(72);
-  const EllipsoidScene scene = scene_of(splats(random, 20000));
-  const SceneIndex index(scene);
-  std::vector<Ellipsoid> tools;
-  for (int i = 0; i < 100; ++i) {
-    const double radius = random.uniform(0.97, 1.03);
-    tools.push_back(
-        Ellipsoid::from_semi_axes({radius * random.direction(), random.rotation()}, {0.02, 0.02, 0.04}));
-  }
-  EXPECT_GT(check(index, scene, tools), 500U);
+  const GaussianScene scene = with_gaps_in_ids(scene_of(sphere_of_splats(random, 20000)));
+  check(scene, tools_at_sphere(random, draws(1000)), 5000);
 }
 
-TEST(SceneIndex, OfManyDuplicates_vs_bruteforce) {
+TEST_F(SceneIndexOnEveryTarget, OfManyDuplicates_vs_bruteforce) {
   Random random(73);
-  std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 40; ++i) ellipsoids.insert(ellipsoids.end(), 25, wild(random, 2.0));
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  EXPECT_GT(check(SceneIndex(scene), scene, random_tools(random, 100, 3.0, 1e-2, 1.0)), 1000U);
+  std::vector<Splat> splats;
+  for (int i = 0; i < 40; ++i) splats.insert(splats.end(), 25, wild_splat(random, 2.0));
+  check(scene_of(splats), random_tools(random, draws(100), 3.0, 1e-2, 1.0), 1000, kWild);
 }
 
-TEST(SceneIndex, OfOneCentre_vs_bruteforce) {
+TEST_F(SceneIndexOnEveryTarget, OfOneCentre_vs_bruteforce) {
   Random random(74);
-  std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 500; ++i)
-    ellipsoids.push_back(Ellipsoid::from_semi_axes({{1, 2, 3}, random.rotation()}, wild_semi_axes(random)));
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  std::vector<Ellipsoid> tools = random_tools(random, 100, 5.0, 1e-3, 1.0);
-  tools.push_back(Ellipsoid::from_semi_axes({{1, 2, 3}, random.rotation()}, {0.1, 0.2, 0.3}));
-  EXPECT_GT(check(SceneIndex(scene), scene, tools), 500U);
+  std::vector<Splat> splats;
+  for (int i = 0; i < 500; ++i) splats.push_back(splat({1, 2, 3}, wild_semi_axes(random), random.rotation()));
+  check(scene_of(splats), random_tools(random, draws(100), 5.0, 1e-3, 1.0), 500, kWild);
 }
 
-TEST(SceneIndex, OfCentresOnALine_vs_bruteforce) {
+// Where the centres coincide, K is 1 everywhere and the way out is across the thinnest extent.
+TEST_F(SceneIndexOnEveryTarget, WithItsCentreInTheTools_vs_bruteforce) {
   Random random(75);
-  std::vector<Ellipsoid> ellipsoids;
+  std::vector<Splat> splats;
+  for (int i = 0; i < 40; ++i)
+    splats.push_back(splat({1, 2, 3}, random.semi_axes(0.01, 1.0), random.rotation()));
+  splats.push_back(splat({1, 2, 3}, {0.1, 0.2, 0.0}, random.rotation()));
+  splats.push_back(splat({1, 2, 3}, {0.0, 0.2, 0.0}, random.rotation()));
+  const GaussianScene scene = scene_of(splats);
+  check(scene, {Ellipsoid::from_semi_axes({{1, 2, 3}, random.rotation()}, {0.1, 0.2, 0.3})}, 41);
+  SceneIndex index(scene, {}, {});
+  ContactSet set;
+  index.query({{1, 2, 3}, Vector3d(0.1, 0.2, 0.3).asDiagonal()}, set);
+  ASSERT_EQ(set.contacts.size(), splats.size());
+  for (const Contact& c : set.contacts) {
+    EXPECT_EQ(c.k_min, 1.0);
+    EXPECT_EQ(c.lambda, 0.5);
+  }
+}
+
+TEST_F(SceneIndexOnEveryTarget, OfCentresOnALine_vs_bruteforce) {
+  Random random(76);
+  std::vector<Splat> splats;
   for (int i = 0; i < 2000; ++i) {
-    ellipsoids.push_back(Ellipsoid::from_semi_axes({{random.uniform(-5, 5), 0, 0}, random.rotation()},
-                                                   random.semi_axes(1e-3, 0.1)));
+    splats.push_back(splat({random.uniform(-5, 5), 0, 0}, random.semi_axes(1e-3, 0.1), random.rotation()));
   }
   // And centres at 2^-k, so that no plane halves what is left.
   for (int k = 0; k < 1000; ++k)
-    ellipsoids.push_back({{std::ldexp(1.0, -k), 0, 0}, 1e-3 * Eigen::Matrix3d::Identity()});
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  std::vector<Ellipsoid> tools = random_tools(random, 50, 0.1, 1e-2, 0.5);
+    splats.push_back(splat({std::ldexp(1.0, -k), 0, 0}, Vector3d::Constant(1e-3)));
+  std::vector<Ellipsoid> tools = random_tools(random, draws(50), 0.1, 1e-2, 0.5);
   tools.push_back({{3.0, 0.0, 0.0}, 0.1 * Eigen::Matrix3d::Identity()});
-  EXPECT_GT(check(SceneIndex(scene), scene, tools), 1000U);
+  check(scene_of(splats), tools, 1000);
 }
 
-TEST(SceneIndex, FarFromTheOrigin_vs_bruteforce) {
-  Random random(76);
-  const Eigen::Vector3d far(4.5e6, 5.4e6, 3e2);  // a georeferenced scene [m]; a float there is 0.5 m
-  std::vector<Ellipsoid> ellipsoids = splats(random, 2000);
-  for (Ellipsoid& e : ellipsoids) e.center += far;
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  std::vector<Ellipsoid> tools = random_tools(random, 100, 1.0, 0.02, 0.2);
-  for (Ellipsoid& tool : tools) tool.center = far + tool.center.normalized();
-  EXPECT_GT(check(SceneIndex(scene), scene, tools), 200U);
-}
-
-TEST(SceneIndex, OfOneToTenGaussians_vs_bruteforce) {
+// One kilometre: a float is 0.06 mm there, which the scene has lost but the query must not lose again.
+TEST_F(SceneIndexOnEveryTarget, AKilometreAway_vs_bruteforce) {
   Random random(77);
-  for (std::size_t n = 1; n <= 10; ++n) {
-    std::vector<Ellipsoid> ellipsoids;
-    for (std::size_t i = 0; i < n; ++i) ellipsoids.push_back(wild(random, 1.0));
-    ellipsoids[0].axes = Eigen::Vector3d(0.5, 0.2, 0.0).asDiagonal();
-    const EllipsoidScene scene = scene_of(ellipsoids);
-    EXPECT_GT(check(SceneIndex(scene), scene, random_tools(random, 50, 1.5, 0.1, 1.0)), 0U);
-  }
+  const Vector3d far(600.0, -800.0, 30.0);
+  std::vector<Splat> splats = sphere_of_splats(random, 20000);
+  for (Splat& s : splats) s.position += far;
+  std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
+  for (Ellipsoid& tool : tools) tool.center += far;
+  check(scene_of(splats), tools, 500, {1e-11, 1e-7});
 }
 
-TEST(SceneIndex, OfNothingIsNeverTouched) {
-  const SceneIndex index(EllipsoidScene{});
-  ContactSet set;
-  set.candidates = 7;
-  set.contacts.emplace_back();
-  index.query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
-  EXPECT_TRUE(set.contacts.empty());
-  EXPECT_EQ(set.candidates, 0U);
-  EXPECT_EQ(set.filtered, 0U);
-}
-
-TEST(SceneIndex, KeepsEveryGaussianWithItsIdAndColour) {
+// A georeferenced scene, whose origin takes the large part of its coordinates. In the world a double is 1e-9
+// m there, a tool of 2 cm hence no better placed than 1e-7 of its radius.
+TEST_F(SceneIndexOnEveryTarget, AtAFarOrigin_vs_bruteforce) {
   Random random(78);
-  EllipsoidScene scene = scene_of(splats(random, 1000));
-  for (std::size_t i = 0; i < scene.size(); ++i)
-    scene.color.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), 7});
-  const SceneIndex index(scene);
-  const EllipsoidScene& held = index.scene();
-  ASSERT_EQ(held.size(), scene.size());
-  std::vector<bool> seen(scene.size());
-  for (std::size_t k = 0; k < held.size(); ++k) {
-    const std::size_t i = (held.id[k] - 5) / 3;
-    EXPECT_FALSE(seen.at(i));
-    seen[i] = true;
-    EXPECT_EQ(held.ellipsoids[k].center, scene.ellipsoids[i].center);
-    EXPECT_EQ(held.ellipsoids[k].axes, scene.ellipsoids[i].axes);
-    EXPECT_EQ(held.opacity[k], scene.opacity[i]);
-    EXPECT_EQ(held.color[k], scene.color[i]);
-  }
-  EXPECT_GE(index.bytes(), scene.size() * (sizeof(Ellipsoid) + sizeof(double) + sizeof(std::uint32_t)));
+  const Vector3d far(4.5e6, 5.4e6, 3e2);
+  GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
+  scene.origin = far;
+  std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
+  for (Ellipsoid& tool : tools) tool.center += far;
+  check(scene, tools, 500, {3e-7, 0.0, far.norm()});
+  // And brought back by the registration.
+  Similarity world;
+  world.translation = -far;
+  check(scene, tools_at_sphere(random, draws(500)), 500, {3e-7, 0.0, far.norm()}, {}, world);
 }
 
-// Counts by hand: a tool of radius 1 at the origin.
-TEST(SceneIndex, CountsTheStages) {
-  const Eigen::Matrix3d small = 0.1 * Eigen::Matrix3d::Identity();
-  const EllipsoidScene scene = scene_of({
-      {{0.9, 0.9, 0.9}, small},  // boxes meet; 1.56 apart: spheres do not
-      {{0, 0, 1.05}, small},     // touched
-      {{5, 0, 0}, small},        // far
-      {{0.9, 0.9, 0},
-       Eigen::Vector3d(0.05, 0.05, 0.5).asDiagonal()},  // spheres meet (1.27 < 1.5), solids do not
-      {{0, 0, -0.2}, small},                            // touched
-  });
-  ContactSet set;
-  SceneIndex(scene).query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
-  EXPECT_EQ(set.candidates, 4U);
-  EXPECT_EQ(set.filtered, 3U);
-  ASSERT_EQ(set.contacts.size(), 2U);
-  EXPECT_EQ(set.contacts[0].id, 8U);   // 3 * 1 + 5
-  EXPECT_EQ(set.contacts[1].id, 17U);  // 3 * 4 + 5
-  EXPECT_NEAR(set.contacts[0].k_min, 1.0 - 1.05 * 1.05 / 1.21, 1e-14);
-  EXPECT_NEAR(set.contacts[1].k_min, 1.0 - 0.04 / 1.21, 1e-14);
-}
-
-TEST(SceneIndex, AnswersAllThreadsAlike) {
+// Without an origin: positions are multiples of 6 cm, of the tool's 2 cm nothing may be lost.
+TEST_F(SceneIndexOnEveryTarget, AThousandKilometresAwayInFloats_vs_bruteforce) {
   Random random(79);
-  const EllipsoidScene scene = scene_of(splats(random, 20000));
-  const SceneIndex index(scene);
-  const std::vector<Ellipsoid> tools = random_tools(random, 400, 1.1, 0.02, 0.3);
-  std::vector<std::vector<Contact>> expected;
-  ContactSet set;
-  for (const Ellipsoid& tool : tools) {
-    index.query(tool, set);
-    expected.push_back(set.contacts);
-  }
-  std::vector<std::thread> threads;
-  for (std::size_t first = 0; first < 8; ++first) {
-    threads.emplace_back([&, first] {
-      ContactSet own;
-      for (std::size_t i = 0; i < tools.size(); ++i) {
-        const std::size_t k = (i + 50 * first) % tools.size();
-        index.query(tools[k], own);
-        expect_same(own.contacts, expected[k]);
-      }
-    });
-  }
-  for (std::thread& t : threads) t.join();
+  const Vector3d far(1e6, -1e6, 1e6);
+  std::vector<Splat> splats = sphere_of_splats(random, 20000);
+  for (Splat& s : splats) s.position += far;
+  std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
+  for (Ellipsoid& tool : tools) tool.center += far;
+  check(scene_of(splats), tools, 500, {1e-7, 0.0});
 }
 
-TEST(SceneIndex, IsTheSameWheneverItIsBuilt) {
+TEST_F(SceneIndexOnEveryTarget, OfOneToFortyGaussians_vs_bruteforce) {
   Random random(80);
-  const EllipsoidScene scene = scene_of(splats(random, 40000));  // enough for parallel branches
-  EXPECT_EQ(SceneIndex(scene).scene().id, SceneIndex(scene).scene().id);
-}
-
-TEST(SceneIndex, ReportsProgressUpToOne) {
-  Random random(81);
-  std::vector<double> fractions;
-  const SceneIndex index(scene_of(splats(random, 100)), [&](std::string_view stage, double fraction) {
-    EXPECT_EQ(stage, "indexing");
-    fractions.push_back(fraction);
-  });
-  ASSERT_FALSE(fractions.empty());
-  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
-  EXPECT_EQ(fractions.back(), 1.0);
-}
-
-// The paper's pipeline.
-
-/// Golden section stops with a bracket 0.618^30 wide, half of which it may be off; K is flat there, by at
-/// most its second derivative, which the end of the range bounds only for lambda away from 0 and 1.
-constexpr double kGoldenSection = 1e-6;
-
-TEST(PaperPipeline, WithARadiusThatCoversAll_vs_bruteforce) {
-  Random random(82);
-  std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 3000; ++i)
-    ellipsoids.push_back(
-        Ellipsoid::from_semi_axes({random.in_box(0.3), random.rotation()}, random.semi_axes(0.01, 0.1)));
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  const PaperPipeline pipeline(scene, 10.0);
-  ContactSet set;
-  std::size_t seen = 0;
-  for (const Ellipsoid& tool : random_tools(random, 100, 0.4, 0.02, 0.1)) {
-    pipeline.query(tool, set);
-    const std::vector<Contact> truth = brute_force(scene, tool);
-    EXPECT_EQ(set.candidates, scene.size());
-    ASSERT_EQ(set.contacts.size(), truth.size());  // none of these has |K_min| < 1e-6
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      EXPECT_EQ(set.contacts[i].id, truth[i].id);
-      EXPECT_NEAR(set.contacts[i].k_min, truth[i].k_min, 1e-11);
-      EXPECT_GE(set.contacts[i].k_min, truth[i].k_min - 1e-14);  // a search cannot go below the minimum
-      EXPECT_NEAR(set.contacts[i].lambda, truth[i].lambda, kGoldenSection);
-      EXPECT_EQ(set.contacts[i].opacity, truth[i].opacity);
-      EXPECT_LE((set.contacts[i].normal - truth[i].normal).norm(), 1e-3);
-    }
-    seen += truth.size();
+  for (std::size_t n = 1; n <= 40; ++n) {
+    std::vector<Splat> splats = wild_splats(random, n, 1.0);
+    splats[n / 2] = splat({0, 0, 0}, {0.5, 0.2, 0.0});
+    check(scene_of(splats), random_tools(random, 50, 1.5, 0.1, 1.0), 0, kWild);
+    if (HasFailure()) break;
   }
-  EXPECT_GT(seen, 500U);
 }
 
-TEST(PaperPipeline, MissesWhatIsOutOfReachAndNothingElse) {
+// More than one buffer of pairs takes several rounds, each ordered by id; all of them are one list.
+TEST_F(SceneIndexOnEveryTarget, WithThousandsOfContacts_vs_bruteforce) {
+  Random random(81);
+  for (const std::size_t count : {255U, 256U, 257U, 1000U, 5000U}) {
+    std::vector<Splat> splats;
+    for (std::size_t i = 0; i < count; ++i)
+      splats.push_back(splat(random.in_box(0.3), random.semi_axes(1e-3, 0.2), random.rotation()));
+    const Pose pose{{0, 0, 0}, random.rotation()};
+    const auto ball = [&](double r) { return Ellipsoid::from_semi_axes(pose, {r, 0.9 * r, 0.8 * r}); };
+    check(with_gaps_in_ids(scene_of(splats)), {ball(1.0)}, count - 1);  // all of it
+    check(with_gaps_in_ids(scene_of(splats)), {ball(0.2)}, count / 10);
+  }
+}
+
+TEST_F(SceneIndexOnEveryTarget, RegisteredByASimilarity_vs_bruteforce) {
+  Random random(82);
+  const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
+  const Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
+  std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
+  for (Ellipsoid& tool : tools) tool.center = world * tool.center;
+  check(scene, tools, 500, {1e-11, 1e-7}, {}, world);
+}
+
+TEST_F(SceneIndexOnEveryTarget, AtThreeSigma_vs_bruteforce) {
   Random random(83);
-  std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 3000; ++i)
-    ellipsoids.push_back(
-        Ellipsoid::from_semi_axes({random.in_box(0.5), random.rotation()},
-                                  random.log_uniform(0.005, 0.4) * random.semi_axes(0.3, 1.0)));
-  const EllipsoidScene scene = scene_of(ellipsoids);
-  const double radius = 0.15;
-  const PaperPipeline pipeline(scene, radius);
-  EXPECT_EQ(pipeline.search_radius(), radius);
-  ContactSet set;
-  std::size_t most_missed = 0;
-  for (const Ellipsoid& tool : random_tools(random, 100, 0.5, 0.02, 0.1)) {
-    pipeline.query(tool, set);
-    std::vector<std::uint32_t> expected, found;
-    std::size_t missed = 0, in_reach = 0;
-    for (const Contact& c : brute_force(scene, tool)) {
-      if ((c.center - tool.center).norm() < radius) {
-        expected.push_back(c.id);
-      } else {
-        ++missed;
+  SceneFilter filter;
+  filter.sigma = 3.0;
+  check(scene_of(sphere_of_splats(random, 20000)), tools_at_sphere(random, draws(500)), 2000, {}, filter);
+}
+
+TEST_F(SceneIndexOnEveryTarget, WhereItIsVisible_vs_bruteforce) {
+  Random random(84);
+  std::vector<Splat> splats = sphere_of_splats(random, 20000);
+  for (std::size_t i = 0; i < splats.size(); ++i)
+    splats[i].opacity = i % 20 == 0 ? 1.0 : random.uniform(0.2, 1.0);
+  SceneFilter filter;
+  filter.iso = 0.3;
+  check(scene_of(splats), tools_at_sphere(random, draws(500)), 500, {}, filter);
+  check(in_bytes(scene_of(splats)), tools_at_sphere(random, draws(500)), 500, {}, filter);
+}
+
+TEST_F(SceneIndexOnEveryTarget, WithMipSplattingsFilter_vs_bruteforce) {
+  Random random(85);
+  GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    scene.filter_3d.push_back(i % 50 == 0 ? 0.0F : static_cast<float>(random.log_uniform(1e-5, 0.01)));
+    if (i % 70 == 1) scene.scale[i][2] = 0.0F;  // its opacity becomes 0 where the filter is not 0
+  }
+  SceneFilter filter;
+  filter.opacity_min = 0.01;
+  check(scene, tools_at_sphere(random, draws(500)), 100, {}, filter);
+  filter.iso = 0.02;
+  check(in_logarithms(scene), tools_at_sphere(random, draws(500)), 100, {}, filter);
+}
+
+TEST_F(SceneIndexOnEveryTarget, InEveryEncoding_vs_bruteforce) {
+  Random random(86);
+  std::vector<Splat> splats = sphere_of_splats(random, 20000);
+  for (std::size_t i = 0; i < splats.size(); i += 3)
+    splats[i].sigma[i % 2] = 0.0;  // of logarithm minus infinity
+  const GaussianScene linear = scene_of(splats);
+  const std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
+  check(linear, tools, 500);
+  check(in_logarithms(linear), tools, 500);
+  check(in_bytes(linear), tools, 500);
+  check(in_bytes(in_logarithms(linear)), tools, 500);
+}
+
+// 2DGS writes discs: a third sigma of zero, seen from the face, the rim and everywhere.
+TEST_F(SceneIndexOnEveryTarget, OfDiscs_vs_bruteforce) {
+  Random random(87);
+  std::vector<Splat> splats = sphere_of_splats(random, 20000);
+  for (Splat& s : splats) s.sigma[2] = 0.0;
+  check(scene_of(splats), tools_at_sphere(random, draws(1000)), 5000);
+}
+
+// Quaternions are not normalised in files.
+TEST_F(SceneIndexOnEveryTarget, WithQuaternionsOfAnyLength_vs_bruteforce) {
+  Random random(88);
+  std::vector<Splat> splats = sphere_of_splats(random, 20000);
+  for (Splat& s : splats)
+    s.rotation *= random.log_uniform(1e-6, 1e6) * (random.integer(0, 1) != 0 ? 1.0 : -1.0);
+  check(scene_of(splats), tools_at_sphere(random, draws(1000)), 5000);
+}
+
+TEST_F(SceneIndexOnEveryTarget, UnderAnisotropicTools_vs_bruteforce) {
+  Random random(89);
+  const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
+  std::vector<Ellipsoid> tools;
+  for (std::size_t i = 0; i < draws(90); ++i) {
+    const Pose pose{random.uniform(0.95, 1.05) * random.direction(), random.rotation()};
+    const Vector3d shapes[] = {{0.1, 0.001, 0.001}, {0.1, 0.1, 0.001}, {0.1, 0.01, 0.001}};
+    tools.push_back(Ellipsoid::from_semi_axes(pose, shapes[i % 3]));
+  }
+  check(scene, tools, 300, {1e-11, 1e-6});
+}
+
+TEST_F(SceneIndexOnEveryTarget, OfNothingIsNeverTouched) {
+  const SceneIndex nothing(GaussianScene{}, {}, {});
+  const SceneIndex nothing_kept(scene_of({splat({0, 0, 0}, {1, 1, 1}, Eigen::Quaterniond::Identity(), 0.01)}),
+                                {}, {});
+  on_every_target([&] {
+    for (const SceneIndex* index : {&nothing, &nothing_kept}) {
+      ContactSet set;
+      set.candidates = 7;
+      set.contacts.emplace_back();
+      index->query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
+      EXPECT_TRUE(set.contacts.empty());
+      EXPECT_EQ(set.candidates, 0U);
+      EXPECT_EQ(set.filtered, 0U);
+      EXPECT_EQ(index->size(), 0U);
+    }
+  });
+}
+
+// By hand: a tool of radius 1 at the origin.
+TEST_F(SceneIndexOnEveryTarget, CountsTheStages) {
+  const Vector3d small = Vector3d::Constant(0.125);
+  const GaussianScene scene = with_gaps_in_ids(scene_of({
+      splat({0.9, 0.9, 0.9}, small),            // boxes meet; 1.56 apart: spheres do not
+      splat({0, 0, 1.0625}, small),             // touched
+      splat({5, 0, 0}, small),                  // far
+      splat({0.9, 0.9, 0}, {0.05, 0.05, 0.5}),  // spheres meet (1.27 < 1.5), solids do not
+      splat({0, 0, -0.25}, small),              // touched
+  }));
+  const SceneIndex index(scene, {}, {});
+  on_every_target([&] {
+    ContactSet set;
+    index.query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
+    EXPECT_EQ(set.candidates, 5U);  // one block, all of it
+    EXPECT_EQ(set.filtered, 3U);
+    ASSERT_EQ(set.contacts.size(), 2U);
+    EXPECT_EQ(set.contacts[0].id, 8U);   // 3 * 1 + 5
+    EXPECT_EQ(set.contacts[1].id, 17U);  // 3 * 4 + 5
+    EXPECT_NEAR(set.contacts[0].k_min, 1.0 - 1.0625 * 1.0625 / (1.125 * 1.125), 1e-14);
+    EXPECT_NEAR(set.contacts[1].k_min, 1.0 - 0.0625 / (1.125 * 1.125), 1e-14);
+    // Two balls: K is least at lambda = R / (R + r), the point on the line of centres.
+    EXPECT_NEAR(set.contacts[0].lambda, 1.0 / 1.125, 1e-9);
+    EXPECT_LE((set.contacts[0].normal - Vector3d(0, 0, -1)).norm(), 1e-9);
+    EXPECT_NEAR(set.contacts[0].depth, 1.125 - 1.0625, 1e-12);
+  });
+}
+
+// Balls, discs and needles as large as a planet to a finger: the sixth powers of size ratios that K is made
+// of leave a float's range long before its sizes do.
+TEST_F(SceneIndexOnEveryTarget, AGiantIsTouchedWhateverItsSize) {
+  const auto touches = [](const SceneIndex& index, const Vector3d& center) {
+    ContactSet set;
+    index.query({center, Eigen::Matrix3d::Identity()}, set);
+    return !set.contacts.empty();
+  };
+  for (double size = 1e3; size < 1e12; size *= 1.02) {
+    const double large = static_cast<float>(size);
+    for (const double small : {0.0, 1.0, 4.0, 16.0, large}) {
+      SCOPED_TRACE(testing::Message() << large << " by " << small);
+      const SceneIndex disc(scene_of({splat({0, 0, 0}, {large, large, small})}), {}, {});
+      const SceneIndex needle(scene_of({splat({0, 0, 0}, {large, small, small})}), {}, {});
+      on_every_target([&] {
+        for (const SceneIndex* index : {&disc, &needle}) {
+          EXPECT_TRUE(touches(*index, {0, 0, small + 0.9}));
+          if (small < 1e9) {
+            EXPECT_FALSE(touches(*index, {0, 0, small + 1.1}));
+          }
+        }
+      });
+    }
+    if (HasFailure()) break;
+  }
+}
+
+// Finite poses that single precision cannot hold, as a broken recording may have them. Nothing is there.
+TEST_F(SceneIndexOnEveryTarget, AToolBeyondTheFloatsTouchesNothing) {
+  Random random(91);
+  const SceneIndex index(scene_of(sphere_of_splats(random, 1000)), {}, {});
+  on_every_target([&] {
+    ContactSet set;
+    for (const double far : {1e20, 1e37, 1e38, 1e39, 1e150, 1e200, 1e308}) {
+      for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(0, -1, 0), Vector3d(1, -1, 1)}) {
+        index.query({far * way, 0.02 * Eigen::Matrix3d::Identity()}, set);
+        EXPECT_TRUE(set.contacts.empty()) << far;
       }
     }
-    for (const Ellipsoid& e : scene.ellipsoids) in_reach += (e.center - tool.center).norm() < radius;
-    for (const Contact& c : set.contacts) found.push_back(c.id);
-    EXPECT_EQ(found, expected);
-    EXPECT_EQ(set.candidates, in_reach);
-    EXPECT_LE(missed, pipeline.can_miss(tool.radius()));
-    most_missed = std::max(most_missed, missed);
-  }
-  EXPECT_GT(most_missed, 10U);
+  });
 }
 
-TEST(PaperPipeline, CanMissByHand) {
-  const auto ball = [](double r) -> Ellipsoid { return {{0, 0, 0}, r * Eigen::Matrix3d::Identity()}; };
-  const PaperPipeline pipeline(scene_of({ball(0.125), ball(0.25), ball(0.5), ball(1.0)}), 0.75);
-  EXPECT_EQ(pipeline.can_miss(0.5), 2U);  // 0.25 + 0.5 just reaches
-  EXPECT_EQ(pipeline.can_miss(0.0), 1U);
-  EXPECT_EQ(pipeline.can_miss(0.625), 3U);  // 0.125 + 0.625 just reaches
-  EXPECT_EQ(pipeline.can_miss(10.0), 4U);
-}
-
-TEST(PaperPipeline, DefaultRadiusLeavesAtMostOnePercentOut) {
-  Random random(84);
-  for (const std::size_t n : {1U, 7U, 99U, 100U, 101U, 1000U, 5000U}) {
-    std::vector<Ellipsoid> ellipsoids;
-    for (std::size_t i = 0; i < n; ++i) ellipsoids.push_back(wild(random, 1.0));
-    const EllipsoidScene scene = scene_of(ellipsoids);
-    const double radius = PaperPipeline::default_search_radius(scene, 0.04);
-    const PaperPipeline pipeline(scene, radius);
-    EXPECT_LE(pipeline.can_miss(0.04), (n + 99) / 100) << n;
-    if (n >= 1000) {
-      EXPECT_GE(pipeline.can_miss(0.04), n / 100 - 1) << n;
-    }
-  }
-  EXPECT_EQ(PaperPipeline::default_search_radius({}, 0.04), 0.04);
-}
-
-TEST(PaperPipeline, OfNothingIsNeverTouched) {
-  const PaperPipeline pipeline(EllipsoidScene{}, 1.0);
-  ContactSet set;
-  set.candidates = 7;
-  pipeline.query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
-  EXPECT_TRUE(set.contacts.empty());
-  EXPECT_EQ(set.candidates + set.filtered, 0U);
-  EXPECT_EQ(pipeline.can_miss(100.0), 0U);
-}
-
-// Its second fault: the minimum for a ball on a small point is at lambda = 1, where golden section does not
-// get to. It is off by the last bracket.
-TEST(PaperPipeline, DoesNotResolveAMinimumAtOne) {
-  const EllipsoidScene scene = scene_of({{{0.5, 0, 0}, Eigen::Matrix3d::Zero()}});
-  ContactSet set;
-  PaperPipeline(scene, 10.0).query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
-  ASSERT_EQ(set.contacts.size(), 1U);
-  EXPECT_GT(set.contacts[0].k_min, 0.75 + 1e-9);
-  EXPECT_LT(set.contacts[0].k_min, 0.75 + 1e-6);
-  PaperPipeline(scene, 10.0, 5).query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
-  ASSERT_EQ(set.contacts.size(), 1U);
-  EXPECT_GT(set.contacts[0].k_min, 0.75 + 1e-3);
-}
-
-TEST(PaperPipeline, IsFiniteForAnyNumberOfIterations) {
-  Random random(85);
-  const EllipsoidScene scene = scene_of({{{0.5, 0, 0}, Eigen::Matrix3d::Zero()},
-                                         {{0, 0.1, 0.2}, Eigen::Vector3d(3, 3, 0).asDiagonal()},
-                                         {{0, 0, 0}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}});
-  for (const int iterations : {0, 1, 30, 75, 80, 100, 1000}) {
+// And a tool that holds the scene many times over touches all of it.
+TEST_F(SceneIndexOnEveryTarget, AToolLargerThanAllTouchesAll) {
+  Random random(92);
+  const GaussianScene scene = scene_of(sphere_of_splats(random, 1000));
+  const SceneIndex index(scene, {}, {});
+  on_every_target([&] {
     ContactSet set;
-    PaperPipeline(scene, 10.0, iterations).query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
-    EXPECT_EQ(set.contacts.size(), 3U) << iterations;
-    for (const Contact& c : set.contacts) {
-      EXPECT_TRUE(std::isfinite(c.k_min) && std::isfinite(c.depth)) << iterations;
-      EXPECT_TRUE(c.point.allFinite() && c.normal.allFinite()) << iterations;
+    for (const double size : {10.0, 1e3, 1e6, 1e12}) {
+      index.query({{0, 0, 0}, size * Eigen::Matrix3d::Identity()}, set);
+      EXPECT_EQ(set.contacts.size(), scene.size()) << size;
     }
-  }
+  });
+}
+
+// The faintest and the most opaque that a logit can say.
+TEST_F(SceneIndexOnEveryTarget, KeepsTheOpacityOfExtremeLogits) {
+  std::vector<Splat> splats(40, splat({0, 0, 0}, Vector3d::Constant(0.1)));
+  GaussianScene scene = scene_of(splats);
+  for (std::size_t i = 0; i < scene.size(); ++i) scene.opacity[i] = 20.0F * (static_cast<float>(i) - 36.0F);
+  scene.opacity[0] = -709.0F;  // alpha is 1e-308, all but nothing
+  scene.opacity[1] = -707.0F;
+  scene.opacity.back() = std::numeric_limits<float>::infinity();
+  SceneFilter filter;
+  filter.opacity_min = 0.0;
+  check(scene, {{{0.05, 0, 0}, 0.1 * Eigen::Matrix3d::Identity()}}, 30, {}, filter);
+}
+
+TEST_F(SceneIndexOnEveryTarget, AnswersAllThreadsAlike) {
+  Random random(90);
+  const SceneIndex index(scene_of(sphere_of_splats(random, 20000)), {}, {});
+  const std::vector<Ellipsoid> tools = random_tools(random, draws(400), 1.1, 0.02, 0.3);
+  on_every_target([&] {
+    std::vector<std::vector<Contact>> expected;
+    ContactSet set;
+    for (const Ellipsoid& tool : tools) {
+      index.query(tool, set);
+      expected.push_back(set.contacts);
+    }
+    std::vector<std::thread> threads;
+    for (std::size_t first = 0; first < 8; ++first) {
+      threads.emplace_back([&, first] {
+        ContactSet own;
+        for (std::size_t i = 0; i < tools.size(); ++i) {
+          const std::size_t k = (i + 50 * first) % tools.size();
+          index.query(tools[k], own);
+          test::expect_equal(own.contacts, expected[k]);
+        }
+      });
+    }
+    for (std::thread& t : threads) t.join();
+  });
 }
 
 }  // namespace

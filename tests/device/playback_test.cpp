@@ -12,6 +12,7 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/playback.h>
 #include <palpate/haptics/density_force.h>
+#include <support/splats.h>
 
 namespace palpate::test {
 namespace {
@@ -75,11 +76,9 @@ class Witness final : public ForceModel {
 
 /// A ball of radius 0.1 m at the origin, id 42.
 SceneIndex one_ball() {
-  EllipsoidScene scene;
-  scene.ellipsoids.push_back({Vector3d::Zero(), 0.1 * Eigen::Matrix3d::Identity()});
-  scene.opacity = {0.5};
+  GaussianScene scene = scene_of({splat({0, 0, 0}, {0.1, 0.1, 0.1}, Eigen::Quaterniond::Identity(), 0.5)});
   scene.id = {42};
-  return SceneIndex(scene);
+  return SceneIndex(scene, {}, {});
 }
 
 TEST(PlayBack, TellsTheModelEveryPoseInOrder) {
@@ -107,26 +106,27 @@ TEST(PlayBack, TellsTheModelEveryPoseInOrder) {
   EXPECT_EQ(rows[0].candidates, 0U);
   EXPECT_EQ(rows[0].k_max, 0.0);
   EXPECT_EQ(rows[2].colliding, 1U);
-  // Two balls: K_min = 1 - (d / (r1 + r2))^2.
-  EXPECT_NEAR(rows[2].k_max, 1 - (0.05 / 0.12) * (0.05 / 0.12), 1e-12);
+  // Two balls: K_min = 1 - (d / (r1 + r2))^2. The scene has 0.1 as a float.
+  const double ratio = 0.05 / (static_cast<double>(0.1F) + 0.02);
+  EXPECT_NEAR(rows[2].k_max, 1 - ratio * ratio, 1e-12);
   EXPECT_GT(rows[2].compute_us, 0.0);
   EXPECT_FALSE(rows[0].user_force.has_value());
   EXPECT_EQ(rows[1].user_force, Vector3d(1, 2, 3));
 }
 
 /// 3000 flat Gaussians on a sphere of radius 0.15 m.
-EllipsoidScene ball_of_splats() {
+SceneIndex ball_of_splats() {
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
-  EllipsoidScene scene;
+  std::vector<Splat> splats;
   for (std::uint32_t k = 0; k < 3000; ++k) {
-    const Vector3d n = Vector3d(normal(random), normal(random), normal(random)).normalized();
-    const Eigen::Matrix3d R = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n).toRotationMatrix();
-    scene.ellipsoids.push_back({0.15 * n, R * Vector3d(0.006, 0.006, 1e-4).asDiagonal()});
-    scene.opacity.push_back(0.2 + 0.7 * std::abs(std::sin(k)));
-    scene.id.push_back(2 * k);
+    const double x = normal(random), y = normal(random), z = normal(random);
+    const Vector3d n = Vector3d(x, y, z).normalized();
+    splats.push_back(splat(0.15 * n, {0.006, 0.006, 1e-4},
+                           Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n),
+                           0.2 + 0.7 * std::abs(std::sin(k))));
   }
-  return scene;
+  return SceneIndex(with_gaps_in_ids(scene_of(splats)), {}, {});
 }
 
 /// Strokes over the ball, 10,000 poses: more than two of playback's blocks.
@@ -154,7 +154,7 @@ std::vector<std::uint64_t> bits_of(const RunRow& r) {
 }
 
 TEST(PlayBack, ThreadsChangeNotOneBit) {
-  const SceneIndex index(ball_of_splats());
+  const SceneIndex index = ball_of_splats();
   const Trajectory path = strokes();
   DensityForce model;
   std::vector<RunRow> first;
@@ -172,7 +172,7 @@ TEST(PlayBack, ThreadsChangeNotOneBit) {
 }
 
 TEST(PlayBack, AgreesWithOneCallAPose) {
-  const SceneIndex index(ball_of_splats());
+  const SceneIndex index = ball_of_splats();
   const Trajectory path = strokes();
   DensityForce model, alone;
   const auto rows = play_back(index, {}, model, path);
@@ -188,7 +188,7 @@ TEST(PlayBack, AgreesWithOneCallAPose) {
 }
 
 TEST(PlayBack, ForgetsAnEarlierRun) {
-  const SceneIndex index(ball_of_splats());
+  const SceneIndex index = ball_of_splats();
   const Trajectory path = strokes();
   DensityForce model;
   const auto first = play_back(index, {}, model, path);

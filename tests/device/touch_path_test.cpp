@@ -19,12 +19,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-EllipsoidScene ellipsoids(const GaussianScene& scene, double scale = 1.0) {
-  FilterReport report;
-  Similarity world_from_scene;
-  world_from_scene.scale = scale;
-  return filter_scene(scene, {}, world_from_scene, report);
-}
+/// A scene for touch_path(), which looks at the ellipsoids, with the query over it.
+struct Touchable {
+  explicit Touchable(const GaussianScene& scene, double scale = 1.0) : index(scene, {}, similarity(scale)) {
+    FilterReport report;
+    kept = filter_scene(scene, {}, similarity(scale), report);
+  }
+  static Similarity similarity(double scale) {
+    Similarity world_from_scene;
+    world_from_scene.scale = scale;
+    return world_from_scene;
+  }
+
+  EllipsoidScene kept;
+  SceneIndex index;
+};
+
+GaussianScene scene_of(const std::string& shape) { return make_scene(*make_surface(shape), {}); }
 
 /// A stretch of poses at which the tool meets a surface: [begin, end).
 struct Episode {
@@ -72,11 +83,11 @@ struct Exploration {
   explicit Exploration(const std::string& shape) : surface(make_surface(shape)) {}
 
   std::unique_ptr<AnalyticSurface> surface;
-  EllipsoidScene scene = ellipsoids(make_scene(*surface, {}));
-  SceneIndex index{scene};
+  Touchable scene{make_scene(*surface, {})};
+  const SceneIndex& index = scene.index;
   Tool tool;
   TouchPathOptions options;
-  Trajectory path = touch_path(index, scene, tool, options);
+  Trajectory path = touch_path(index, scene.kept, tool, options);
   std::vector<std::size_t> counts = contact_counts(index, tool, path);
   std::vector<Episode> found = episodes(counts);
 };
@@ -206,8 +217,10 @@ bool same(const Trajectory& a, const Trajectory& b) {
 }
 
 struct TouchPath : testing::Test {
-  EllipsoidScene scene = ellipsoids(make_scene(*make_surface("sphere"), {}));
-  SceneIndex index{scene};
+  GaussianScene sphere = scene_of("sphere");
+  Touchable touchable{sphere};
+  const EllipsoidScene& scene = touchable.kept;
+  const SceneIndex& index = touchable.index;
   Tool tool;
 
   std::size_t touched(const Trajectory& path) const {
@@ -230,10 +243,10 @@ TEST_F(TouchPath, TouchesAsOftenAsAsked) {
 
 TEST_F(TouchPath, ScalesWithSceneAndTool) {
   constexpr double kScale = 64.0;  // a power of two is exact
-  const EllipsoidScene large_scene = ellipsoids(make_scene(*make_surface("sphere"), {}), kScale);
+  const Touchable large_scene(sphere, kScale);
   const Tool large_tool{kScale * tool.semi_axes};
   const Trajectory small = touch_path(index, scene, tool, {});
-  const Trajectory large = touch_path(SceneIndex(large_scene), large_scene, large_tool,
+  const Trajectory large = touch_path(large_scene.index, large_scene.kept, large_tool,
                                       {.press = kScale * 0.005, .slide = kScale * 0.05});
   ASSERT_EQ(small.size(), large.size());
   for (std::size_t i = 0; i < small.size(); ++i)
@@ -250,26 +263,31 @@ TEST_F(TouchPath, WithoutPressAndSlideOnlyTouches) {
 }
 
 TEST_F(TouchPath, FloatersAndAGiantAreNotASurface) {
-  EllipsoidScene dirty = scene;
+  GaussianScene dirty = sphere;
   Random random(5);
   const auto add = [&](const Vector3d& center, double radius) {
-    dirty.ellipsoids.push_back({center, radius * Eigen::Matrix3d::Identity()});
-    dirty.opacity.push_back(0.9);
     dirty.id.push_back(static_cast<std::uint32_t>(dirty.id.size()));
+    dirty.position.push_back(center.cast<float>());
+    dirty.scale.push_back(Eigen::Vector3f::Constant(static_cast<float>(std::log(radius))));
+    dirty.rotation.emplace_back(1.0F, 0.0F, 0.0F, 0.0F);
+    dirty.opacity.push_back(2.0F);
     dirty.color.push_back({0, 0, 0});
   };
-  for (int k = 0; k < 20; ++k) add(0.3 * Vector3d(random.normal(), random.normal(), random.normal()), 0.004);
+  ASSERT_EQ(dirty.scale_encoding, ScaleEncoding::kLog);
+  for (int k = 0; k < 20; ++k) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    add(0.3 * Vector3d(x, y, z), 0.004);
+  }
   add({0.1, 0.0, 0.0}, 1.0);  // fog around everything
-  const SceneIndex dirty_index(dirty);
-  EXPECT_EQ(touched(touch_path(dirty_index, dirty, tool, {})), 7U);
+  const Touchable dirty_scene(dirty);
+  EXPECT_EQ(touched(touch_path(dirty_scene.index, dirty_scene.kept, tool, {})), 7U);
 }
 
 TEST(TouchPathOnPlane, StopsSlidingAtTheEdge) {
-  const EllipsoidScene scene = ellipsoids(make_scene(*make_surface("plane"), {}));
-  const SceneIndex index(scene);
+  const Touchable plane(scene_of("plane"));
   const Tool tool;
-  const Trajectory path = touch_path(index, scene, tool, {.slide = 1.0});
-  const auto counts = contact_counts(index, tool, path);
+  const Trajectory path = touch_path(plane.index, plane.kept, tool, {.slide = 1.0});
+  const auto counts = contact_counts(plane.index, tool, path);
   ASSERT_EQ(episodes(counts).size(), 7U);
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (counts[i] < kSolidContacts) continue;
@@ -278,8 +296,8 @@ TEST(TouchPathOnPlane, StopsSlidingAtTheEdge) {
 }
 
 TEST_F(TouchPath, ImpossibleRequestsAreRefused) {
-  const EllipsoidScene nothing;
-  EXPECT_THROW(touch_path(SceneIndex(nothing), nothing, tool, {}), Error);
+  const Touchable nothing{GaussianScene{}};
+  EXPECT_THROW(touch_path(nothing.index, nothing.kept, tool, {}), Error);
   EXPECT_THROW(touch_path(index, scene, {Vector3d::Constant(0.0005)}, {}), Error)
       << "slips between the splats";
   EXPECT_THROW(touch_path(index, scene, {{0.02, 0.0, 0.02}}, {}), Error);

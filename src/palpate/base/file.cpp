@@ -221,10 +221,11 @@ TemporaryFile::~TemporaryFile() { ::close(descriptor_); }
 void TemporaryFile::write(std::uint64_t offset, std::span<const char> bytes) {
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t n = ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done,
-                               static_cast<off_t>(offset + done));
+    const ssize_t n =
+        ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw Error("{}: cannot write a temporary file: {}{}", folder_, error_text(errno), advice(errno));
+    if (n < 0)
+      throw Error("{}: cannot write a temporary file: {}{}", folder_, error_text(errno), advice(errno));
     done += static_cast<std::size_t>(n);
   }
 }
@@ -246,7 +247,8 @@ FileStamp stamp_of(const std::string& path) {
   const auto nanoseconds = [](const timespec& t) {
     return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
   };
-  return {static_cast<std::uint64_t>(status.st_size), nanoseconds(status.st_mtim), nanoseconds(status.st_ctim)};
+  return {static_cast<std::uint64_t>(status.st_size), nanoseconds(status.st_mtim),
+          nanoseconds(status.st_ctim)};
 }
 
 bool folder_is_writable(const std::string& path) {

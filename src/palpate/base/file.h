@@ -56,8 +56,8 @@ class OutputFile {
   /// Appends `bytes`. \throws Error when the disk is full or the write fails.
   void write(std::string_view bytes);
 
-  /// Whether commit() waits until the bytes are on the disk. What can be made again at any time, and is checked when
-  /// it is read, need not wait.
+  /// Whether commit() waits until the bytes are on the disk. What can be made again at any time, and is
+  /// checked when it is read, need not wait.
   enum class Sync { kYes, kNo };
 
   /// Gives the file its name. \throws Error on failure; the target is then as it was before.
@@ -107,8 +107,8 @@ struct FileStamp {
 /// \throws Error if there is no such file.
 FileStamp stamp_of(const std::string& path);
 
-/// True if a file could be made in the folder of `path`. A folder that its permissions let nobody write to is left
-/// alone, also by a superuser, whom they do not bind.
+/// True if a file could be made in the folder of `path`. A folder that its permissions let nobody write to is
+/// left alone, also by a superuser, whom they do not bind.
 bool folder_is_writable(const std::string& path);
 
 /// Writes `bytes` as an OutputFile in one go.

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// A regular file mapped for reading, whole. Its pages are shared with every process that maps it, are read when
-/// they are first touched, and take no memory that the system could not have back. The file must not be cut while
-/// it is mapped; who replaces it should rename another over it. Immutable; any thread.
+/// A regular file mapped for reading, whole. Its pages are shared with every process that maps it, are read
+/// when they are first touched, and take no memory that the system could not have back. The file must not be
+/// cut while it is mapped; who replaces it should rename another over it. Immutable; any thread.
 class MappedFile {
  public:
   /// \throws Error if `path` is missing, unreadable, empty or not a regular file.

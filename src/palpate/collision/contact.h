@@ -34,7 +34,8 @@ struct Contact {
   double depth = 0.0;
 };
 
-/// All contacts of one pose, ordered by id, with the sizes of the stages that led to them.
+/// All contacts of one pose, with the sizes of the stages that led to them. Their order is that of the index
+/// that found them, the same for a fresh query and a ContactTracker.
 struct ContactSet {
   std::size_t candidates = 0;  ///< Gaussians that the broad phase let through
   std::size_t filtered = 0;    ///< of these, how many passed the bounding spheres (paper eq. 4)
@@ -56,6 +57,13 @@ inline bool spheres_overlap(const Ellipsoid& a, double radius_a, const Ellipsoid
   const double reach = radius_a + radius_b;
   return (a.center - b.center).squaredNorm() < reach * reach * (1.0 + kRounding);
 }
+
+/// What the figures of a contact are computed in. Which pairs are contacts does not depend on it.
+enum class Precision {
+  kDouble,  ///< K_min and opacity to 1e-14, lambda and vectors to 1e-10 or so
+  kSingle,  ///< K_min to 2e-6, vectors to some 1e-6 of the tool's size: all that a hand can tell, in two
+            ///< thirds of the time
+};
 
 /// Answers which Gaussians a tool touches. Immutable after construction: any number of threads may
 /// query at once, each with a ContactSet of its own.

@@ -78,7 +78,9 @@ WhitenedTool::WhitenedTool(const Ellipsoid& tool)
       W((tool.axes * tool.axes.colwise().squaredNorm().cwiseInverse().asDiagonal()).transpose()) {}
 
 KFunction::KFunction(const WhitenedTool& tool, const Ellipsoid& gaussian)
-    : d(tool.W * (tool.ellipsoid.center - gaussian.center)), L(tool.W * gaussian.axes) {
+    : KFunction(tool.W * (tool.ellipsoid.center - gaussian.center), tool.W * gaussian.axes) {}
+
+KFunction::KFunction(const Eigen::Vector3d& distance, const Eigen::Matrix3d& l) : d(distance), L(l) {
   const Eigen::Vector3d l1 = L.col(0), l2 = L.col(1), l3 = L.col(2);
   const Eigen::Vector3d c12 = l1.cross(l2), c23 = l2.cross(l3), c31 = l3.cross(l1);
   const auto square = [](double v) { return v * v; };

@@ -37,6 +37,8 @@ struct WhitenedTool {
 struct KFunction {
   /// \throws nothing, allocates nothing; any thread.
   KFunction(const WhitenedTool& tool, const Ellipsoid& gaussian);
+  /// \param distance d' \param l L
+  KFunction(const Eigen::Vector3d& distance, const Eigen::Matrix3d& l);
 
   Eigen::Vector3d d;  ///< d' = W (c_tool - c_gaussian), in tool radii
   Eigen::Matrix3d L;  ///< W * gaussian.axes, in tool radii

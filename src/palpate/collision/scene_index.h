@@ -1,52 +1,62 @@
 /// \file
-/// The exact contact query: a bounding volume hierarchy over ellipsoids.
+/// The exact contact query over a scene.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <vector>
+#include <memory>
 
 #include <palpate/base/progress.h>
 #include <palpate/collision/contact.h>
+#include <palpate/collision/index_layout.h>
+#include <palpate/collision/tool_frame.h>
+#include <palpate/geometry/similarity.h>
+#include <palpate/scene/gaussian_scene.h>
 #include <palpate/scene/scene_filter.h>
 
 namespace palpate {
 
-/// A binary hierarchy of axis-aligned boxes over the *ellipsoids*, not their centres, so that no
-/// Gaussian is missed whatever its size. A query walks the boxes that meet the tool's box, drops
-/// what the bounding spheres separate (paper eq. 4), and minimises K for the rest.
+/// Whoever owns the memory of an index: arrays, or a mapped file.
+class IndexStorage {
+ public:
+  virtual ~IndexStorage() = default;
+  virtual IndexView view() const = 0;
+};
+
+/// A wide bounding volume hierarchy over the *ellipsoids*, not their centres, so that no Gaussian is missed
+/// whatever its size, and a SIMD narrow phase whose verdicts do not depend on the instruction set (see
+/// contact_kernel.h). It is laid out in the captured frame, and the tool brought there, so that registering
+/// the scene anew costs nothing. Copies share the memory.
 ///
-/// ContactSet::candidates counts the Gaussians whose own box meets the tool's box, which no
-/// arrangement of the tree can change.
+/// ContactSet::candidates counts the Gaussians in the blocks that the tool's box meets, and depends on the
+/// tree; ContactSet::filtered those that their bounding spheres do not separate from the tool.
 class SceneIndex final : public ContactQuery {
  public:
-  /// Builds in parallel on the calling thread's task arena; the result is the same on any number
-  /// of threads. Time O(n log n). An empty scene is legal and is never touched.
-  explicit SceneIndex(EllipsoidScene scene, const Progress& progress = {});
+  /// Over the Gaussians of `scene` that `filter` keeps. Builds in parallel on the calling thread's task
+  /// arena; the result is the same on any number of threads. Nothing kept is legal and is never touched.
+  SceneIndex(const GaussianScene& scene, const SceneFilter& filter, const Similarity& world_from_scene,
+             const Progress& progress = {});
 
+  /// Of memory that is there already.
+  SceneIndex(std::shared_ptr<const IndexStorage> storage, const Similarity& world_from_scene);
+
+  /// In double precision. Allocates only if the contacts do not fit the capacity of `result`.
   void query(const Ellipsoid& tool, ContactSet& result) const override;
+  void query(const Ellipsoid& tool, Precision precision, ContactSet& result) const;
 
-  /// The Gaussians, in the order of the leaves.
-  const EllipsoidScene& scene() const { return scene_; }
+  const IndexView& view() const { return view_; }
+  /// Where the captured frame is in the world.
+  const CapturedFrame& frame() const { return frame_; }
 
-  /// Bytes of memory held.
+  /// Gaussians that can be touched.
+  std::size_t size() const { return view_.gaussians; }
+
+  /// Bytes of memory, or of the file, that the index takes.
   std::size_t bytes() const;
 
  private:
-  /// A box in single precision, rounded outwards, over a run of Gaussians. The left child of an
-  /// inner node is the next node.
-  struct Node {
-    float low[3];
-    float high[3];
-    std::uint32_t right;  ///< inner: distance to the right child; leaf: first Gaussian
-    std::uint32_t count;  ///< inner: 0; leaf: number of Gaussians
-  };
-  static_assert(sizeof(Node) == 32, "two nodes a cache line");
-
-  class Builder;
-
-  EllipsoidScene scene_;
-  std::vector<Node> nodes_;
+  std::shared_ptr<const IndexStorage> storage_;
+  IndexView view_;
+  CapturedFrame frame_;
 };
 
 }  // namespace palpate

@@ -1,0 +1,209 @@
+// palpate bench: latency and throughput of the contact query on a scene and a path.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <CLI/CLI.hpp>
+
+#include <palpate/base/error.h>
+#include <palpate/base/file.h>
+#include <palpate/collision/open_index.h>
+#include <palpate/collision/simd_target.h>
+#include <palpate/device/touch_path.h>
+
+#include "bench/latency.h"
+#include "bench_report.h"
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "terminal.h"
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  SceneOptions scene;
+  QueryOptions query;
+  ForceOptions force;
+  std::string trajectory, histogram, simd;
+  int rounds = 3;
+  int threads = 0;
+};
+
+/// Largest resident set of this process until now. Unit: [bytes].
+std::size_t peak_resident_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+/// A query, and how it came to be.
+struct Opened {
+  std::unique_ptr<ContactQuery> query;
+  OpenFigures figures;
+};
+
+const char* name_of(OpenedIndex::Origin origin) {
+  switch (origin) {
+    case OpenedIndex::Origin::kFile: return "index file";
+    case OpenedIndex::Origin::kNewFile: return "new index file";
+    default: return "memory";
+  }
+}
+
+Opened open_exact(const Options& options, const Progress& progress) {
+  const SceneOptions& scene = options.scene;
+  const IndexFiles files = options.query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
+  Opened opened;
+  OpenFigures& figures = opened.figures;
+  const bench::Stopwatch watch;
+  OpenedIndex index =
+      palpate::open_index(scene.path, scene.filter, scene.world_from_scene(), files, progress);
+  figures.seconds = watch.seconds();
+  figures.origin = name_of(index.origin);
+  for (const auto& remark : {index.rejected, index.not_written})
+    if (remark) figures.remarks.push_back(*remark);
+  figures.index_bytes = index.index.bytes();
+  figures.gaussians = index.index.size();
+  opened.query = std::make_unique<SceneIndex>(std::move(index.index));
+  return opened;
+}
+
+Opened open_paper(const Options& options, const Progress& progress) {
+  Opened opened;
+  const bench::Stopwatch watch;
+  opened.query = options.query.build(options.scene, progress);
+  opened.figures.seconds = watch.seconds();
+  opened.figures.origin = "memory";
+  // A tool without bounds may touch all of them from out of reach.
+  const auto& paper = dynamic_cast<const PaperPipeline&>(*opened.query);
+  opened.figures.gaussians = paper.can_miss(std::numeric_limits<double>::infinity());
+  return opened;
+}
+
+Opened open_query(const Options& options, const Progress& progress) {
+  const bool exact = options.query.pipeline == "exact";
+  Opened opened = exact ? open_exact(options, progress) : open_paper(options, progress);
+  opened.figures.peak_bytes = peak_resident_bytes();
+  opened.figures.scene_bytes = stamp_of(options.scene.path).size;
+  if (opened.figures.gaussians == 0) {
+    throw Error("{}: nothing is left to touch, so there is nothing to time; see palpate info",
+                options.scene.path);
+  }
+  return opened;
+}
+
+/// The path of the file, or else the one that make-path makes, the same for every pipeline.
+Trajectory path_of(const Options& options, const SceneIndex* index, const Progress& progress) {
+  if (!options.trajectory.empty()) return read_trajectory(options.trajectory);
+  const LoadedScene loaded = load(options.scene, progress);
+  try {
+    if (index != nullptr) return touch_path(*index, loaded.kept, options.query.tool, {});
+    const SceneIndex own(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
+    return touch_path(own, loaded.kept, options.query.tool, {});
+  } catch (const Error& error) {
+    throw Error("{}: {}; or give a --trajectory", options.scene.path, error.what());
+  }
+}
+
+/// The poses that touch something, or all if none does.
+std::vector<Pose> poses_for_batches(const BenchFigures& figures, const Trajectory& path) {
+  const bool all = figures.contact_poses() == 0;
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < path.size(); ++i)
+    if (all || figures.poses[i].contacts != 0) poses.push_back(path[i].pose);
+  return poses;
+}
+
+BenchFigures measure(const Options& options, const Progress& progress) {
+  Opened opened = open_query(options, progress);
+  const TimedQuery timed{*opened.query, dynamic_cast<const SceneIndex*>(opened.query.get()),
+                         options.query.tool};
+  const Trajectory path = path_of(options, timed.index, progress);
+
+  BenchFigures figures;
+  figures.scene = options.scene.path;
+  figures.path = options.trajectory;
+  figures.pipeline = options.query.pipeline;
+  figures.simd = options.simd;
+  figures.model = options.force.model;
+  figures.tool = options.query.tool;
+  figures.open = std::move(opened.figures);
+  figures.rounds = options.rounds;
+  figures.tracked = timed.index != nullptr;
+  figures.poses = time_path(timed, path, *options.force.build(), options.rounds, progress);
+
+  using tbb::global_control;
+  std::optional<global_control> limit;
+  if (options.threads > 0) {
+    limit.emplace(global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+  }
+  figures.threads = static_cast<int>(global_control::active_value(global_control::max_allowed_parallelism));
+  figures.queries_per_second =
+      time_batches(timed, poses_for_batches(figures, path), options.rounds, progress);
+  return figures;
+}
+
+/// \throws Error if the picture would destroy an input.
+void check_histogram(const Options& options) {
+  for (const std::string& input : {options.scene.path, options.trajectory, options.common.config}) {
+    if (!options.histogram.empty() && !input.empty() && same_file(options.histogram, input)) {
+      throw Error("{}: --histogram is also an input; give it another name", options.histogram);
+    }
+  }
+}
+
+void run(Options& options) {
+  check_histogram(options);
+  if (options.simd.empty()) options.simd = simd_targets().front();
+  use_simd_target(options.simd);
+  const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));
+  if (!options.histogram.empty()) write_file(options.histogram, histogram_of(figures));
+  if (options.common.json) {
+    fmt::print("{}\n", to_json(figures).dump(2, ' ', false, Json::error_handler_t::replace));
+    return;
+  }
+  if (options.common.quiet) return;
+  print_text(figures, ::isatty(STDOUT_FILENO) != 0);
+  if (!options.histogram.empty()) fmt::print("wrote {}\n", printable(options.histogram));
+}
+
+}  // namespace
+
+Command declare_bench(CLI::App& parent) {
+  CLI::App* app =
+      parent.add_subcommand("bench", "Latency and throughput of the contact query on a scene and a path");
+  auto options = std::make_shared<Options>();
+  declare_common(*app, options->common, "print figures as JSON");
+  options->scene.declare(*app, SceneOptions::As::kPositional);
+  app->add_option("--trajectory", options->trajectory,
+                  "tool poses in the world (default: as make-path makes them)")
+      ->type_name("T.csv");
+  app->add_option("--histogram", options->histogram, "picture of the times of fresh queries in contact")
+      ->type_name("H.svg");
+  app->add_option("--rounds", options->rounds,
+                  "times to go along the path; the least time of each pose counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app->add_option("--threads", options->threads,
+                  "for the throughput (default: all); latency is of one thread")
+      ->check(CLI::Range(1, 1024));
+  app->add_option("--simd", options->simd, "instruction set (default: the best)")
+      ->check(CLI::IsMember(simd_targets()));
+  options->query.declare_tool(*app);
+  options->query.declare_pipeline(*app);
+  options->force.declare(*app);
+  return {app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

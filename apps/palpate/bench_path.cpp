@@ -1,0 +1,98 @@
+#include "bench_path.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include <palpate/collision/batch_query.h>
+#include <palpate/collision/contact_tracker.h>
+#include <palpate/device/playback.h>
+
+#include "bench/latency.h"
+
+namespace palpate::cli {
+namespace {
+
+using bench::Stopwatch;
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// Poses that are answered before the next: as many as keep all cores busy, few enough that their contacts
+/// stay in a cache.
+constexpr std::size_t kBatch = 1024;
+
+/// Calls `call` and keeps the time it took in `least`, if it is less.
+template <typename Call>
+void time_call(double& least, const Call& call) {
+  const Stopwatch watch;
+  call();
+  least = std::min(least, watch.microseconds());
+}
+
+void go_fresh(const TimedQuery& timed, const Trajectory& path, std::vector<PoseFigures>& figures) {
+  ContactSet set;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Ellipsoid tool = timed.tool.at(path[i].pose);
+    PoseFigures& f = figures[i];
+    time_call(f.fresh, [&] { timed.query.query(tool, set); });
+    f.candidates = set.candidates;
+    f.filtered = set.filtered;
+    f.contacts = set.contacts.size();
+  }
+}
+
+void go_as_a_hand(const TimedQuery& timed, const Trajectory& path, ForceModel& model,
+                  std::vector<PoseFigures>& figures) {
+  std::unique_ptr<ContactTracker> tracker;
+  if (timed.index != nullptr) tracker = std::make_unique<ContactTracker>(*timed.index);
+  ContactSet set;
+  model.reset();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const TimedPose& now = path[i];
+    const TimedPose& before = path[i > 0 ? i - 1 : 0];
+    const Ellipsoid tool = timed.tool.at(now.pose);
+    if (tracker) {
+      time_call(figures[i].tracked, [&] { tracker->query(tool, set); });
+    } else {
+      timed.query.query(tool, set);
+      figures[i].tracked = 0.0;
+    }
+    const ForceInput input{now.pose, velocity_between(before, now), now.t - before.t, &set};
+    time_call(figures[i].force, [&] { model.evaluate(input); });
+  }
+}
+
+}  // namespace
+
+std::vector<PoseFigures> time_path(const TimedQuery& timed, const Trajectory& path, ForceModel& model,
+                                   int rounds, const Progress& progress) {
+  std::vector<PoseFigures> figures(path.size(), {kNever, kNever, kNever, 0, 0, 0});
+  for (int round = 0; round < rounds; ++round) {
+    go_fresh(timed, path, figures);
+    go_as_a_hand(timed, path, model, figures);
+    report(progress, "measuring", static_cast<double>(round + 1) / rounds);
+  }
+  return figures;
+}
+
+double time_batches(const TimedQuery& timed, const std::vector<Pose>& poses, int rounds,
+                    const Progress& progress) {
+  std::vector<Ellipsoid> tools;
+  for (const Pose& pose : poses) tools.push_back(timed.tool.at(pose));
+  std::vector<ContactSet> results(std::min(kBatch, tools.size()));
+  const std::span<const Ellipsoid> all(tools);
+  double least = kNever;
+  for (int round = 0; round < rounds; ++round) {
+    const Stopwatch watch;
+    for (std::size_t first = 0; first < all.size(); first += kBatch) {
+      const std::size_t n = std::min(kBatch, all.size() - first);
+      query_batch(timed.query, all.subspan(first, n), std::span(results).first(n));
+    }
+    least = std::min(least, watch.seconds());
+    report(progress, "batches", static_cast<double>(round + 1) / rounds);
+  }
+  return static_cast<double>(all.size()) / least;
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,199 @@
+#include "bench_report.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/base/quantile.h>
+
+#include "bench/latency.h"
+#include "bench/machine.h"
+#include "histogram.h"
+
+namespace palpate::cli {
+namespace {
+
+using bench::Latency;
+using bench::microseconds;
+
+/// A figure of every pose that touches something, or of those that do not.
+template <typename T, typename U>
+std::vector<T> collect(const std::vector<PoseFigures>& poses, bool touching, U PoseFigures::*figure) {
+  std::vector<T> values;
+  for (const PoseFigures& pose : poses)
+    if ((pose.contacts != 0) == touching) values.push_back(static_cast<T>(pose.*figure));
+  return values;
+}
+
+struct Spread {
+  std::size_t median, max;
+};
+
+Spread spread_of(const BenchFigures& figures, std::size_t PoseFigures::*size) {
+  std::vector<double> values = collect<double>(figures.poses, true, size);
+  return {static_cast<std::size_t>(quantile(values, 0.5)), static_cast<std::size_t>(quantile(values, 1.0))};
+}
+
+/// What a pose goes through, last stage first.
+struct Stage {
+  const char* key;
+  const char* name;
+  std::size_t PoseFigures::*size;
+};
+constexpr Stage kStages[] = {{"contacts", "contacts", &PoseFigures::contacts},
+                             {"filtered", "after the spheres", &PoseFigures::filtered},
+                             {"candidates", "candidates", &PoseFigures::candidates}};
+
+Json latency_json(const Phase& phase) {
+  if (phase.times.empty()) return nullptr;
+  const Latency t(phase.times);
+  return {{"count", t.count}, {"p50", t.median}, {"p99", t.p99}, {"p99.9", t.p999}, {"max", t.max}};
+}
+
+Json sizes_json(const BenchFigures& figures) {
+  if (figures.contact_poses() == 0) return nullptr;
+  Json json;
+  for (const Stage& stage : kStages) {
+    const Spread spread = spread_of(figures, stage.size);
+    json[stage.key] = {{"median", spread.median}, {"max", spread.max}};
+  }
+  return json;
+}
+
+std::optional<double> bytes_per_gaussian(const OpenFigures& open) {
+  if (!open.index_bytes || open.gaussians == 0) return {};
+  return static_cast<double>(*open.index_bytes) / static_cast<double>(open.gaussians);
+}
+
+Json open_json(const OpenFigures& open) {
+  Json json{{"seconds", open.seconds}, {"origin", open.origin}, {"remarks", open.remarks}};
+  json["index_bytes"] = open.index_bytes ? Json(*open.index_bytes) : Json();
+  const auto each = bytes_per_gaussian(open);
+  json["bytes_per_gaussian"] = each ? Json(*each) : Json();
+  json["peak_rss_bytes"] = open.peak_bytes;
+  return json;
+}
+
+std::string megabytes(std::uint64_t bytes) {
+  return fmt::format("{:.3g} MB", 1e-6 * static_cast<double>(bytes));
+}
+
+void print_head(const BenchFigures& f) {
+  const Eigen::Vector3d mm = 1e3 * f.tool.semi_axes;
+  fmt::print("machine   {}\n", bench::machine());
+  fmt::print("scene     {}, {}, {} Gaussians\n", printable(f.scene), megabytes(f.open.scene_bytes),
+             f.open.gaussians);
+  fmt::print("query     {} on {}; tool {:g}/{:g}/{:g} mm; {} force\n", f.pipeline, f.simd, mm.x(), mm.y(),
+             mm.z(), f.model);
+  fmt::print("path      {}: {} poses, {} in contact\n",
+             f.path.empty() ? "made for this scene" : printable(f.path), f.poses.size(), f.contact_poses());
+  fmt::print("open      {:.3g} s, from {}{}\n", f.open.seconds, f.open.origin,
+             f.open.index_bytes ? fmt::format(", {}", megabytes(*f.open.index_bytes)) : "");
+  for (const std::string& remark : f.open.remarks) fmt::print("          {}\n", printable(remark));
+}
+
+void print_latencies(const BenchFigures& figures) {
+  fmt::print("\n{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n",
+             fmt::format("least of {} rounds", figures.rounds), "count", "p50", "p99", "p99.9", "max");
+  for (const Phase& phase : phases_of(figures)) {
+    if (phase.times.empty()) {
+      fmt::print("{:<26} {:>9}\n", phase.name, "none");
+      continue;
+    }
+    const Latency t(phase.times);
+    fmt::print("{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n", phase.name, t.count, microseconds(t.median),
+               microseconds(t.p99), microseconds(t.p999), microseconds(t.max));
+  }
+}
+
+void print_sizes(const BenchFigures& figures) {
+  if (figures.contact_poses() == 0) {
+    fmt::print("\nthe path never touches the scene: there are no contacts to time or to count\n");
+    return;
+  }
+  fmt::print("\n{:<26} {:>9} {:>10}\n", "of a pose in contact", "median", "max");
+  for (const Stage& stage : kStages) {
+    const Spread spread = spread_of(figures, stage.size);
+    fmt::print("{:<26} {:>9} {:>10}\n", stage.name, spread.median, spread.max);
+  }
+}
+
+void print_rest(const BenchFigures& f) {
+  fmt::print("\nthroughput  {:.0f} queries/s {}on {} thread{}\n", f.queries_per_second,
+             f.contact_poses() != 0 ? "in contact " : "", f.threads, f.threads == 1 ? "" : "s");
+  fmt::print("memory      ");
+  if (const auto each = bytes_per_gaussian(f.open)) {
+    fmt::print("index {}, {:.1f} bytes a Gaussian; ", megabytes(*f.open.index_bytes), *each);
+  }
+  fmt::print("at most {} resident while it was opened\n", megabytes(f.open.peak_bytes));
+}
+
+}  // namespace
+
+std::size_t BenchFigures::contact_poses() const {
+  const auto touches = [](const PoseFigures& pose) { return pose.contacts != 0; };
+  return static_cast<std::size_t>(std::count_if(poses.begin(), poses.end(), touches));
+}
+
+std::vector<Phase> phases_of(const BenchFigures& figures) {
+  const auto times = [&](bool touching, double PoseFigures::*figure) {
+    return collect<double>(figures.poses, touching, figure);
+  };
+  std::vector<Phase> phases{{"query_contact", "fresh query, in contact", times(true, &PoseFigures::fresh)},
+                            {"query_free", "fresh query, no contact", times(false, &PoseFigures::fresh)},
+                            {"tracker_contact", "tracker, in contact", times(true, &PoseFigures::tracked)},
+                            {"force_contact", "force model, in contact", times(true, &PoseFigures::force)}};
+  if (!figures.tracked) phases[2].times.clear();
+  return phases;
+}
+
+std::vector<double> histogram_times(const BenchFigures& figures) {
+  return collect<double>(figures.poses, figures.contact_poses() != 0, &PoseFigures::fresh);
+}
+
+std::string histogram_of(const BenchFigures& f) {
+  const std::vector<double> times = histogram_times(f);
+  const Latency t(times);
+  const std::string name = std::filesystem::path(f.scene).filename().string();
+  return histogram_svg(
+      times, {{"p50", t.median}, {"p99", t.p99}, {"p99.9", t.p999}},
+      fmt::format("Contact query in {}", printable(name)),
+      fmt::format("{} Gaussians, {} poses {}, {} on {}, one thread, least of {} rounds a pose",
+                  f.open.gaussians, times.size(), f.contact_poses() != 0 ? "in contact" : "out of contact",
+                  f.pipeline, f.simd, f.rounds));
+}
+
+Json to_json(const BenchFigures& f) {
+  Json json{{"machine", bench::machine()},
+            {"scene", f.scene},
+            {"scene_bytes", f.open.scene_bytes},
+            {"gaussians", f.open.gaussians},
+            {"pipeline", f.pipeline},
+            {"simd", f.simd},
+            {"model", f.model},
+            {"tool", vector_json(f.tool.semi_axes)},
+            {"open", open_json(f.open)}};
+  json["path"] = f.path.empty() ? Json() : Json(f.path);
+  json["poses"] = f.poses.size();
+  json["contact_poses"] = f.contact_poses();
+  json["rounds"] = f.rounds;
+  for (const Phase& phase : phases_of(f)) json["latency_us"][phase.key] = latency_json(phase);
+  json["sizes"] = sizes_json(f);
+  json["throughput"] = {{"threads", f.threads},
+                        {"queries_per_second", f.queries_per_second},
+                        {"in_contact", f.contact_poses() != 0}};
+  return json;
+}
+
+void print_text(const BenchFigures& figures, bool with_histogram) {
+  print_head(figures);
+  print_latencies(figures);
+  print_sizes(figures);
+  print_rest(figures);
+  if (with_histogram) fmt::print("\n{}", histogram_text(histogram_times(figures)));
+}
+
+}  // namespace palpate::cli

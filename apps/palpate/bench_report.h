@@ -1,0 +1,89 @@
+/// \file
+/// What `palpate bench` found, for people and for programs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <palpate/haptics/tool.h>
+
+#include "bench_path.h"
+#include "output.h"
+
+namespace palpate::cli {
+
+/// From a file to a query that can be asked.
+struct OpenFigures {
+  double seconds = 0.0;
+  std::string origin;                      ///< "index file", "new index file" or "memory"
+  std::vector<std::string> remarks;        ///< why an index file was not used or not written
+  std::uint64_t scene_bytes = 0;           ///< of the scene file
+  std::optional<std::size_t> index_bytes;  ///< none for a pipeline that does not tell
+  std::size_t gaussians = 0;               ///< that can be touched
+  std::size_t peak_bytes = 0;              ///< largest resident set so far, mapped files included
+};
+
+struct BenchFigures {
+  std::string scene;           ///< file
+  std::string path;            ///< file; empty for one made here
+  std::string pipeline, simd;  ///< as the options have them; the instruction set that was used
+  std::string model;
+  Tool tool;
+  OpenFigures open;
+  int rounds = 0;
+  std::vector<PoseFigures> poses;
+  bool tracked = false;  ///< PoseFigures::tracked is there
+  int threads = 0;
+  double queries_per_second = 0.0;  ///< of the poses in contact; of all if there are none
+
+  std::size_t contact_poses() const;
+};
+
+/// One kind of query and the times of the poses it was measured at. Unit: [us].
+struct Phase {
+  const char* key;   ///< in JSON
+  const char* name;  ///< for a person
+  std::vector<double> times;
+};
+
+/// query_contact, query_free, tracker_contact and force_contact.
+std::vector<Phase> phases_of(const BenchFigures& figures);
+
+/// The times a histogram shows: of the fresh queries in contact, or of all if nothing is touched.
+std::vector<double> histogram_times(const BenchFigures& figures);
+
+/// The same as a picture. \returns an SVG document.
+std::string histogram_of(const BenchFigures& figures);
+
+/// An object with these keys, all of them always there:
+///
+///     machine             string     processor, cores, compiler, date
+///     scene               string     file
+///     scene_bytes         integer    its size
+///     gaussians           integer    that can be touched
+///     pipeline, simd      string
+///     model               string
+///     tool                [3]        semi-axes, m
+///     open                object     seconds; origin: "index file", "new index file" or "memory"; remarks:
+///     [string];
+///                                    index_bytes, bytes_per_gaussian: of the index, null if unknown;
+///                                    peak_rss_bytes: largest resident set so far
+///     path                string     file, null for a path made here
+///     poses               integer
+///     contact_poses       integer    that touch something
+///     rounds              integer    the least time of each pose counts
+///     latency_us          object     query_contact, query_free, tracker_contact, force_contact: each an
+///     object of
+///                                    count, p50, p99, p99.9 and max, or null where there is no such pose
+///     sizes               object     contacts, filtered, candidates of the poses in contact: median, max; or
+///     null throughput          object     threads, queries_per_second, in_contact: whether of poses in
+///     contact or of all
+Json to_json(const BenchFigures& figures);
+
+/// A table; with a histogram below it if `with_histogram`.
+void print_text(const BenchFigures& figures, bool with_histogram);
+
+}  // namespace palpate::cli

@@ -1,0 +1,173 @@
+#include "histogram.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "markup.h"
+
+namespace palpate::cli {
+
+LogHistogram::LogHistogram(const std::vector<double>& values, std::size_t bins)
+    : total_(values.size()), counts_(bins) {
+  constexpr double kLeastRatio = 4.0;  // of the ends of the axis: some round number is always between
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  const double widen = std::max(1.0, std::sqrt(kLeastRatio * *least / *largest));
+  low_ = *least / widen;
+  high_ = *largest * widen;
+  const double per_log = static_cast<double>(bins) / std::log(high_ / low_);
+  for (const double value : values) {
+    const auto bin = static_cast<std::ptrdiff_t>(std::floor(per_log * std::log(value / low_)));
+    ++counts_[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(bin, 0, std::ssize(counts_) - 1))];
+  }
+}
+
+std::size_t LogHistogram::most() const { return *std::max_element(counts_.begin(), counts_.end()); }
+
+double LogHistogram::edge(std::size_t i) const {
+  return low_ * std::pow(high_ / low_, static_cast<double>(i) / static_cast<double>(bins()));
+}
+
+std::string histogram_text(const std::vector<double>& times) {
+  constexpr std::size_t kBins = 12, kWidth = 50;
+  const LogHistogram histogram(times, kBins);
+  std::string text;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const std::size_t n = histogram.count(i);
+    const std::size_t bar = (n * kWidth + histogram.most() - 1) / histogram.most();  // what is there is seen
+    fmt::format_to(std::back_inserter(text), "{:>9.3g} to {:>8.3g} us {:>9}  {}\n", histogram.edge(i),
+                   histogram.edge(i + 1), n, std::string(bar, '#'));
+  }
+  return text;
+}
+
+namespace {
+
+// The picture, in pixels.
+constexpr double kWidth = 860, kHeight = 440;
+constexpr double kLeft = 70, kRight = 840, kTop = 132, kBottom = 380;  // of the plot
+constexpr std::size_t kBins = 77;                                      // ten pixels each
+constexpr double kMarkRow = 17;  // one mark's name above the other, so that close ones can be read
+
+constexpr const char* kStyle =
+    "text{font:13px system-ui,'Segoe UI',Helvetica,Arial,sans-serif;fill:#333}"
+    ".title{font-size:17px;font-weight:600;fill:#111}.axis{stroke:#333;fill:none}.grid{stroke:#e4e4e4}"
+    ".bar{fill:#4c78a8}.mark{stroke:#b22222;stroke-dasharray:4 "
+    "3}.name{fill:#b22222;stroke:#fff;stroke-width:5px;paint-order:stroke}";
+
+/// One plot: where values go, and what is drawn so far.
+class Plot {
+ public:
+  explicit Plot(const LogHistogram& histogram) : histogram_(histogram) {}
+
+  template <typename... Args>
+  void draw(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(svg_), format, std::forward<Args>(args)...);
+    svg_ += '\n';
+  }
+
+  void draw_bars() {
+    for (std::size_t i = 0; i < histogram_.bins(); ++i) {
+      if (histogram_.count(i) == 0) continue;
+      const double left = x(histogram_.edge(i)), right = x(histogram_.edge(i + 1));
+      // A single slow query is what one looks for: it must not vanish.
+      const double height = std::max(1.5, kBottom - y(share(histogram_.count(i))));
+      draw("<rect class='bar' x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}'/>", left + 0.5,
+           kBottom - height, right - left - 1.0, height);
+    }
+  }
+
+  void draw_shares() {
+    const double step = share_step();
+    for (int i = 0; i * step <= most_share(); ++i) {
+      const double at = y(i * step);
+      draw("<path class='grid' d='M{} {:.1f}H{}'/>", kLeft, at, kRight);
+      draw("<text x='{}' y='{:.1f}' text-anchor='end'>{:.3g} %</text>", kLeft - 8, at + 4, 100.0 * i * step);
+    }
+  }
+
+  void draw_times() {
+    const double low = histogram_.edge(0), high = histogram_.edge(histogram_.bins());
+    const bool fine = high / low < 300.0;  // else the tens are enough
+    for (int decade = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, decade) <= high;
+         ++decade) {
+      for (int digit = 1; digit < 10; ++digit) {
+        const double time = digit * std::pow(10.0, decade);
+        if (time < low || time > high) continue;
+        const bool named = digit == 1 || (fine && (digit == 2 || digit == 5)) || high / low < 8.0;
+        draw("<path class='axis' d='M{:.1f} {}v{}'/>", x(time), kBottom, named ? 6 : 3);
+        if (named)
+          draw("<text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>", x(time), kBottom + 21, time);
+      }
+    }
+    draw("<path class='axis' d='M{} {}H{}'/>", kLeft, kBottom, kRight);
+    draw("<text x='{}' y='{}' text-anchor='middle'>time of one query, \u00b5s</text>", (kLeft + kRight) / 2,
+         kBottom + 45);
+  }
+
+  void draw_marks(const std::vector<Mark>& marks) {
+    const auto row = [&](std::size_t i) {
+      return kTop - 8.0 - kMarkRow * static_cast<double>(marks.size() - 1 - i);
+    };
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      draw("<path class='mark' d='M{:.1f} {}V{}'/>", x(marks[i].value), row(i) - 10, kBottom);
+    }
+    for (std::size_t i = 0; i < marks.size(); ++i) {  // over all lines
+      const double at = x(marks[i].value);
+      const bool left = at > 0.75 * kRight;  // the name stays inside the picture
+      draw("<text class='name' x='{:.1f}' y='{}' text-anchor='{}'>{} = {:.3g} \u00b5s</text>",
+           left ? at - 5 : at + 5, row(i), left ? "end" : "start", markup_escaped(marks[i].name),
+           marks[i].value);
+    }
+  }
+
+  const std::string& svg() const { return svg_; }
+
+ private:
+  double share(std::size_t count) const {
+    return static_cast<double>(count) / static_cast<double>(histogram_.total());
+  }
+  double most_share() const { return share(histogram_.most()); }
+
+  /// 1, 2 or 5 times a power of ten that makes three to seven lines.
+  double share_step() const {
+    const double rough = most_share() / 4.0;
+    const double power = std::pow(10.0, std::floor(std::log10(rough)));
+    const double digit = rough / power;
+    return power * (digit < 2.0 ? 1.0 : digit < 5.0 ? 2.0 : 5.0);
+  }
+
+  double x(double time) const {
+    const double low = histogram_.edge(0), high = histogram_.edge(histogram_.bins());
+    return kLeft + (kRight - kLeft) * std::log(time / low) / std::log(high / low);
+  }
+  double y(double share) const { return kBottom - (kBottom - kTop) * share / most_share(); }
+
+  const LogHistogram& histogram_;
+  std::string svg_;
+};
+
+}  // namespace
+
+std::string histogram_svg(const std::vector<double>& times, const std::vector<Mark>& marks,
+                          const std::string& title, const std::string& subtitle) {
+  const LogHistogram histogram(times, kBins);
+  Plot plot(histogram);
+  plot.draw("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}'>", kWidth,
+            kHeight);
+  plot.draw("<title>{}</title>", markup_escaped(title));
+  plot.draw("<style>{}</style>", kStyle);
+  plot.draw("<rect width='100%' height='100%' fill='#fff'/>");
+  plot.draw("<text class='title' x='{}' y='30'>{}</text>", kLeft, markup_escaped(title));
+  plot.draw("<text x='{}' y='50'>{}</text>", kLeft, markup_escaped(subtitle));
+  plot.draw_shares();
+  plot.draw_bars();
+  plot.draw_times();
+  plot.draw_marks(marks);
+  plot.draw("</svg>");
+  return plot.svg();
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,45 @@
+/// \file
+/// A histogram of times on a logarithmic axis, as text and as a picture.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace palpate::cli {
+
+/// Counts in bins that are equally wide on a logarithmic axis, from the least value to the largest or
+/// further.
+class LogHistogram {
+ public:
+  /// \pre values are positive and not empty; bins > 0.
+  LogHistogram(const std::vector<double>& values, std::size_t bins);
+
+  std::size_t bins() const { return counts_.size(); }
+  std::size_t count(std::size_t bin) const { return counts_[bin]; }
+  std::size_t total() const { return total_; }
+  /// Of the fullest bin.
+  std::size_t most() const;
+  /// Where bin `i` begins; edge(bins()) is where the last ends.
+  double edge(std::size_t i) const;
+
+ private:
+  double low_, high_;
+  std::size_t total_;
+  std::vector<std::size_t> counts_;
+};
+
+/// One line a bin, with bars. Values are in microseconds.
+std::string histogram_text(const std::vector<double>& times);
+
+/// A place on the axis that is marked.
+struct Mark {
+  std::string name;
+  double value;  ///< Unit: [us].
+};
+
+/// A whole SVG document that needs nothing else. Values are in microseconds. \pre times is not empty.
+std::string histogram_svg(const std::vector<double>& times, const std::vector<Mark>& marks,
+                          const std::string& title, const std::string& subtitle);
+
+}  // namespace palpate::cli

@@ -1,0 +1,207 @@
+/// \file
+/// Stage 4 of contact_kernel.h: the minimum of K, certified, and the contact there; in double or in single
+/// precision.
+// clang-format off
+#if defined(PALPATE_COLLISION_CONTACT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef PALPATE_COLLISION_CONTACT_LANES_INL_H_
+#undef PALPATE_COLLISION_CONTACT_LANES_INL_H_
+#else
+#define PALPATE_COLLISION_CONTACT_LANES_INL_H_
+#endif
+// clang-format on
+
+#include <palpate/collision/group_lanes-inl.h>
+#include <palpate/collision/search_lanes-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace palpate::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Newton's steps in ln t, at most. After the search one or two do; a plateau takes more. What is not
+/// certified by then, one pair in a million, goes to the scalar code, which always is.
+constexpr int kMostSteps = 10;
+
+/// When a lane is done.
+template <typename T>
+struct Done;
+template <>
+struct Done<double> {
+  /// The last step. Its square, 1e-10, is the error that it leaves in ln t, and with it in direction; the
+  /// error in K is the square of that.
+  static constexpr double kLastStep = 1e-5;
+  /// Largest bound on K - K_min (see minimize). A contact nearer to touching than its bound goes to the
+  /// scalar code too, so that verdicts do not depend on this.
+  static constexpr double kCertificate = 1e-5;
+  /// Absolute rounding of g, a sum of numbers up to 3.
+  static constexpr double kSlopeRounding = 2e-15;
+  /// Where h is not below minus this, its rounding makes a Newton step no better than kLastStep.
+  static constexpr double kLeastBend = 1e-9;
+  /// Stands for infinity: 1 - lambda is then below the resolution of lambda.
+  static constexpr double kInfiniteT = 1e16;
+  /// Of the centres, in tool radii: nearer ones have a normal that only the scalar code tells.
+  static constexpr double kLeastDistance = 1e-10;
+};
+template <>
+struct Done<float> {
+  static constexpr float kLastStep = 1e-3F;
+  static constexpr float kCertificate = 1e-3F;
+  static constexpr float kSlopeRounding = 1e-6F;
+  static constexpr float kLeastBend = 1e-3F;
+  static constexpr float kInfiniteT = 1e8F;
+  static constexpr float kLeastDistance = 1e-5F;
+};
+
+/// Of a flat Gaussian (e3 = 0), K has its minimum at lambda = 1 if it falls towards there: if
+/// a = lim g t = 1 + e1 / e2 - p1 / p2 is positive, beyond doubt.
+template <class L>
+HWY_INLINE auto least_at_infinity(const KLanes<L>& k) {
+  using T = typename L::T;
+  const L e = k.e.x / k.e.y, p = k.p.y / k.p.z;
+  return (k.e.z == T{0}) & ((T{1} + e) - p > T{1e5} * Done<T>::kSlopeRounding * ((T{1} + e) + p));
+}
+
+/// Bound of the relative error of f, where that is near 1 or above.
+HWY_INLINE TwoDoubles rounding_of(const FTerms<TwoDoubles>&, const TwoDoubles&, const ToolFrame& tool) {
+  return TwoDoubles(tool.rounding);
+}
+HWY_INLINE TwoFloats rounding_of(const FTerms<TwoFloats>& x, const TwoFloats& rE, const ToolFrame& tool) {
+  return denominator_bound(x, tool.single) * rE - 1.0F;
+}
+
+/// Minimises K for the lanes from i on that are open, from t, which becomes the place of the minimum.
+///
+/// K is convex in lambda, so that from any lambda it can only fall by |K'| times the way to the end of [0,
+/// 1]; with K' = -f g / (lambda (1 - lambda)) that is
+///
+///     K - K_min <= f g / lambda (g > 0)    or    f |g| / (1 - lambda) (g < 0),
+///
+/// whatever Newton's method believes: the certificate. Where g is no more than its rounding, both ends count.
+template <class L>
+HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool) {
+  using T = typename L::T;
+  using Mask = typename L::Mask;
+  using Limit = Done<T>;
+  const KLanes<L> k = load_k<L>(pairs, i);
+  const L guess = load<L>(pairs, i, kT), latest(Limit::kInfiniteT);
+  L t = select((guess >= T{1e-30F}) & (guess <= latest), guess, L(T{1}));  // NaN becomes 1, too
+  const auto far = k.p.x > Limit::kLeastDistance * Limit::kLeastDistance;
+
+  L k_min(T{1}), t_min = t;
+  std::uint32_t unsettled = get_bits<L>(pairs.open, i), open = unsettled, sure = 0;
+  const auto settle = [&](const Mask& which, const L& k_there, const L& t_there, const Mask& apart,
+                          const Mask& touch) HWY_ATTR {
+    const std::uint32_t settled = unsettled & bits_of(which);
+    const Mask write = mask_of<decltype(L::d()), L::kVectors>(settled);
+    k_min = select(write, k_there, k_min);
+    t_min = select(write, t_there, t_min);
+    open &= ~(settled & bits_of(apart));
+    sure |= settled & bits_of(touch & far);
+    unsettled &= ~settled;
+  };
+  if (bits_of(k.e.z == T{0}) != 0) {
+    const FTerms<L> end(k, latest);
+    const L k_end = T{1} - k.p.z / k.e.y, rounding = rounding_of(end, reciprocal(end.E), tool);
+    settle(least_at_infinity(k), k_end, latest, k_end<-rounding, k_end> rounding);
+  }
+  for (int step = 0; step < kMostSteps && unsettled != 0; ++step) {
+    const FTerms<L> x(k, t);
+    const FSlope<L> at(x, t);
+    const L s = newton_step(at);
+    const L k_here =
+        T{1} - fma(at.f, T{0.5} * (at.g * s), at.f);  // at the end of the step ln f is higher by g s / 2
+
+    const L size_g = abs(at.g), lambda = t * at.rq, rounding = rounding_of(x, at.rE, tool);
+    const L way =
+        select(size_g <= Limit::kSlopeRounding, min(lambda, at.rq), select(at.g > T{0}, lambda, at.rq));
+    const L fall = at.f * (size_g + Limit::kSlopeRounding);  // the certificate, times `way`
+    const Mask found =
+        (fall <= way * Limit::kCertificate) & (at.h < -Limit::kLeastBend) & (abs(s) <= Limit::kLastStep);
+    const Mask apart = (at.f > T{1} + rounding) & (at.f < std::numeric_limits<float>::max());
+    t = min(advance(t, s), latest);
+    settle(found | apart, k_here, t, apart, (k_here - rounding) * way > fall);
+  }
+  store(t_min, pairs, i, kT);
+  store(k_min, pairs, i, kMinimum);
+  set_bits<L>(pairs.open, i, open);
+  set_bits<L>(pairs.sure, i, open & sure);
+}
+
+/// (I + t L L^T)^-1 d' det(I + t L L^T), by the adjugate, as solve_whitened().
+template <class L>
+HWY_INLINE Vec3<L> adjugate_times_distance(const Vec3<L>& d, const Vec3<L> (&l)[3], const L& t) {
+  const Vec3<L> c01 = cross(l[0], l[1]), c12 = cross(l[1], l[2]), c20 = cross(l[2], l[0]);
+  const Vec3<L> first =
+      cross(l[0], cross(d, l[0])) + cross(l[1], cross(d, l[1])) + cross(l[2], cross(d, l[2]));
+  const Vec3<L> second = fma(dot(c01, d), c01, fma(dot(c12, d), c12, dot(c20, d) * c20));
+  return fma(t, fma(t, second, first), d);
+}
+
+/// All that follows from the place of the minimum, for the lanes from i on.
+template <class L>
+HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool) {
+  using T = typename L::T;
+  const Vec3<L> distance = load3<L>(pairs, i, kDistance);
+  const Vec3<L> l[3] = {load3<L>(pairs, i, kL, 0), load3<L>(pairs, i, kL, 3), load3<L>(pairs, i, kL, 6)};
+  const L t = load<L>(pairs, i, kT);
+  const FTerms<L> x(load_k<L>(pairs, i), t);
+  const L inverse_Eq = T{1} / (x.E * x.q);
+  const Vec3<L> y = (inverse_Eq * x.q) * adjugate_times_distance(distance, l, t);
+  // World frame: dK/dc_tool is along -W^T y, the way out along q = W^T y; the columns of W^-1 are the tool's
+  // axes.
+  const Eigen::Matrix<T, 3, 3> W_transposed = tool.world.W.transpose().template cast<T>();
+  const Vec3<L> q = broadcast<L>(W_transposed) * y;
+  const L inverse_q = reciprocal_sqrt(squared_norm(q));
+  const Eigen::Matrix<T, 3, 3> minus_axes = -tool.world.ellipsoid.axes.template cast<T>();
+  const Matrix3<L> axes = broadcast<L>(minus_axes);
+  // Depth, h_tool + h_gaussian - n . d, in whitened coordinates: |y|, |L^T y| and y . d', over |q|.
+  const auto norm = [&](const Vec3<L>& v) HWY_ATTR {
+    const L squared = max(squared_norm(v), L(T{1e-36F}));
+    return squared * reciprocal_sqrt(squared);
+  };
+  const L extents = norm(y) + norm(Vec3<L>{dot(l[0], y), dot(l[1], y), dot(l[2], y)});
+  store3(inverse_q * q, pairs, i, kNormal);
+  store3(axes * y, pairs, i, kPoint);
+  store3(axes * distance, pairs, i, kCenter);
+  store(inverse_q * (extents - dot(y, distance)), pairs, i, kDepth);
+  store(t * (inverse_Eq * x.E), pairs, i, kLambda);
+}
+
+/// Minimum and contact of the first `n` pairs.
+template <typename T, class Two, class One>
+HWY_INLINE void solve(WhitenedPairs<T>& pairs, std::size_t n, const ToolFrame& tool) {
+  for (std::size_t i = 0; i < n; i += 2 * Two::width()) minimize<Two>(pairs, i, tool);
+  for (std::size_t i = 0; i < n; i += One::width()) {
+    if (get_bits<One>(pairs.open, i) != 0) contacts_at<One>(pairs, i, tool);
+  }
+}
+
+/// The coefficients of `n` pairs to single precision, for the search.
+HWY_INLINE void round_coefficients(const WhitenedPairs<double>& pairs, std::size_t n,
+                                   WhitenedPairs<float>& rounded) {
+  const hn::Rebind<float, DDouble> half;
+  for (std::size_t i = 0; i < n; i += Doubles::width()) {
+    for (std::size_t c = 0; c < 6; ++c) {
+      const auto k = hn::Load(DDouble(), &pairs.group(i).k[c][i % pairs.kWidth]);
+      hn::Store(hn::DemoteTo(half, k), half, &rounded.group(i).k[c][i % rounded.kWidth]);
+    }
+  }
+}
+
+/// Takes over what the search found.
+HWY_INLINE void adopt(const WhitenedPairs<float>& searched, std::size_t n, WhitenedPairs<double>& pairs) {
+  for (std::size_t i = 0; i < n; i += Doubles::width()) {
+    const auto t = hn::Load(hn::Rebind<float, DDouble>(), &searched.group(i).t[i % searched.kWidth]);
+    hn::Store(hn::PromoteTo(DDouble(), t), DDouble(), &pairs.group(i).t[i % pairs.kWidth]);
+  }
+  for (std::size_t i = 0; i < n; i += searched.kWidth) {
+    const std::uint32_t open = searched.open[i / searched.kWidth];
+    pairs.open[i / pairs.kWidth] = open & 0xffU;
+    pairs.open[i / pairs.kWidth + 1] = open >> 8;
+  }
+}
+
+}  // namespace palpate::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // once per target

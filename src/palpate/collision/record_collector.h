@@ -1,0 +1,44 @@
+/// \file
+/// From the Gaussians of a scene to those that an index is built over.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <palpate/collision/index_builder.h>
+#include <palpate/geometry/similarity.h>
+#include <palpate/scene/gaussian_scene.h>
+#include <palpate/scene/scene_filter.h>
+
+namespace palpate {
+
+/// Collects what a filter keeps from one part of a scene after the other.
+class RecordCollector {
+ public:
+  RecordCollector(const SceneFilter& filter, const Similarity& world_from_scene)
+      : filter_(filter), world_from_scene_(world_from_scene) {}
+
+  /// Appends what the filter keeps of `scene`. In parallel on the calling thread's task arena; the result
+  /// does not depend on the number of threads.
+  void add(const GaussianScene& scene);
+
+  /// Makes room for `n` Gaussians.
+  void reserve(std::size_t n) { records_.reserve(n); }
+  /// Forgets the records, not the report.
+  void clear() { records_.clear(); }
+
+  const std::vector<GaussianRecord>& records() const { return records_; }
+  const FilterReport& report() const { return report_; }
+
+ private:
+  SceneFilter filter_;
+  Similarity world_from_scene_;
+  std::vector<GaussianRecord> records_;
+  FilterReport report_;
+};
+
+/// The boxes of records.
+std::vector<Eigen::AlignedBox3f> boxes_of(std::span<const GaussianRecord> records);
+
+}  // namespace palpate

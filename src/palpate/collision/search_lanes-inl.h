@@ -1,0 +1,94 @@
+/// \file
+/// Stage 3 of contact_kernel.h: in single precision, which pairs are certainly apart, and near which t the
+/// minimum of K is for the others.
+// clang-format off
+#if defined(PALPATE_COLLISION_SEARCH_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef PALPATE_COLLISION_SEARCH_LANES_INL_H_
+#undef PALPATE_COLLISION_SEARCH_LANES_INL_H_
+#else
+#define PALPATE_COLLISION_SEARCH_LANES_INL_H_
+#endif
+// clang-format on
+
+#include <limits>
+
+#include <palpate/collision/group_lanes-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace palpate::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Largest t that the float lanes try: beyond, K differs from its value at lambda = 1 by no more than a few
+/// times what they resolve, and up to it P E (1 + t) stays a float for Gaussians up to a thousand times the
+/// tool.
+constexpr float kLatestT = 1e6F;
+/// Newton's steps in ln t: always as many, as a loop that ends when its lanes are done keeps the processor
+/// from starting the next vector. After four from a guess, 99 in 100 pairs of flat Gaussians are as near as a
+/// float tells; two do from where the minimum was a tick ago. The others are seen to later.
+constexpr int kStepsFromGuess = 4;
+constexpr int kStepsFromLast = 2;
+
+/// Bound of the relative error of t P / ((1 + t) E) in lanes whose coefficients were computed in double, u =
+/// 2^-24. The coefficients are not negative: each has been rounded once (u). A term of P or E has at most
+/// three products (3 u), their sums at most three additions of numbers that are not negative (3 u); P, E, t
+/// P, 1 + t and their product add 4 u and the comparison's product u. Numerator and denominator together: at
+/// most 20 u; doubled.
+constexpr SingleRounding kRoundedOnce{40.0F * 0x1p-24F, 0.0F, 0.0F};
+
+/// Where the search starts. If the Gaussian were a ball of its extent along d', f would peak at t = 1 /
+/// extent, with extent^2 = |L^T d'|^2 / p0 = e1 - p1 / p0. If it is flat, f has a plateau that ends where e3
+/// t^3 takes over: there g t = a - (e3 / e2) t^2 + O(1/t) with a = 1 + e1 / e2 - p1 / p2, hence t^2 = a e2 /
+/// e3. The later of the two.
+template <class L>
+HWY_INLINE L first_t(const KLanes<L>& k) {
+  const L tiny(1e-20F);
+  const auto ratio = [](const L& a, const L& b) HWY_ATTR { return a * rough_reciprocal(b); };
+  const L extent_squared = max(tiny, k.e.x - ratio(k.p.y, k.p.x));
+  const L a_e2 = fnma(ratio(k.p.y, max(k.p.z, tiny)), k.e.y, k.e.x + k.e.y);
+  const L t_squared = max(rough_reciprocal(extent_squared), ratio(a_e2, max(k.e.z, tiny)));
+  return min(sqrt(t_squared), L(kLatestT));
+}
+
+/// Where to start, for `n` pairs that nothing is known about.
+HWY_INLINE void guess(WhitenedPairs<float>& pairs, std::size_t n) {
+  for (std::size_t i = 0; i < n; i += Floats::width()) store(first_t(load_k<Floats>(pairs, i)), pairs, i, kT);
+}
+
+/// E and the bound of `rounding`: f = t P / ((1 + t) E) is above 1 beyond doubt where t P exceeds (1 + t)
+/// times this.
+template <class L>
+HWY_INLINE L denominator_bound(const FTerms<L>& x, const SingleRounding& rounding) {
+  const L A = 1.0F + x.b1;
+  const L relative = fma(L(rounding.per_extent), A, L(1.0F + rounding.constant));
+  return fma(x.E, relative, (A * A) * (A * rounding.per_volume));
+}
+
+/// One step for the lanes from i on: rules out those that are apart at t, and moves t uphill.
+HWY_INLINE void search_step(WhitenedPairs<float>& pairs, std::size_t i, const SingleRounding& rounding) {
+  using L = TwoFloats;
+  const L t = load<L>(pairs, i, kT);
+  const FTerms<L> x(load_k<L>(pairs, i), t);
+  const L tP = t * x.P;
+  const auto finite = tP < std::numeric_limits<float>::max();  // what overflowed proves nothing
+  const auto apart = finite & (tP > x.q * denominator_bound(x, rounding));
+  set_bits<L>(pairs.open, i, get_bits<L>(pairs.open, i) & ~bits_of(apart));
+  const FSlope<L> slope(x, t);
+  store(min(advance(t, newton_step(slope)), L(kLatestT)), pairs, i, kT);
+}
+
+/// From t on: closes those of the first `n` pairs that are apart, and brings t near the minimum of K for the
+/// others. Step by step for all pairs, so that the processor has others to work on while some wait for their
+/// reciprocals.
+HWY_INLINE void search(WhitenedPairs<float>& pairs, std::size_t n, const SingleRounding& rounding,
+                       int steps) {
+  open_all(pairs, n);
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t i = 0; i < n; i += 2 * TwoFloats::width()) search_step(pairs, i, rounding);
+  }
+}
+
+}  // namespace palpate::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // once per target

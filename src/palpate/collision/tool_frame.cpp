@@ -1,0 +1,67 @@
+#include <palpate/collision/tool_frame.h>
+
+#include <cmath>
+#include <limits>
+
+#include <palpate/collision/two_floats.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kFloatRoundoff = 0x1p-24;
+constexpr double kDoubleRoundoff = 0x1p-53;
+
+/// Bringing the tool into the captured frame takes a handful of operations on numbers of the size of the
+/// centre, the translation and the origin; the box is padded by more than these round.
+constexpr double kBoxPadding = 128.0 * kDoubleRoundoff;
+
+}  // namespace
+
+CapturedFrame::CapturedFrame(const Similarity& world_from_scene, const Eigen::Vector3d& index_origin)
+    : world_from_captured(world_from_scene.scale * world_from_scene.rotation.toRotationMatrix()),
+      captured_from_world(world_from_scene.rotation.toRotationMatrix().transpose() / world_from_scene.scale),
+      origin(world_from_captured * index_origin + world_from_scene.translation),
+      scale(world_from_scene.scale),
+      size(scale * index_origin.norm() + world_from_scene.translation.norm()) {}
+
+ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
+    : world(tool),
+      W(world.W * frame.world_from_captured),
+      center(frame.captured_from_world * (tool.center - frame.origin)) {
+  const Eigen::Matrix3d axes = frame.captured_from_world * tool.axes;
+  const Eigen::Vector3d half = axes.rowwise().norm();
+  const double size = (tool.center.norm() + frame.size) / frame.scale;
+  const Eigen::Vector3d reach = half + Eigen::Vector3d::Constant(kBoxPadding * size);
+  // Rounding to single precision is off by half a unit in the last place; a whole one and the smallest number
+  // make sure that it is outwards.
+  const Eigen::Vector3d outwards = 2.0 * kFloatRoundoff * (center.cwiseAbs() + reach) +
+                                   Eigen::Vector3d::Constant(std::numeric_limits<float>::min());
+  // Not infinite: an empty slot's box is, and must not be met.
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  low = (center - reach - outwards).cwiseMax(-kLargest).cwiseMin(kLargest).cast<float>();
+  high = (center + reach + outwards).cwiseMax(-kLargest).cwiseMin(kLargest).cast<float>();
+
+  W_float = W.cast<float>();
+  for (int axis = 0; axis < 3; ++axis) split(center[axis], center_high[axis], center_low[axis]);
+
+  // The float lanes see d = ((center_high - p) + center_low), off by at most 2 u |d| + 2 u^2 |center|, and
+  // d' = W d with three products a row: |dd'| <= 6 kappa u |d'| + beta. The square of |d'| is off by twice
+  // that, and by its own rounding and that of the reach.
+  const double norm = W.norm();  // Frobenius, not less than the spectral norm
+  const Eigen::Vector3d lengths = tool.axes.colwise().norm() / frame.scale;
+  const double kappa = norm * lengths.maxCoeff();
+  const double beta = norm * 2.0 * kFloatRoundoff * kFloatRoundoff * center.norm();
+  cull_slack = static_cast<float>(2.0 * (12.0 * kappa * kFloatRoundoff + 2.0 * beta + 8.0 * kFloatRoundoff));
+  // Spectral norm of W: one over the shortest semi-axis. A length is its larger part and less than a unit in
+  // the last place; two more for this number's own rounding.
+  reach_per_length = static_cast<float>((1.0 + 6.0 * kFloatRoundoff) / lengths.minCoeff());
+
+  single = {static_cast<float>(2.0 * (14.0 * kFloatRoundoff + 2.0 * beta)),
+            static_cast<float>(2.0 * 36.0 * kappa * kFloatRoundoff),
+            static_cast<float>(2.0 * 16.0 * kFloatRoundoff)};
+  // Inputs of a relative error of some u kappa move K by 2 sqrt(t e1) times that (see docs/decisions), which
+  // is of the order of kappa for pairs that touch; two thousand u cover the rest.
+  rounding = 2000.0 * kDoubleRoundoff * kappa;
+}
+
+}  // namespace palpate

@@ -1,0 +1,226 @@
+// ContactTracker: whatever the tool does, the contacts are those of a fresh query.
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <palpate/collision/contact_kernel.h>
+#include <palpate/collision/contact_tracker.h>
+#include <support/brute_force.h>
+#include <support/effort.h>
+#include <support/on_every_target.h>
+#include <support/random_scenes.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using test::Bars;
+using test::draws;
+using test::Random;
+using test::scene_of;
+using test::splat;
+using test::Splat;
+
+constexpr Bars kRounding{1e-12, 1e-8};
+
+/// A tool that walks.
+struct Walker {
+  Pose pose;
+  Vector3d semi_axes{0.02, 0.02, 0.04};
+
+  Ellipsoid tool() const { return Ellipsoid::from_semi_axes(pose, semi_axes); }
+  /// By `length` in any direction, and as far on the surface of the tool by a turn.
+  void step(Random& random, double length) {
+    pose.position += length * random.direction();
+    const Eigen::AngleAxisd turn(length / semi_axes.maxCoeff(), random.direction());
+    pose.orientation = (Eigen::Quaterniond(turn) * pose.orientation).normalized();
+  }
+};
+
+class ContactTrackerOnEveryTarget : public test::OnEveryTarget {
+ protected:
+  struct Seen {
+    std::size_t contacts = 0;
+    std::size_t searches = 0;  ///< at most: poses at which what is kept changed
+  };
+
+  /// Lets a tracker and fresh queries follow `path` and expects the same of both.
+  static Seen follow(const SceneIndex& index, const std::vector<Ellipsoid>& path,
+                     const Bars& bars = kRounding) {
+    ContactTracker tracker(index);
+    ContactSet tracked, fresh;
+    Seen seen;
+    std::size_t kept = 0, walked = 0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      SCOPED_TRACE(testing::Message() << "pose " << i);
+      tracker.query(path[i], tracked);
+      index.query(path[i], fresh);
+      test::expect_close(tracked.contacts, fresh.contacts, path[i], bars);  // also in the same order
+      EXPECT_LE(tracked.contacts.size(), tracked.filtered);
+      EXPECT_LE(tracked.filtered, tracked.candidates);
+      seen.contacts += tracked.contacts.size();
+      seen.searches += i == 0 || tracked.filtered != kept || tracked.candidates != walked;
+      kept = tracked.filtered;
+      walked = tracked.candidates;
+      if (HasFailure()) break;
+    }
+    return seen;
+  }
+};
+
+GaussianScene sphere(std::uint64_t seed, std::size_t count = 20000) {
+  Random random(seed);
+  return test::with_gaps_in_ids(scene_of(sphere_of_splats(random, count)));
+}
+
+std::vector<Ellipsoid> random_walk(Random& random, Walker walker, std::size_t steps, double least,
+                                   double most) {
+  std::vector<Ellipsoid> path;
+  for (std::size_t i = 0; i < steps; ++i) {
+    path.push_back(walker.tool());
+    walker.step(random, random.uniform(least, most));
+    // Back to where it touches the sphere, whose splats are up to 5 cm large, so that the walk stays in
+    // contact.
+    walker.pose.position *= 1.0 + 0.1 * (1.005 - walker.pose.position.norm());
+  }
+  return path;
+}
+
+TEST_F(ContactTrackerOnEveryTarget, FollowsAHand) {
+  Random random(301);
+  const SceneIndex index(sphere(300), {}, {});
+  std::vector<std::vector<Ellipsoid>> paths;
+  for (int i = 0; i < 5; ++i) {
+    const Walker walker{{1.01 * random.direction(), random.rotation()}};
+    paths.push_back(random_walk(random, walker, draws(1000), 1e-4, 1e-3));
+  }
+  on_every_target([&] {
+    for (const std::vector<Ellipsoid>& path : paths) {
+      const Seen seen = follow(index, path);
+      EXPECT_GT(seen.contacts, path.size());
+      EXPECT_LT(seen.searches, path.size() / 2) << "it looks anew at every pose";
+    }
+  });
+}
+
+TEST_F(ContactTrackerOnEveryTarget, KeepsWhatItFoundWhileTheToolStays) {
+  const SceneIndex index(sphere(302), {}, {});
+  const Walker walker{{{0, 0, 1.01}, Eigen::Quaterniond::Identity()}};
+  on_every_target([&] {
+    const Seen seen = follow(index, std::vector<Ellipsoid>(20, walker.tool()));
+    EXPECT_GT(seen.contacts, 20U);
+    EXPECT_EQ(seen.searches, 1U);
+  });
+}
+
+// Every length of step, from within the margin to far beyond it.
+TEST_F(ContactTrackerOnEveryTarget, FollowsJumps) {
+  Random random(303);
+  const SceneIndex index(sphere(304), {}, {});
+  std::vector<Ellipsoid> path;
+  Walker walker{{{0, 0, 1.0}, random.rotation()}};
+  for (std::size_t i = 0; i < draws(2000); ++i) {
+    walker.step(random, random.log_uniform(1e-6, 0.5));
+    if (random.integer(0, 3) == 0) walker.pose.position.normalize();
+    if (random.integer(0, 99) == 0) walker.pose.position *= 5.0;  // out of the scene
+    path.push_back(walker.tool());
+  }
+  on_every_target([&] { EXPECT_GT(follow(index, path).contacts, 2 * path.size()); });
+}
+
+// A larger tool may touch what the search for the smaller one has dropped.
+TEST_F(ContactTrackerOnEveryTarget, FollowsAToolThatGrowsAndShrinks) {
+  Random random(305);
+  const SceneIndex index(sphere(306), {}, {});
+  std::vector<Ellipsoid> path;
+  Walker walker{{{0, 0, 1.005}, random.rotation()}};
+  for (std::size_t i = 0; i < draws(1000); ++i) {
+    const double phase = 0.05 * static_cast<double>(i);
+    walker.semi_axes = Vector3d(0.02 + 0.01 * std::sin(phase), 0.02 + 0.015 * std::cos(1.7 * phase), 0.04);
+    path.push_back(walker.tool());
+  }
+  on_every_target([&] { EXPECT_GT(follow(index, path).contacts, 5 * path.size()); });
+}
+
+// A long tool sweeps far with its ends when it turns in place, about every axis.
+TEST_F(ContactTrackerOnEveryTarget, FollowsALongToolThatTurnsInPlace) {
+  Random random(307);
+  const SceneIndex index(sphere(308), {}, {});
+  std::vector<Ellipsoid> path;
+  Walker walker{{{0, 0, 0.99}, random.rotation()}, {0.002, 0.01, 0.2}};
+  for (std::size_t i = 0; i < draws(1000); ++i) {
+    const Eigen::AngleAxisd turn(random.log_uniform(1e-5, 0.05), random.direction());
+    walker.pose.orientation = (Eigen::Quaterniond(turn) * walker.pose.orientation).normalized();
+    path.push_back(walker.tool());
+  }
+  on_every_target([&] { EXPECT_GT(follow(index, path, {1e-11, 1e-6}).contacts, 2 * path.size()); });
+}
+
+TEST_F(ContactTrackerOnEveryTarget, FollowsInARegisteredScene) {
+  Random random(309);
+  const Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
+  const SceneIndex index(sphere(310), {}, world);
+  const Walker walker{{Vector3d(0, 0, 1.01), random.rotation()}, {0.05, 0.05, 0.1}};
+  std::vector<Ellipsoid> path = random_walk(random, walker, draws(1000), 1e-4, 1e-3);
+  for (Ellipsoid& tool : path) {
+    tool.center = world * tool.center;
+    tool.axes = world.scale * (world.rotation.toRotationMatrix() * tool.axes);
+  }
+  on_every_target([&] { EXPECT_GT(follow(index, path, {1e-11, 1e-7}).contacts, 5 * path.size()); });
+}
+
+// Discs, needles and giants, whose minima are on plateaus: starting from the last minimum must not end
+// elsewhere.
+TEST_F(ContactTrackerOnEveryTarget, FollowsAmongWildSizes) {
+  Random random(311);
+  std::vector<Splat> splats;
+  for (int i = 0; i < 300; ++i) splats.push_back(wild_splat(random, 1.0));
+  const SceneIndex index(scene_of(splats), {}, {});
+  const Walker walker{{{0, 0, 0}, random.rotation()}};
+  std::vector<Ellipsoid> path;
+  Walker w = walker;
+  for (std::size_t i = 0; i < draws(3000); ++i) {
+    w.step(random, random.uniform(1e-4, 2e-3));
+    path.push_back(w.tool());
+  }
+  on_every_target([&] { EXPECT_GT(follow(index, path, {1e-9, 0.0}).contacts, 5 * path.size()); });
+}
+
+// A place with more Gaussians than are kept, and the way there and back.
+TEST_F(ContactTrackerOnEveryTarget, FallsBackWhereItIsCrowded) {
+  Random random(312);
+  std::vector<Splat> splats;
+  for (std::size_t i = 0; i < 2 * CandidateSet::kCapacity; ++i)
+    splats.push_back(splat(random.in_box(0.05), random.semi_axes(1e-3, 0.02), random.rotation()));
+  const SceneIndex index(scene_of(splats), {}, {});
+  std::vector<Ellipsoid> path;
+  for (int i = -100; i <= 100; ++i)
+    path.push_back(Ellipsoid::from_semi_axes({{2e-3 * i, 0, 0}, random.rotation()}, {0.04, 0.05, 0.06}));
+  std::size_t most = 0;
+  ContactSet set;
+  for (const Ellipsoid& tool : path) {
+    index.query(tool, set);
+    most = std::max(most, set.contacts.size());
+  }
+  EXPECT_GT(most, CandidateSet::kCapacity);
+  on_every_target([&] { EXPECT_GT(follow(index, path).contacts, 10000U); });
+}
+
+TEST_F(ContactTrackerOnEveryTarget, OfNothingFindsNothing) {
+  const SceneIndex index(GaussianScene{}, {}, {});
+  on_every_target([&] {
+    ContactTracker tracker(index);
+    ContactSet set;
+    set.contacts.emplace_back();
+    for (int i = 0; i < 3; ++i) {
+      tracker.query({{0.01 * i, 0, 0}, Eigen::Matrix3d::Identity()}, set);
+      EXPECT_TRUE(set.contacts.empty());
+      EXPECT_EQ(set.candidates + set.filtered, 0U);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,18 @@
+/// \file
+/// How much a test that draws at random does.
+#pragma once
+
+#include <cstddef>
+
+namespace palpate::test {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr std::size_t kSlowdown = 10;
+#else
+inline constexpr std::size_t kSlowdown = 1;
+#endif
+
+/// `full` draws; a tenth of that where instrumented code takes ten times as long.
+constexpr std::size_t draws(std::size_t full) { return full / kSlowdown; }
+
+}  // namespace palpate::test
