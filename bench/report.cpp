@@ -109,14 +109,12 @@ ordered_json to_json(const Comparison& c) {
 }
 
 std::string to_markdown(const SceneFileResult& f) {
-  return fmt::format("{:.3g} GB", 1e-9 * static_cast<double>(bytes));
-};
-return fmt::format(
-    "\n- scene file {}, index file {}\n"
-    "- from one to the other: {:.1f} s on all cores, at most {} of anonymous memory\n"
-    "- first contact, the index file being there: {:.2f} s with none of it in memory, {:.2f} s again\n",
-    size(f.scene_bytes), size(f.index_bytes), f.index_seconds, size(f.index_anonymous), f.first_contact_cold,
-    f.first_contact_warm);
+  return fmt::format(
+      "\n- scene file {}, index file {}\n"
+      "- from one to the other: {:.1f} s on all cores, at most {} of anonymous memory\n"
+      "- first contact, the index file being there: {:.2f} s with none of it in memory, {:.2f} s again\n",
+      size(f.scene_bytes), size(f.index_bytes), f.index_seconds, size(f.index_anonymous),
+      f.first_contact_cold, f.first_contact_warm);
 }
 
 ordered_json to_json(const SceneFileResult& f) {

@@ -87,8 +87,9 @@ shares no code with any pipeline: *misses* are contacts that were not found, *ex
 The peers are the pipeline of the paper (kd-tree over centres, golden section; with the search radius that reaches 99 %
 of the Gaussians, and with the one that reaches all), FCL (dynamic AABB tree, GJK), Bullet (dbvt) and Embree (point
 query), the latter two with the paper's golden section. *palpate AVX3* is a fresh query on AVX-512, the others are the
-same on lesser processors; the *tracker* follows the tool from pose to pose. The last two columns say how many times as
-long the medians of the paper and of the best peer are.
+same on lesser processors; *single* has its figures in single precision (the verdicts are the same); the *tracker*
+follows the tool from pose to pose. The last two columns say how many times as long the medians of the paper and of the
+best peer are.
 
 ## Peers, a million Gaussians
 

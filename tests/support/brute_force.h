@@ -57,7 +57,7 @@ class BruteForce {
   std::vector<std::vector<Contact>> contacts_;
 };
 
-/// Largest deviations of all comparisons of BruteForce::check() since the program started, for the record.
+/// Largest deviations of all comparisons at the usual bars since the program started, for the record.
 struct WorstSeen {
   double k = 0.0, place = 0.0;
 };

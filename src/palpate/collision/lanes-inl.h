@@ -155,6 +155,13 @@ PALPATE_LANES std::size_t count_of(const LaneMask<D, N>& mask) {
   return count;
 }
 
+/// Where a number is: not NaN.
+PALPATE_LANES LaneMask<D, N> is_number(const Lanes<D, N>& a) {
+  LaneMask<D, N> r;
+  for (std::size_t j = 0; j < N; ++j) r.m[j] = hn::Eq(a.v[j], a.v[j]);
+  return r;
+}
+
 /// Where the sign bit is set, also of what is no number.
 PALPATE_LANES LaneMask<D, N> is_negative(const Lanes<D, N>& a) {
   const hn::RebindToSigned<D> signed_lanes;

@@ -88,7 +88,7 @@ HWY_INLINE std::size_t cull(const GaussianBlock& block, const ToolFrame& tool, P
   for (std::size_t i = 0; i < kIndexWidth; i += Floats::width()) {
     const From from{i};
     const Vec3<Floats> position = from(block.position), length = from(block.length_high);
-    gaussians += count_of(position.x == position.x);
+    gaussians += count_of(is_number(position.x));
     const Floats distance_squared = squared_norm(W * ((high - position) + low));
     const Floats longest = max(length.x, max(length.y, length.z));
     const Floats reach = fma(longest, Floats(tool.reach_per_length), Floats(1.0F));
