@@ -106,9 +106,8 @@ void run(const Sweep& sweep, const std::vector<Family>& families, std::string& m
 void run(const std::string& path, const ComparisonOptions& options, std::string& markdown,
          nlohmann::ordered_json& json) {
   const SceneFileResult file = measure_scene_file(path, options);
-  const Comparison& comparison = file.comparison;
-  markdown +=
-      to_markdown(file) + head("Gaussians") + rows(std::to_string(comparison.options.gaussians), comparison);
+  markdown += to_markdown(file) + head("poses") + rows("1 kHz strokes", file.strokes) +
+              rows("over the whole scene", file.whole_scene);
   json["file"] = to_json(file);
 }
 

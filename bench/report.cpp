@@ -110,11 +110,11 @@ ordered_json to_json(const Comparison& c) {
 
 std::string to_markdown(const SceneFileResult& f) {
   return fmt::format(
-      "\n- scene file {}, index file {}\n"
+      "\n- {} Gaussians: scene file {}, index file {}\n"
       "- from one to the other: {:.1f} s on all cores, at most {} of anonymous memory\n"
       "- first contact, the index file being there: {:.2f} s with none of it in memory, {:.2f} s again\n",
-      size(f.scene_bytes), size(f.index_bytes), f.index_seconds, size(f.index_anonymous),
-      f.first_contact_cold, f.first_contact_warm);
+      f.strokes.options.gaussians, size(f.scene_bytes), size(f.index_bytes), f.index_seconds,
+      size(f.index_anonymous), f.first_contact_cold, f.first_contact_warm);
 }
 
 ordered_json to_json(const SceneFileResult& f) {
@@ -124,7 +124,8 @@ ordered_json to_json(const SceneFileResult& f) {
           {"index_anonymous_bytes", f.index_anonymous},
           {"first_contact_cold_s", f.first_contact_cold},
           {"first_contact_warm_s", f.first_contact_warm},
-          {"comparison", to_json(f.comparison)}};
+          {"strokes", to_json(f.strokes)},
+          {"whole_scene", to_json(f.whole_scene)}};
 }
 
 void publish(const std::string& markdown, const std::string& markdown_path, const ordered_json& json,

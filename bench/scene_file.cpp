@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -52,16 +52,24 @@ std::size_t make_index_file(const SceneFilter& filter, SceneFileResult& result) 
   return opened.report.total;
 }
 
-Truth truth_of_file(const std::string& path, const SceneFilter& filter, const std::vector<Ellipsoid>& poses) {
+/// What the tool does, and what it should find.
+struct Order {
+  std::vector<Ellipsoid> poses;
+  Truth truth;
+};
+
+/// The truth about all orders, from one pass over the file.
+void find_truth(const std::string& path, const SceneFilter& filter, std::array<Order, 2>& orders) {
   fmt::print(stderr, "computing the truth\n");
-  TruthFinder finder(poses);
+  std::array finders{TruthFinder(orders[0].poses), TruthFinder(orders[1].poses)};
   const auto reader = open_scene(path);
   GaussianScene chunk;
   while (reader->next(chunk)) {
     FilterReport report;
-    finder.add(filter_scene(chunk, filter, Similarity{}, report));
+    const EllipsoidScene kept = filter_scene(chunk, filter, Similarity{}, report);
+    for (TruthFinder& finder : finders) finder.add(kept);
   }
-  return finder.take();
+  for (std::size_t i = 0; i < orders.size(); ++i) orders[i].truth = finders[i].take();
 }
 
 /// Unit: [s].
@@ -82,8 +90,9 @@ void time_first_contacts(const SceneFilter& filter, const Ellipsoid& touching, S
   result.first_contact_warm = time_first_contact(result.path, filter, touching);
 }
 
-/// Opens the index file once more, to be queried, and fills in the results but for what run() does.
-Pipelines open_pipelines(const SceneFilter& filter, const SceneFileResult& file, Comparison& comparison) {
+/// Opens the index file once more and asks it about all poses of `order`.
+void compare(const SceneFilter& filter, const Order& order, const SceneFileResult& file,
+             Comparison& comparison) {
   OpenedIndex opened = open_as(OpenedIndex::Origin::kFile, file.path, filter);
   Pipelines pipelines =
       pipelines_of(std::make_shared<SceneIndex>(std::move(opened.index)), comparison.options.every_target);
@@ -94,7 +103,14 @@ Pipelines open_pipelines(const SceneFilter& filter, const SceneFileResult& file,
     result.build_seconds = file.index_seconds;
     result.bytes = file.index_bytes;
   }
-  return pipelines;
+  run(pipelines, order.poses, order.truth, comparison);
+}
+
+/// The first pose that touches something.
+const Ellipsoid& first_touching(const Order& order, const std::string& path, std::uint64_t seed) {
+  for (std::size_t i = 0; i < order.poses.size(); ++i)
+    if (!order.truth[i].empty()) return order.poses[i];
+  throw Error("{}: no pose touches anything; make it with make_bench_scene --seed {}", path, seed);
 }
 
 }  // namespace
@@ -102,24 +118,23 @@ Pipelines open_pipelines(const SceneFilter& filter, const SceneFileResult& file,
 SceneFileResult measure_scene_file(const std::string& path, const ComparisonOptions& options) {
   SceneFileResult result;
   result.path = path;
-  Comparison& comparison = result.comparison;
-  comparison.options = options;
   SceneFilter filter;
   filter.sigma = options.sigma;
-  comparison.options.gaussians = make_index_file(filter, result);
+  const std::size_t gaussians = make_index_file(filter, result);
+  const BenchScene scene(gaussians, options.poses.seed, options.spacing);
 
-  const BenchScene scene(comparison.options.gaussians, options.poses.seed, options.spacing);
-  const std::vector<Ellipsoid> poses = make_poses(scene, options.poses);
-  const Truth truth = truth_of_file(path, filter, poses);
-  const auto touching =
-      std::find_if(truth.begin(), truth.end(), [](const auto& hits) { return !hits.empty(); });
-  if (touching == truth.end()) {
-    throw Error("{}: no pose touches anything; make it with make_bench_scene --seed {}", path,
-                options.poses.seed);
+  std::array<Comparison*, 2> comparisons{&result.strokes, &result.whole_scene};
+  std::array<Order, 2> orders;
+  for (std::size_t i = 0; i < orders.size(); ++i) {
+    ComparisonOptions& own = comparisons[i]->options;
+    own = options;
+    own.gaussians = gaussians;
+    own.poses.whole_scene = i == 1;
+    orders[i].poses = make_poses(scene, own.poses);
   }
-  time_first_contacts(filter, poses[static_cast<std::size_t>(touching - truth.begin())], result);
-  Pipelines pipelines = open_pipelines(filter, result, comparison);
-  run(pipelines, poses, truth, comparison);
+  find_truth(path, filter, orders);
+  time_first_contacts(filter, first_touching(orders[0], path, options.poses.seed), result);
+  for (std::size_t i = 0; i < orders.size(); ++i) compare(filter, orders[i], result, *comparisons[i]);
   return result;
 }
 

@@ -18,7 +18,8 @@ struct SceneFileResult {
   /// From nothing to the first contact with the index file there: with none of it in memory, and again. Unit:
   /// [s].
   double first_contact_cold = 0.0, first_contact_warm = 0.0;
-  Comparison comparison;  ///< this library alone
+  /// This library alone; with strokes, and with every pose somewhere else in the scene.
+  Comparison strokes, whole_scene;
 };
 
 /// Indexes, opens and touches the scene file `path`, which make_bench_scene has written with the seed of the

@@ -60,14 +60,13 @@ if [[ $quick == no ]]; then
   say "make_bench_scene 100000000 $large"
   "$bin/make_bench_scene" 100000000 "$large"
   measure large growth --scene "$large"
-  measure large_whole growth --scene "$large" --whole-scene
 fi
 
 write_page() {
   cat <<END
 # Performance
 
-Written by \`tools/performance.sh\`$([[ $quick == no ]] || echo ' --quick'), to be edited there.
+Written by \`tools/performance.sh$([[ $quick == no ]] || echo ' --quick')\`, to be edited there.
 
 $(head -n 1 "$work/one_sigma")
 
@@ -130,9 +129,6 @@ From a file, as a user has it. The index is made in bounded memory, then mapped,
 system may have its pages back; *anonymous memory* is what remains, sampled while the index was made. The first contact
 includes that all of the index file is read and checked. *Build* is the time to make the index file, *memory* its size.
 $(table large)
-
-Every pose somewhere else in the scene:
-$(table large_whole)
 END
   fi
   cat <<END
