@@ -8,9 +8,8 @@
 namespace palpate {
 namespace {
 
-/// How much larger the tool is made for a search, in tool radii. A tenth of the default tool is 2 mm, ten
-/// ticks of a hand that is quick (0.2 m/s); half of that searches twice as often, twice of that keeps a fifth
-/// more Gaussians: both cost more (docs/performance.md).
+/// How much larger the tool is made for a search, in tool radii. A tenth of the default tool is 2 mm, ten ticks of
+/// a hand that is quick (0.2 m/s); a smaller margin searches more often, a larger one keeps more Gaussians.
 constexpr double kMargin = 0.1;
 /// Of the margin, for the rounding of covers().
 constexpr double kRounding = 1e-9;

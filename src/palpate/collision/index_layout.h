@@ -17,7 +17,7 @@ namespace palpate {
 
 /// Children of a node and Gaussians of a block. Sixteen floats are one AVX-512 register and one cache line;
 /// narrower targets take them in two or four steps. Wider nodes test more boxes that are far away, narrower
-/// ones wait for memory more often (docs/performance.md has the figures).
+/// ones wait for memory more often.
 inline constexpr std::size_t kIndexWidth = 16;
 
 /// One float or id for each of sixteen neighbours: a cache line, and a vector of AVX-512.
