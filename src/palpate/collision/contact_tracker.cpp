@@ -8,8 +8,9 @@
 namespace palpate {
 namespace {
 
-/// How much larger the tool is made for a search, in tool radii. A tenth of the default tool is 2 mm, ten ticks of
-/// a hand that is quick (0.2 m/s); a smaller margin searches more often, a larger one keeps more Gaussians.
+/// How much larger the tool is made for a search, in tool radii. A tenth of the default tool is 2 mm, ten
+/// ticks of a hand that is quick (0.2 m/s); a smaller margin searches more often, a larger one keeps more
+/// Gaussians.
 constexpr double kMargin = 0.1;
 /// Of the margin, for the rounding of covers().
 constexpr double kRounding = 1e-9;
