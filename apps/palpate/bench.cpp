@@ -154,17 +154,9 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   return figures;
 }
 
-/// \throws Error if the picture would destroy an input.
-void check_histogram(const Options& options) {
-  for (const std::string& input : {options.scene.path, options.trajectory, options.common.config}) {
-    if (!options.histogram.empty() && !input.empty() && same_file(options.histogram, input)) {
-      throw Error("{}: --histogram is also an input; give it another name", options.histogram);
-    }
-  }
-}
-
 void run(Options& options) {
-  check_histogram(options);
+  check_output(options.histogram, {options.scene.path, options.trajectory, options.common.config},
+               "--histogram");
   if (options.simd.empty()) options.simd = simd_targets().front();
   use_simd_target(options.simd);
   const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));

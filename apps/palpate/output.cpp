@@ -13,10 +13,11 @@ void notify(std::string_view message) { fmt::print(stderr, "palpate: {}\n", mess
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-void check_output(const std::string& out, std::initializer_list<std::string> inputs) {
+void check_output(const std::string& out, std::initializer_list<std::string> inputs,
+                  std::string_view option) {
   for (const std::string& input : inputs) {
-    if (!input.empty() && same_file(out, input)) {
-      throw Error("{}: --out is also an input; give it another name", out);
+    if (!out.empty() && !input.empty() && same_file(out, input)) {
+      throw Error("{}: {} is also an input; give it another name", out, option);
     }
   }
 }

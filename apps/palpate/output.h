@@ -22,8 +22,10 @@ void notify(std::string_view message);
 /// [x, y, z]
 Json vector_json(const Eigen::Vector3d& v);
 
-/// \throws Error if writing `out` would destroy one of `inputs` (empty names are skipped).
-void check_output(const std::string& out, std::initializer_list<std::string> inputs);
+/// \throws Error if writing `out`, the value of `option`, would destroy one of `inputs` (empty names are
+/// skipped).
+void check_output(const std::string& out, std::initializer_list<std::string> inputs,
+                  std::string_view option = "--out");
 
 /// Adds `search_radius` and `can_miss`: what the paper's pipeline does not reach with `tool`.
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json);

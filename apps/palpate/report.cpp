@@ -11,6 +11,7 @@
 #include <palpate/base/file.h>
 
 #include "command.h"
+#include "markup.h"
 #include "options.h"
 #include "output.h"
 #include "report_data.h"
@@ -32,26 +33,13 @@ struct Options {
   std::string out;
 };
 
-std::string html_escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '&': out += "&amp;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
-
 /// The page template with its one placeholder of each kind filled in.
 std::string fill_page(const std::string& title, const std::string& json) {
   std::string page(palpate_report_page_begin, palpate_report_page_end);
   const auto fill = [&](std::string_view placeholder, const std::string& text) {
     page.replace(page.find(placeholder), placeholder.size(), text);
   };
-  fill("<!--PALPATE_TITLE-->", html_escaped(printable(title)));
+  fill("<!--PALPATE_TITLE-->", markup_escaped(printable(title)));
   fill("<!--PALPATE_RUN_JSON-->", json);
   return page;
 }

@@ -6,12 +6,10 @@
 ///
 ///   1. walk      the boxes of the wide tree against the tool's box;
 ///   2. cull      a block's bounding spheres against the tool, where the tool is the unit sphere;
-///   3. search    in single precision: where K is below zero beyond its rounding, the pair is apart;
-///   elsewhere,
-///                near where K is least;
-///   4. contact   the minimum of K, certified, and all that follows from it; what is too near to touching to
-///   tell, by
-///                the scalar code in double.
+///   3. search    K in single precision: below zero beyond its rounding, the pair is apart; else near its
+///                minimum;
+///   4. contact   the minimum of K, certified, and what follows from it; by the scalar code in double where
+///                that is too near to touching to tell.
 #pragma once
 
 #include <array>

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <palpate/base/append.h>
+#include <palpate/collision/record_collector.h>
 #include <palpate/collision/space_partition.h>
 
 namespace palpate {

@@ -9,7 +9,6 @@
 
 #include <palpate/base/progress.h>
 #include <palpate/collision/index_builder.h>
-#include <palpate/collision/record_collector.h>
 #include <palpate/collision/scene_index.h>
 
 namespace palpate {

@@ -9,6 +9,7 @@
 #include <palpate/base/file.h>
 #include <palpate/collision/index_file.h>
 #include <palpate/collision/index_storage.h>
+#include <palpate/collision/record_collector.h>
 #include <palpate/collision/record_spill.h>
 #include <palpate/scene/scene_reader.h>
 
