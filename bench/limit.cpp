@@ -21,20 +21,21 @@ namespace {
 /// formulas change.
 namespace cost {
 
-/// Slots of a visited node: six comparisons, five conjunctions (walk_lanes-inl.h, expand).
-constexpr double kSlot = 6 + 5;
+/// Slots of a visited node: six comparisons and five conjunctions of boxes; for the plane between, m and h
+/// 12, M m 9, m^T M m 3, the extent 6, the size 6, the gap and what follows 7 (walk_lanes-inl.h, expand).
+constexpr double kSlot = 6 + 5 + 12 + 9 + 3 + 6 + 6 + 7;
 
 /// Gaussians of a block: centre relative to the tool 6, W times it 9, its square 3, longest axis 2, reach 1,
 /// its square 2, the comparison 1 (walk_lanes-inl.h, cull).
 constexpr double kCandidate = 6 + 9 + 3 + 2 + 1 + 2 + 1;
 
 /// Pairs that the spheres leave: rotation times lengths 38, d' and L 42, coefficients of K 82
-/// (pair_lanes-inl.h), first guess 18, and four steps of the search at 66 (search_lanes-inl.h).
-constexpr double kPair = 38 + 42 + 82 + 18 + 4 * 66;
+/// (pair_lanes-inl.h), first guess 18, and the step that screens 66 (search_lanes-inl.h).
+constexpr double kPair = 38 + 42 + 82 + 18 + 66;
 
-/// Contacts: one step that ends with a certificate 90; normal, point, depth and lambda 150
-/// (contact_lanes-inl.h).
-constexpr double kContact = 90 + 150;
+/// Contacts: three more steps of the search, one that ends with a certificate 90; normal, point, depth and
+/// lambda 150 (contact_lanes-inl.h).
+constexpr double kContact = 3 * 66 + 90 + 150;
 
 }  // namespace cost
 
@@ -98,8 +99,8 @@ struct Stage {
 std::vector<Stage> stages_of(const Work& work) {
   return {{"slots of nodes, against the tool's box", work.slots, cost::kSlot},
           {"Gaussians of blocks, against spheres", work.candidates, cost::kCandidate},
-          {"pairs after the spheres, searched", work.filtered, cost::kPair},
-          {"contacts, minimised and described", work.contacts, cost::kContact}};
+          {"pairs after the spheres, screened", work.filtered, cost::kPair},
+          {"contacts, searched, minimised and described", work.contacts, cost::kContact}};
 }
 
 struct Limit {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <type_traits>
 
-#include <palpate/collision/contact_output.h>
 #include <palpate/collision/pair_buffer.h>
 #include <palpate/collision/simd_target.h>
 #include <palpate/collision/whitened_pairs.h>
@@ -21,6 +20,7 @@
 #include <hwy/highway.h>
 
 #include <palpate/collision/contact_lanes-inl.h>
+#include <palpate/collision/output_lanes-inl.h>
 #include <palpate/collision/pair_lanes-inl.h>
 #include <palpate/collision/search_lanes-inl.h>
 #include <palpate/collision/walk_lanes-inl.h>
@@ -29,224 +29,253 @@ HWY_BEFORE_NAMESPACE();
 namespace palpate::HWY_NAMESPACE {
 namespace {
 
-/// Pairs of the buffer, from i on, as solids; in single precision the smaller parts of lengths are left out.
-Floats load_lane(const PairBuffer::Lane<float>& lane, std::size_t i, Floats) {
-  return Floats(hn::LoadU(DFloat(), &lane[i]));
-}
-Doubles load_lane(const PairBuffer::Lane<float>& lane, std::size_t i, Doubles) {
-  return Doubles(hn::PromoteTo(DDouble(), hn::LoadU(hn::Rebind<float, DDouble>(), &lane[i])));
+/// As many floats as L has lanes, aligned or not.
+template <class L>
+HWY_INLINE L load_as(const float* from) {
+  if constexpr (std::is_same_v<L, Doubles>) {
+    return L(hn::PromoteTo(DDouble(), hn::LoadU(hn::Rebind<float, DDouble>(), from)));
+  } else {
+    return L(hn::LoadU(DFloat(), from));
+  }
 }
 
+/// Pairs of the buffer, from i on, as solids; in single precision the smaller parts of lengths are left out.
 template <class L>
-Solid<L> load_solid(const PairBuffer& b, std::size_t i) {
-  const auto at = [&](const PairBuffer::Lane<float>& lane) HWY_ATTR { return load_lane(lane, i, L()); };
-  const auto sum = [&](const PairBuffer::Lane<float>& high, const PairBuffer::Lane<float>& low) HWY_ATTR {
+HWY_INLINE Solid<L> load_solid(const PairBuffer& b, std::size_t i) {
+  const auto at = [&](const PairBuffer::Lane<float>& lane) HWY_ATTR { return load_as<L>(&lane[i]); };
+  const auto length = [&](std::size_t axis) HWY_ATTR {
     if constexpr (std::is_same_v<L, Doubles>) {
-      return at(high) + at(low);
+      return at(b.length_high[axis]) + at(b.length_low[axis]);
     } else {
-      return at(high);
+      return at(b.length_high[axis]);
     }
   };
   Solid<L> solid;
   solid.center = {at(b.position[0]), at(b.position[1]), at(b.position[2])};
   scaled_rotation(at(b.rotation[0]), at(b.rotation[1]), at(b.rotation[2]), at(b.rotation[3]),
-                  Vec3<L>{sum(b.length_high[0], b.length_low[0]), sum(b.length_high[1], b.length_low[1]),
-                          sum(b.length_high[2], b.length_low[2])},
-                  solid.axis);
-  solid.opacity = sum(b.opacity_high, b.opacity_low);
+                  Vec3<L>{length(0), length(1), length(2)}, solid.axis);
   return solid;
 }
 
-/// From the centre of the Gaussian to that of the tool.
-Vec3<Doubles> offset_to(const ToolFrame& tool, const Vec3<Doubles>& center) {
-  return broadcast<Doubles>(tool.center) - center;
+HWY_INLINE Whitened<Doubles> whitened(const Solid<Doubles>& solid, const ToolFrame& tool) {
+  return {broadcast<Doubles>(tool.center) - solid.center, solid.axis, tool.W};
 }
-Vec3<Floats> offset_to(const ToolFrame& tool, const Vec3<Floats>& center) {
-  return (broadcast<Floats>(tool.center_high) - center) + broadcast<Floats>(tool.center_low);
-}
-
-void whiten_into(const Solid<Doubles>& solid, const ToolFrame& tool, WhitenedPairs<double>& pairs,
-                 std::size_t i) {
-  whiten(offset_to(tool, solid.center), solid.axis, solid.opacity, tool.W, pairs, i);
-}
-void whiten_into(const Solid<Floats>& solid, const ToolFrame& tool, WhitenedPairs<float>& pairs,
-                 std::size_t i) {
-  whiten(offset_to(tool, solid.center), solid.axis, solid.opacity, tool.W_float, pairs, i);
+HWY_INLINE Whitened<Floats> whitened(const Solid<Floats>& solid, const ToolFrame& tool) {
+  const Vec3<Floats> offset =
+      (broadcast<Floats>(tool.center_high) - solid.center) + broadcast<Floats>(tool.center_low);
+  return {offset, solid.axis, tool.W_float};
 }
 
-/// What the last stages work with: some 60 KB, on the stack.
+/// Pairs as solids, from i on, into `pairs`.
+template <class L>
+HWY_INLINE void whiten_into(const Solid<L>& solid, const ToolFrame& tool, PairsOf<L>& pairs, std::size_t i) {
+  whitened(solid, tool).put_into(pairs, [&](PairBuffer::Lane<typename L::T>& lane, const L& x) HWY_ATTR {
+    store(x, lane, i);
+  });
+}
+
+/// What the last stages work with, on the stack.
 struct Workspace {
   WhitenedPairs<double> pairs;
   WhitenedPairs<float> singles;
+  PairList touching;
 };
 
-/// A pair of the buffer in double, for the scalar code.
-CapturedSolid solid_of(const PairBuffer& b, std::size_t i) {
-  const auto sum = [](float high, float low) { return static_cast<double>(high) + static_cast<double>(low); };
-  const Eigen::Quaterniond q(b.rotation[0][i], b.rotation[1][i], b.rotation[2][i], b.rotation[3][i]);
-  const Eigen::Vector3d lengths(sum(b.length_high[0][i], b.length_low[0][i]),
-                                sum(b.length_high[1][i], b.length_low[1][i]),
-                                sum(b.length_high[2][i], b.length_low[2][i]));
-  return {{b.position[0][i], b.position[1][i], b.position[2][i]},
-          q.normalized().toRotationMatrix() * lengths.asDiagonal()};
-}
+/// What of a pair outlives the screen.
+enum class Kept {
+  kPair,      ///< in the buffer
+  kWhitened,  ///< as the tool sees it
+};
 
-/// Stages 3 and 4 for the pairs of a buffer. \returns the end of what was written, see write_contacts().
-std::size_t append_contacts(Workspace& w, const PairBuffer& buffer, const ToolFrame& tool,
-                            Precision precision, std::size_t end, std::vector<Contact>& contacts) {
+/// The first part of stage 3: of the pairs in `buffer` keeps those that the first step of the search does not
+/// tell apart, with the t that it leads to in `singles`, where the pairs as the tool sees them go too. Some
+/// scenes lose nine in ten here, so that the work on pairs in lanes that are closed does not go on.
+template <Precision kPrecision, Kept kKept>
+HWY_INLINE void screen(PairBuffer& buffer, const ToolFrame& tool, WhitenedPairs<float>& singles) {
   const std::size_t n = buffer.size;
-  const auto solid = [&](std::size_t pair) { return solid_of(buffer, pair); };
-  if (precision == Precision::kSingle) {
-    for (std::size_t i = 0; i < n; i += Floats::width())
-      whiten_into(load_solid<Floats>(buffer, i), tool, w.singles, i);
-    guess(w.singles, n);
-    search(w.singles, n, tool.single, kStepsFromGuess);
-    solve<float, TwoFloats, Floats>(w.singles, n, tool);
-    return write_contacts(w.singles, n, buffer.id.data(), tool, solid, end, contacts);
+  buffer.size = 0;
+  for (std::size_t i = 0; i < n; i += Floats::width()) {
+    const Whitened<Floats> seen = whitened(load_solid<Floats>(buffer, i), tool);
+    const SearchStep<Floats> next(seen.k, first_t(seen.k), tool.single);
+    const auto open = and_not(next.apart, first_lanes<Floats>(n - i));
+    const LanePacker<DFloat> pack(open);
+    const std::size_t to = buffer.size;
+    // In place: what is overwritten has been read.
+    const auto pack_lane = [&](auto& lane) HWY_ATTR {
+      pack(Floats(hn::LoadU(DFloat(), reinterpret_cast<const float*>(&lane[i]))),
+           reinterpret_cast<float*>(&lane[to]));
+    };
+    const auto pack_lanes = [&](auto& lanes) HWY_ATTR {
+      for (auto& lane : lanes) pack_lane(lane);
+    };
+    if constexpr (kKept == Kept::kPair) {
+      pack_lanes(buffer.position);
+      pack_lanes(buffer.length_high);
+      if constexpr (kPrecision == Precision::kDouble) pack_lanes(buffer.length_low);
+      pack_lanes(buffer.rotation);
+    } else {
+      seen.put_into(singles,
+                    [&](PairBuffer::Lane<float>& lane, const Floats& x) HWY_ATTR { pack(x, &lane[to]); });
+    }
+    pack_lane(buffer.slot);
+    pack(next.t, &singles.t[to]);
+    buffer.size += count_of(open);
   }
-  for (std::size_t i = 0; i < n; i += Doubles::width())
-    whiten_into(load_solid<Doubles>(buffer, i), tool, w.pairs, i);
-  round_coefficients(w.pairs, n, w.singles);
-  guess(w.singles, n);
-  search(w.singles, n, kRoundedOnce, kStepsFromGuess);
-  adopt(w.singles, n, w.pairs);
-  solve<double, TwoDoubles, Doubles>(w.pairs, n, tool);
-  return write_contacts(w.pairs, n, buffer.id.data(), tool, solid, end, contacts);
 }
 
-void FindContacts(const IndexView& index, const ToolFrame& tool, Precision precision, ContactSet& result) {
+/// Stage 4 for `n` pairs whose Gaussians are in `slot`: in `w.singles`, or in `w.pairs` with their t in
+/// `w.singles`. \returns the end of what was written, see write_contacts().
+template <Precision kPrecision, class LabelOf>
+std::size_t append_contacts(Workspace& w, std::size_t n, const GaussianSlot* slot, const IndexView& index,
+                            const ToolFrame& tool, const LabelOf& label, int steps, std::size_t end,
+                            std::vector<Contact>& contacts) {
+  const auto write = [&](const auto& pairs) HWY_ATTR {
+    list_set(pairs.open, n, w.touching);
+    return write_contacts(pairs, w.touching.span(), slot, index.blocks, tool, label, end, contacts);
+  };
+  if constexpr (kPrecision == Precision::kSingle) {
+    search(w.singles, n, tool.single, steps);
+    solve<float, TwoFloats, Floats>(w.singles, n, tool);
+    return write(w.singles);
+  } else {
+    round_coefficients(w.pairs, n, w.singles);
+    search(w.singles, n, kRoundedOnce, steps);
+    adopt(w.singles, n, w.pairs);
+    solve<double, TwoDoubles, Doubles>(w.pairs, n, tool);
+    return write(w.pairs);
+  }
+}
+
+template <Precision kPrecision>
+void find_contacts_in(const IndexView& index, const ToolFrame& tool, ContactSet& result) {
   PairBuffer buffer;
   Workspace w;
   std::size_t end = 0;
   result.filtered = 0;
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
-    end = append_contacts(w, pairs, tool, precision, end, result.contacts);
     result.filtered += pairs.size;
+    if constexpr (kPrecision == Precision::kSingle) {
+      screen<kPrecision, Kept::kWhitened>(pairs, tool, w.singles);
+    } else {
+      screen<kPrecision, Kept::kPair>(pairs, tool, w.singles);
+      for (std::size_t i = 0; i < pairs.size; i += Doubles::width())
+        whiten_into(load_solid<Doubles>(pairs, i), tool, w.pairs, i);
+    }
+    const auto label = [&](std::size_t pair) HWY_ATTR {
+      return GaussianLabel::of(index.blocks[pairs.slot[pair].block()], pairs.slot[pair].lane());
+    };
+    end = append_contacts<kPrecision>(w, pairs.size, pairs.slot.data(), index, tool, label, kStepsFromGuess,
+                                      end, result.contacts);
     pairs.size = 0;
   };
-  result.candidates = walk(index, tool, buffer, flush);
+  result.candidates = walk<kPrecision>(index, tool, buffer, flush);
   flush(buffer);
   result.contacts.resize(end);
 }
 
-/// Stages 2 and 3 for the pairs of a buffer: appends to `candidates` those that are not certainly apart. \pre
-/// they fit.
-void append_candidates(Workspace& w, const PairBuffer& buffer, const ToolFrame& tool,
-                       CandidateSet& candidates) {
-  const std::size_t first = candidates.size, n = buffer.size;
-  const hn::Rebind<float, DDouble> half;
-  for (std::size_t i = 0; i < n; i += Doubles::width()) {
-    const Solid<Doubles> solid = load_solid<Doubles>(buffer, i);
-    const std::size_t to = first + i;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Doubles* axis = &solid.axis[k].x;
-      for (std::size_t c = 0; c < 3; ++c) {
-        hn::StoreU(axis[c].v[0], DDouble(), &candidates.axes[3 * k + c][to]);
-        hn::StoreU(hn::DemoteTo(half, axis[c].v[0]), half, &candidates.rounded_axes[3 * k + c][to]);
-      }
-    }
-    hn::StoreU(solid.opacity.v[0], DDouble(), &candidates.opacity[to]);
-    hn::StoreU(hn::DemoteTo(half, solid.opacity.v[0]), half, &candidates.rounded_opacity[to]);
-    whiten_into(solid, tool, w.pairs, i);
-  }
-  for (std::size_t k = 0; k < 3; ++k)
-    std::copy_n(buffer.position[k].begin(), n, &candidates.center[k][first]);
-  round_coefficients(w.pairs, n, w.singles);
-  guess(w.singles, n);
-  search(w.singles, n, kRoundedOnce, kStepsFromGuess);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!w.singles.is_open(i)) continue;
-    candidates.move(first + i, candidates.size);
-    candidates.t[candidates.size] = w.singles.group(i).t[i % w.singles.kWidth];
-    candidates.id[candidates.size++] = buffer.id[i];
+void FindContacts(const IndexView& index, const ToolFrame& tool, Precision precision, ContactSet& result) {
+  if (precision == Precision::kSingle) {
+    find_contacts_in<Precision::kSingle>(index, tool, result);
+  } else {
+    find_contacts_in<Precision::kDouble>(index, tool, result);
   }
 }
 
-bool FindCandidates(const IndexView& index, const ToolFrame& tool, CandidateSet& candidates) {
+/// Where a CandidateSet has its axes.
+template <class L>
+HWY_INLINE auto& axes_of(CandidateSet& candidates) {
+  if constexpr (std::is_same_v<L, Doubles>) {
+    return candidates.axes;
+  } else {
+    return candidates.rounded_axes;
+  }
+}
+
+/// Appends to `candidates` the pairs of a screened buffer. \pre they fit.
+template <class L>
+void append_candidates(const IndexView& index, const PairBuffer& buffer, const WhitenedPairs<float>& singles,
+                       CandidateSet& candidates) {
+  const std::size_t first = candidates.size, n = buffer.size;
+  for (std::size_t i = 0; i < n; i += L::width()) {
+    const Solid<L> solid = load_solid<L>(buffer, i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const L* axis = &solid.axis[k].x;
+      for (std::size_t c = 0; c < 3; ++c)
+        hn::StoreU(axis[c].v[0], L::d(), &axes_of<L>(candidates)[3 * k + c][first + i]);
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k)
+    std::copy_n(buffer.position[k].begin(), n, &candidates.center[k][first]);
+  std::copy_n(singles.t.begin(), n, &candidates.t[first]);
+  std::copy_n(buffer.slot.begin(), n, &candidates.slot[first]);
+  for (std::size_t i = 0; i < n; ++i) {
+    candidates.label[first + i] =
+        GaussianLabel::of(index.blocks[buffer.slot[i].block()], buffer.slot[i].lane());
+  }
+  candidates.size += n;
+}
+
+template <Precision kPrecision, class L>
+bool find_candidates_in(const IndexView& index, const ToolFrame& tool, CandidateSet& candidates) {
   PairBuffer buffer;
-  Workspace w;
+  WhitenedPairs<float> singles;
   bool fits = true;
   candidates.size = 0;
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
+    screen<kPrecision, Kept::kPair>(pairs, tool, singles);
     fits = fits && candidates.size + pairs.size <= CandidateSet::kCapacity;
-    if (fits) append_candidates(w, pairs, tool, candidates);
+    if (fits) append_candidates<L>(index, pairs, singles, candidates);
     pairs.size = 0;
   };
-  candidates.walked = walk(index, tool, buffer, flush);
+  candidates.walked = walk<kPrecision>(index, tool, buffer, flush);
   flush(buffer);
   if (!fits) candidates.size = 0;
   return fits;
 }
 
-/// Candidates from i on, as solids.
-void load_candidates(const CandidateSet& c, std::size_t i, Solid<Doubles>& solid) {
-  const auto center = [&](std::size_t k) HWY_ATTR {
-    return Doubles(hn::PromoteTo(DDouble(), hn::LoadU(hn::Rebind<float, DDouble>(), &c.center[k][i])));
-  };
-  const auto axis = [&](std::size_t k) HWY_ATTR { return Doubles(hn::LoadU(DDouble(), &c.axes[k][i])); };
-  solid.center = {center(0), center(1), center(2)};
-  for (std::size_t k = 0; k < 3; ++k) solid.axis[k] = {axis(3 * k), axis(3 * k + 1), axis(3 * k + 2)};
-  solid.opacity = Doubles(hn::LoadU(DDouble(), &c.opacity[i]));
-}
-void load_candidates(const CandidateSet& c, std::size_t i, Solid<Floats>& solid) {
-  const auto center = [&](std::size_t k) HWY_ATTR { return Floats(hn::LoadU(DFloat(), &c.center[k][i])); };
-  const auto axis = [&](std::size_t k)
-                        HWY_ATTR { return Floats(hn::LoadU(DFloat(), &c.rounded_axes[k][i])); };
-  solid.center = {center(0), center(1), center(2)};
-  for (std::size_t k = 0; k < 3; ++k) solid.axis[k] = {axis(3 * k), axis(3 * k + 1), axis(3 * k + 2)};
-  solid.opacity = Floats(hn::LoadU(DFloat(), &c.rounded_opacity[i]));
+bool FindCandidates(const IndexView& index, const ToolFrame& tool, Precision precision,
+                    CandidateSet& candidates) {
+  return precision == Precision::kSingle
+             ? find_candidates_in<Precision::kSingle, Floats>(index, tool, candidates)
+             : find_candidates_in<Precision::kDouble, Doubles>(index, tool, candidates);
 }
 
-/// A candidate, for the scalar code.
-CapturedSolid solid_of(const CandidateSet& c, std::size_t i) {
-  CapturedSolid solid;
-  for (std::size_t row = 0; row < 3; ++row) {
-    const auto r = static_cast<int>(row);
-    solid.center[r] = c.center[row][i];
-    for (int column = 0; column < 3; ++column)
-      solid.axes(r, column) = c.axes[3 * static_cast<std::size_t>(column) + row][i];
-  }
+/// Candidates from i on, as solids.
+template <class L>
+HWY_INLINE Solid<L> load_candidates(CandidateSet& c, std::size_t i) {
+  const auto center = [&](std::size_t k) HWY_ATTR { return load_as<L>(&c.center[k][i]); };
+  const auto axis = [&](std::size_t k) HWY_ATTR { return L(hn::LoadU(L::d(), &axes_of<L>(c)[k][i])); };
+  Solid<L> solid;
+  solid.center = {center(0), center(1), center(2)};
+  for (std::size_t k = 0; k < 3; ++k) solid.axis[k] = {axis(3 * k), axis(3 * k + 1), axis(3 * k + 2)};
   return solid;
 }
 
-template <class L>
-void whiten_candidates(const CandidateSet& candidates, std::size_t first, std::size_t n,
-                       const ToolFrame& tool, PairsOf<L>& pairs) {
-  for (std::size_t i = 0; i < n; i += L::width()) {
-    Solid<L> solid;
-    load_candidates(candidates, first + i, solid);
-    whiten_into(solid, tool, pairs, i);
-  }
-}
-
-void ContactsAmong(CandidateSet& candidates, const ToolFrame& tool, Precision precision, ContactSet& result) {
-  Workspace w;
+template <Precision kPrecision, class L>
+void contacts_among_in(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
+                       PairsOf<L>& pairs, Workspace& w, ContactSet& result) {
   std::size_t end = 0;
   for (std::size_t first = 0; first < candidates.size; first += PairBuffer::kCapacity) {
     const std::size_t n = std::min(PairBuffer::kCapacity, candidates.size - first);
-    const std::uint32_t* id = &candidates.id[first];
-    const auto solid = [&](std::size_t pair) { return solid_of(candidates, first + pair); };
-    const auto each_group = [&](const auto& visit) {
-      for (std::size_t i = 0; i < n; i += kIndexWidth)
-        visit(&candidates.t[first + i], w.singles.group(i).t.data());
-    };
-    each_group([](const float* from, float* to) { std::copy_n(from, kIndexWidth, to); });
-    if (precision == Precision::kSingle) {
-      whiten_candidates<Floats>(candidates, first, n, tool, w.singles);
-      search(w.singles, n, tool.single, kStepsFromLast);
-      solve<float, TwoFloats, Floats>(w.singles, n, tool);
-      end = write_contacts(w.singles, n, id, tool, solid, end, result.contacts);
-    } else {
-      whiten_candidates<Doubles>(candidates, first, n, tool, w.pairs);
-      round_coefficients(w.pairs, n, w.singles);
-      search(w.singles, n, kRoundedOnce, kStepsFromLast);
-      adopt(w.singles, n, w.pairs);
-      solve<double, TwoDoubles, Doubles>(w.pairs, n, tool);
-      end = write_contacts(w.pairs, n, id, tool, solid, end, result.contacts);
-    }
-    each_group([](float* to, const float* from) { std::copy_n(from, kIndexWidth, to); });
+    for (std::size_t i = 0; i < n; i += L::width())
+      whiten_into(load_candidates<L>(candidates, first + i), tool, pairs, i);
+    std::copy_n(&candidates.t[first], n, w.singles.t.begin());
+    const auto label = [&](std::size_t pair) HWY_ATTR { return candidates.label[first + pair]; };
+    end = append_contacts<kPrecision>(w, n, &candidates.slot[first], index, tool, label, kStepsFromLast, end,
+                                      result.contacts);
+    std::copy_n(w.singles.t.begin(), n, &candidates.t[first]);
   }
   result.contacts.resize(end);
+}
+
+void ContactsAmong(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
+                   Precision precision, ContactSet& result) {
+  Workspace w;
+  if (precision == Precision::kSingle) {
+    contacts_among_in<Precision::kSingle, Floats>(candidates, index, tool, w.singles, w, result);
+  } else {
+    contacts_among_in<Precision::kDouble, Doubles>(candidates, index, tool, w.pairs, w, result);
+  }
 }
 
 }  // namespace
@@ -267,15 +296,16 @@ void find_contacts(const IndexView& index, const ToolFrame& tool, Precision prec
   HWY_DYNAMIC_DISPATCH(FindContacts)(index, tool, precision, result);
 }
 
-bool find_candidates(const IndexView& index, const ToolFrame& tool, CandidateSet& candidates) {
-  return HWY_DYNAMIC_DISPATCH(FindCandidates)(index, tool, candidates);
+bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
+                     CandidateSet& candidates) {
+  return HWY_DYNAMIC_DISPATCH(FindCandidates)(index, tool, precision, candidates);
 }
 
-void contacts_among(CandidateSet& candidates, const ToolFrame& tool, Precision precision,
-                    ContactSet& result) {
+void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
+                    Precision precision, ContactSet& result) {
   result.candidates = candidates.walked;
   result.filtered = candidates.size;
-  HWY_DYNAMIC_DISPATCH(ContactsAmong)(candidates, tool, precision, result);
+  HWY_DYNAMIC_DISPATCH(ContactsAmong)(candidates, index, tool, precision, result);
 }
 
 namespace {

@@ -17,13 +17,15 @@
 #include <cstdint>
 
 #include <palpate/collision/contact.h>
+#include <palpate/collision/contact_output.h>
 #include <palpate/collision/index_layout.h>
+#include <palpate/collision/pair_buffer.h>
 #include <palpate/collision/tool_frame.h>
 
 namespace palpate {
 
-/// Gaussians near a tool, activated, in double precision, as a structure of arrays. Captured frame, relative
-/// to the index's origin. Its size is fixed, so that refilling it takes nothing from the heap.
+/// Gaussians near a tool, activated, as a structure of arrays. Captured frame, relative to the index's
+/// origin. Its size is fixed, so that refilling it takes nothing from the heap.
 struct CandidateSet {
   /// Three times the contacts of the most crowded pose of the seal under the default tool; 140 KB, which
   /// leaves the second-level cache room for the rest of a tick.
@@ -36,22 +38,12 @@ struct CandidateSet {
   std::size_t size = 0;
   std::size_t walked = 0;                          ///< ContactSet::candidates of the query that filled it
   alignas(64) std::array<Array<float>, 3> center;  ///< as their file has it
-  alignas(
-      64) std::array<Array<double>, 9> axes;  ///< the three semi-axis vectors k sigma r, one after the other
-  alignas(64) Array<double> opacity;          ///< alpha
-  alignas(64) std::array<Array<float>, 9> rounded_axes;  ///< both in single precision
-  alignas(64) Array<float> rounded_opacity;
+  /// The three semi-axis vectors k sigma r, one after the other: for Precision::kDouble, or for kSingle.
+  alignas(64) std::array<Array<double>, 9> axes;
+  alignas(64) std::array<Array<float>, 9> rounded_axes;
   alignas(64) Array<float> t;  ///< lambda / (1 - lambda) where K was least when last seen
-  alignas(64) Array<std::uint32_t> id;
-
-  /// Copies center, axes and opacity of one to another.
-  void move(std::size_t from, std::size_t to) {
-    for (auto& lane : center) lane[to] = lane[from];
-    for (auto& lane : axes) lane[to] = lane[from];
-    for (auto& lane : rounded_axes) lane[to] = lane[from];
-    opacity[to] = opacity[from];
-    rounded_opacity[to] = rounded_opacity[from];
-  }
+  alignas(64) Array<GaussianSlot> slot;
+  alignas(64) Array<GaussianLabel> label;
 };
 
 /// All contacts of `tool`, into `result`, in the order of the blocks. Allocates only if they do not fit its
@@ -59,9 +51,11 @@ struct CandidateSet {
 void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, ContactSet& result);
 
 /// A superset of the Gaussians that `tool` overlaps; false if they do not fit, `candidates` then being empty.
-bool find_candidates(const IndexView& index, const ToolFrame& tool, CandidateSet& candidates);
+bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
+                     CandidateSet& candidates);
 
-/// As find_contacts, among `candidates` alone, whose t is kept up to date.
-void contacts_among(CandidateSet& candidates, const ToolFrame& tool, Precision precision, ContactSet& result);
+/// As find_contacts, among `candidates` alone, found with the same precision, whose t is kept up to date.
+void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
+                    Precision precision, ContactSet& result);
 
 }  // namespace palpate

@@ -83,7 +83,7 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
   using Mask = typename L::Mask;
   using Limit = Done<T>;
   const KLanes<L> k = load_k<L>(pairs, i);
-  const L guess = load<L>(pairs, i, kT), latest(Limit::kInfiniteT);
+  const L guess = load<L>(pairs.t, i), latest(Limit::kInfiniteT);
   L t = select((guess >= T{1e-30F}) & (guess <= latest), guess, L(T{1}));  // NaN becomes 1, too
   const auto far = k.p.x > Limit::kLeastDistance * Limit::kLeastDistance;
 
@@ -121,8 +121,8 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
     t = min(advance(t, s), latest);
     settle(found | apart, k_here, t, apart, (k_here - rounding) * way > fall);
   }
-  store(t_min, pairs, i, kT);
-  store(k_min, pairs, i, kMinimum);
+  store(t_min, pairs.t, i);
+  store(k_min, pairs.k_min, i);
   set_bits<L>(pairs.open, i, open);
   set_bits<L>(pairs.sure, i, open & sure);
 }
@@ -137,13 +137,38 @@ HWY_INLINE Vec3<L> adjugate_times_distance(const Vec3<L>& d, const Vec3<L> (&l)[
   return fma(t, fma(t, second, first), d);
 }
 
+/// As many numbers as L has lanes, as doubles in memory.
+template <class L>
+struct InMemory {
+  alignas(64) typename L::T number[hn::MaxLanes(L::d())];
+
+  HWY_INLINE InMemory(const L& x) { hn::Store(x.v[0], L::d(), number); }
+
+  HWY_INLINE Doubles at(std::size_t i) const {
+    if constexpr (sizeof(typename L::T) == sizeof(double)) {
+      return Doubles(hn::Load(DDouble(), number + i));
+    } else {
+      return Doubles(hn::PromoteTo(DDouble(), hn::Load(hn::Rebind<float, DDouble>(), number + i)));
+    }
+  }
+};
+
+/// Points of as many pairs as L has lanes, relative to the tool's centre in the world frame; in memory, for
+/// the numbers that are doubles there.
+template <class L>
+struct PointsInMemory {
+  InMemory<L> x, y, z;
+
+  HWY_INLINE PointsInMemory(const Vec3<L>& v) : x(v.x), y(v.y), z(v.z) {}
+};
+
 /// All that follows from the place of the minimum, for the lanes from i on.
 template <class L>
 HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool) {
   using T = typename L::T;
-  const Vec3<L> distance = load3<L>(pairs, i, kDistance);
-  const Vec3<L> l[3] = {load3<L>(pairs, i, kL, 0), load3<L>(pairs, i, kL, 3), load3<L>(pairs, i, kL, 6)};
-  const L t = load<L>(pairs, i, kT);
+  const Vec3<L> distance = load3<L>(pairs.distance, i);
+  const Vec3<L> l[3] = {load3<L>(pairs.l, i, 0), load3<L>(pairs.l, i, 3), load3<L>(pairs.l, i, 6)};
+  const L t = load<L>(pairs.t, i);
   const FTerms<L> x(load_k<L>(pairs, i), t);
   const L inverse_Eq = T{1} / (x.E * x.q);
   const Vec3<L> y = (inverse_Eq * x.q) * adjugate_times_distance(distance, l, t);
@@ -160,11 +185,22 @@ HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& t
     return squared * reciprocal_sqrt(squared);
   };
   const L extents = norm(y) + norm(Vec3<L>{dot(l[0], y), dot(l[1], y), dot(l[2], y)});
-  store3(inverse_q * q, pairs, i, kNormal);
-  store3(axes * y, pairs, i, kPoint);
-  store3(axes * distance, pairs, i, kCenter);
-  store(inverse_q * (extents - dot(y, distance)), pairs, i, kDepth);
-  store(t * (inverse_Eq * x.E), pairs, i, kLambda);
+
+  const PointsInMemory<L> normal(inverse_q * q), point(axes * y), center(axes * distance);
+  const InMemory<L> depth(inverse_q * (extents - dot(y, distance))), lambda(t * (inverse_Eq * x.E)),
+      k_min(load<L>(pairs.k_min, i));
+  const Vec3<Doubles> origin = broadcast<Doubles>(tool.world.ellipsoid.center);
+  for (std::size_t j = 0; j < L::width(); j += Doubles::width()) {
+    const auto put = [&](std::size_t row, const Doubles& a, const Doubles& b) HWY_ATTR {
+      hn::StoreInterleaved2(a.v[0], b.v[0], DDouble(), pairs.row[row][i + j].data());
+    };
+    put(0, k_min.at(j), lambda.at(j));
+    put(1, origin.x + center.x.at(j), origin.y + center.y.at(j));
+    put(2, origin.z + center.z.at(j), origin.x + point.x.at(j));
+    put(3, origin.y + point.y.at(j), origin.z + point.z.at(j));
+    put(4, normal.x.at(j), normal.y.at(j));
+    put(5, normal.z.at(j), depth.at(j));
+  }
 }
 
 /// Minimum and contact of the first `n` pairs.
@@ -180,25 +216,19 @@ HWY_INLINE void solve(WhitenedPairs<T>& pairs, std::size_t n, const ToolFrame& t
 HWY_INLINE void round_coefficients(const WhitenedPairs<double>& pairs, std::size_t n,
                                    WhitenedPairs<float>& rounded) {
   const hn::Rebind<float, DDouble> half;
-  for (std::size_t i = 0; i < n; i += Doubles::width()) {
-    for (std::size_t c = 0; c < 6; ++c) {
-      const auto k = hn::Load(DDouble(), &pairs.group(i).k[c][i % pairs.kWidth]);
-      hn::Store(hn::DemoteTo(half, k), half, &rounded.group(i).k[c][i % rounded.kWidth]);
-    }
+  for (std::size_t c = 0; c < pairs.k.size(); ++c) {
+    for (std::size_t i = 0; i < n; i += Doubles::width())
+      hn::Store(hn::DemoteTo(half, hn::Load(DDouble(), &pairs.k[c][i])), half, &rounded.k[c][i]);
   }
 }
 
 /// Takes over what the search found.
 HWY_INLINE void adopt(const WhitenedPairs<float>& searched, std::size_t n, WhitenedPairs<double>& pairs) {
   for (std::size_t i = 0; i < n; i += Doubles::width()) {
-    const auto t = hn::Load(hn::Rebind<float, DDouble>(), &searched.group(i).t[i % searched.kWidth]);
-    hn::Store(hn::PromoteTo(DDouble(), t), DDouble(), &pairs.group(i).t[i % pairs.kWidth]);
+    const auto t = hn::Load(hn::Rebind<float, DDouble>(), &searched.t[i]);
+    hn::Store(hn::PromoteTo(DDouble(), t), DDouble(), &pairs.t[i]);
   }
-  for (std::size_t i = 0; i < n; i += searched.kWidth) {
-    const std::uint32_t open = searched.open[i / searched.kWidth];
-    pairs.open[i / pairs.kWidth] = open & 0xffU;
-    pairs.open[i / pairs.kWidth + 1] = open >> 8;
-  }
+  pairs.open = searched.open;
 }
 
 }  // namespace palpate::HWY_NAMESPACE

@@ -1,8 +1,25 @@
 #include <palpate/collision/contact_output.h>
 
 namespace palpate {
+namespace {
 
-bool scalar_contact(const CapturedSolid& gaussian, const ToolFrame& tool, Contact& contact) {
+/// A Gaussian in the captured frame, relative to the index's origin.
+Ellipsoid captured_ellipsoid(const GaussianBlock& block, std::size_t lane) {
+  const auto sum = [&](std::size_t axis) {
+    return static_cast<double>(block.length_high[axis][lane]) +
+           static_cast<double>(block.length_low[axis][lane]);
+  };
+  const Eigen::Quaterniond q(block.rotation[0][lane], block.rotation[1][lane], block.rotation[2][lane],
+                             block.rotation[3][lane]);
+  const Eigen::Vector3d lengths(sum(0), sum(1), sum(2));
+  return {{block.position[0][lane], block.position[1][lane], block.position[2][lane]},
+          q.normalized().toRotationMatrix() * lengths.asDiagonal()};
+}
+
+}  // namespace
+
+bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, Contact& contact) {
+  const Ellipsoid gaussian = captured_ellipsoid(block, lane);
   const Ellipsoid& solid = tool.world.ellipsoid;  // its axes are W^-1
   const Eigen::Vector3d distance = tool.W * (tool.center - gaussian.center);
   const Eigen::Matrix3d l = tool.W * gaussian.axes;

@@ -27,7 +27,7 @@ void ContactTracker::query(const Ellipsoid& tool, ContactSet& result) {
     index_.query(tool, precision_, result);  // too crowded to keep
     return;
   }
-  contacts_among(*candidates_, ToolFrame(tool, index_.frame()), precision_, result);
+  contacts_among(*candidates_, index_.view(), ToolFrame(tool, index_.frame()), precision_, result);
 }
 
 /// Seen from the reference, where that is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is
@@ -42,7 +42,7 @@ bool ContactTracker::covers(const Ellipsoid& tool) const {
 
 bool ContactTracker::search(const Ellipsoid& tool) {
   const Ellipsoid larger{tool.center, (1.0 + kMargin) * tool.axes};
-  valid_ = find_candidates(index_.view(), ToolFrame(larger, index_.frame()), *candidates_);
+  valid_ = find_candidates(index_.view(), ToolFrame(larger, index_.frame()), precision_, *candidates_);
   reference_ = tool;
   W_ = WhitenedTool(tool).W;
   return valid_;

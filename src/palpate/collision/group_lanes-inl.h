@@ -21,111 +21,84 @@ namespace palpate::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Members of WhitenedGroup, for load() and store().
-constexpr auto kDistance = [](auto& g) -> auto& { return g.distance; };
-constexpr auto kL = [](auto& g) -> auto& { return g.l; };
-constexpr auto kK = [](auto& g) -> auto& { return g.k; };
-constexpr auto kOpacity = [](auto& g) -> auto& { return g.opacity; };
-constexpr auto kT = [](auto& g) -> auto& { return g.t; };
-constexpr auto kMinimum = [](auto& g) -> auto& { return g.k_min; };
-constexpr auto kLambda = [](auto& g) -> auto& { return g.lambda; };
-constexpr auto kDepth = [](auto& g) -> auto& { return g.depth; };
-constexpr auto kCenter = [](auto& g) -> auto& { return g.center; };
-constexpr auto kPoint = [](auto& g) -> auto& { return g.point; };
-constexpr auto kNormal = [](auto& g) -> auto& { return g.normal; };
-
 template <class L>
 using PairsOf = WhitenedPairs<typename L::T>;
 
-/// A number of as many pairs as L has lanes, from pair i on, which may be of two groups.
-template <class L, class Member>
-HWY_INLINE L load(const PairsOf<L>& pairs, std::size_t i, const Member& member) {
-  return L::load([&](std::size_t j) HWY_ATTR {
-    const std::size_t pair = i + j * L::width();
-    return &member(pairs.group(pair))[pair % PairsOf<L>::kWidth];
-  });
+/// As many numbers as L has lanes, from number i on.
+template <class L>
+HWY_INLINE L load(const PairBuffer::Lane<typename L::T>& lane, std::size_t i) {
+  return L::load([&](std::size_t j) HWY_ATTR { return &lane[i + j * L::width()]; });
 }
-template <class L, class Member>
-HWY_INLINE void store(const L& x, PairsOf<L>& pairs, std::size_t i, const Member& member) {
-  x.store([&](std::size_t j) HWY_ATTR {
-    const std::size_t pair = i + j * L::width();
-    return &member(pairs.group(pair))[pair % PairsOf<L>::kWidth];
-  });
+template <class L>
+HWY_INLINE void store(const L& x, PairBuffer::Lane<typename L::T>& lane, std::size_t i) {
+  x.store([&](std::size_t j) HWY_ATTR { return &lane[i + j * L::width()]; });
 }
 
-/// Three of them, from member(group)[first] on.
-template <class L, class Member>
-HWY_INLINE Vec3<L> load3(const PairsOf<L>& pairs, std::size_t i, const Member& member,
-                         std::size_t first = 0) {
-  const auto at = [&](std::size_t c) HWY_ATTR {
-    return load<L>(
-        pairs, i, [&](const auto& g) -> const auto& { return member(g)[first + c]; });
-  };
-  return {at(0), at(1), at(2)};
-}
-template <class L, class Member>
-HWY_INLINE void store3(const Vec3<L>& v, PairsOf<L>& pairs, std::size_t i, const Member& member,
-                       std::size_t first = 0) {
-  const auto at = [&](std::size_t c) {
-    return [&member, first, c ](auto& g) -> auto& { return member(g)[first + c]; };
-  };
-  store(v.x, pairs, i, at(0));
-  store(v.y, pairs, i, at(1));
-  store(v.z, pairs, i, at(2));
+/// Three of them, the first from lanes[first].
+template <class L, class Lanes3>
+HWY_INLINE Vec3<L> load3(const Lanes3& lanes, std::size_t i, std::size_t first = 0) {
+  return {load<L>(lanes[first], i), load<L>(lanes[first + 1], i), load<L>(lanes[first + 2], i)};
 }
 
 template <class L>
 HWY_INLINE KLanes<L> load_k(const PairsOf<L>& pairs, std::size_t i) {
-  return {load3<L>(pairs, i, kK, 0), load3<L>(pairs, i, kK, 3)};
+  return {load3<L>(pairs.k, i, 0), load3<L>(pairs.k, i, 3)};
 }
 
-/// The bits of those pairs, the first in bit 0: a group's, or a part of them, or two groups'.
+/// The bits of those pairs, the first in bit 0.
 template <class L>
-HWY_INLINE std::uint32_t get_bits(const typename PairsOf<L>::Bits& bits, std::size_t i) {
-  constexpr std::size_t kWidth = PairsOf<L>::kWidth;
-  const std::size_t lanes = L::kVectors * L::width();
-  if (lanes <= kWidth) return bits[i / kWidth] >> (i % kWidth) & ((1U << lanes) - 1U);
-  return bits[i / kWidth] | bits[i / kWidth + 1] << kWidth;
+HWY_INLINE std::uint32_t lanes_mask() {
+  return static_cast<std::uint32_t>((std::uint64_t{1} << (L::kVectors * L::width())) - 1);
 }
 template <class L>
-HWY_INLINE void set_bits(typename PairsOf<L>::Bits& bits, std::size_t i, std::uint32_t value) {
-  constexpr std::size_t kWidth = PairsOf<L>::kWidth;
-  const std::size_t lanes = L::kVectors * L::width();
-  if (lanes <= kWidth) {
-    const std::uint32_t mask = ((1U << lanes) - 1U) << (i % kWidth);
-    bits[i / kWidth] = (bits[i / kWidth] & ~mask) | value << (i % kWidth);
-  } else {
-    bits[i / kWidth] = value & ((1U << kWidth) - 1U);
-    bits[i / kWidth + 1] = value >> kWidth;
+HWY_INLINE std::uint32_t get_bits(const PairBits& bits, std::size_t i) {
+  return bits.words[i / PairBits::kWidth] >> (i % PairBits::kWidth) & lanes_mask<L>();
+}
+template <class L>
+HWY_INLINE void set_bits(PairBits& bits, std::size_t i, std::uint32_t value) {
+  std::uint32_t& word = bits.words[i / PairBits::kWidth];
+  const std::size_t shift = i % PairBits::kWidth;
+  word = (word & ~(lanes_mask<L>() << shift)) | value << shift;
+}
+
+/// Sets the first `n` bits and no others.
+HWY_INLINE void set_first(PairBits& bits, std::size_t n) {
+  for (std::size_t i = 0; i < PairBuffer::kCapacity; i += PairBits::kWidth) {
+    const std::size_t here = n <= i ? 0 : std::min(PairBits::kWidth, n - i);
+    bits.words[i / PairBits::kWidth] = static_cast<std::uint32_t>((std::uint64_t{1} << here) - 1);
   }
 }
 
-/// All of the first `n` pairs, and no others.
-template <typename T>
-HWY_INLINE void open_all(WhitenedPairs<T>& pairs, std::size_t n) {
-  for (std::size_t i = 0; i < n; i += pairs.kWidth) {
-    const std::size_t left = std::min(pairs.kWidth, n - i);
-    pairs.open[i / pairs.kWidth] = static_cast<std::uint32_t>((std::uint64_t{1} << left) - 1);
-  }
-  if (n % (2 * pairs.kWidth) != 0 && n % (2 * pairs.kWidth) <= pairs.kWidth)
-    pairs.open[(n - 1) / pairs.kWidth + 1] = 0;
-}
+/// A Gaussian as the tool sees it.
+template <class L>
+struct Whitened {
+  Vec3<L> distance;
+  Vec3<L> l[3];
+  KLanes<L> k;
 
-/// A Gaussian as the tool sees it, into lanes i on. `offset` is from its centre to the tool's, captured
-/// frame.
-template <class L, class Matrix>
-HWY_INLINE void whiten(const Vec3<L>& offset, const Vec3<L> (&axis)[3], const L& opacity,
-                       const Matrix& tool_W, PairsOf<L>& pairs, std::size_t i) {
-  const Matrix3<L> W = broadcast<L>(tool_W);
-  const Vec3<L> distance = W * offset;
-  const Vec3<L> l[3] = {W * axis[0], W * axis[1], W * axis[2]};
-  const KLanes<L> k = k_function(distance, l);
-  store3(distance, pairs, i, kDistance);
-  for (std::size_t c = 0; c < 3; ++c) store3(l[c], pairs, i, kL, 3 * c);
-  store3(k.p, pairs, i, kK, 0);
-  store3(k.e, pairs, i, kK, 3);
-  store(opacity, pairs, i, kOpacity);
-}
+  /// `offset` is from its centre to the tool's, captured frame.
+  template <class Matrix>
+  HWY_INLINE Whitened(const Vec3<L>& offset, const Vec3<L> (&axis)[3], const Matrix& tool_W) {
+    const Matrix3<L> W = broadcast<L>(tool_W);
+    distance = W * offset;
+    for (std::size_t c = 0; c < 3; ++c) l[c] = W * axis[c];
+    k = k_function(distance, l);
+  }
+
+  /// Calls put(lane, numbers) for all that WhitenedPairs keeps of it.
+  template <class Put>
+  HWY_INLINE void put_into(PairsOf<L>& pairs, const Put& put) const {
+    const auto put3 = [&](const Vec3<L>& v, auto& lanes, std::size_t first) HWY_ATTR {
+      put(lanes[first], v.x);
+      put(lanes[first + 1], v.y);
+      put(lanes[first + 2], v.z);
+    };
+    put3(distance, pairs.distance, 0);
+    for (std::size_t c = 0; c < 3; ++c) put3(l[c], pairs.l, 3 * c);
+    put3(k.p, pairs.k, 0);
+    put3(k.e, pairs.k, 3);
+  }
+};
 
 }  // namespace palpate::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

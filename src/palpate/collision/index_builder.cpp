@@ -8,6 +8,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <palpate/base/append.h>
+#include <palpate/base/error.h>
 
 namespace palpate {
 namespace {
@@ -362,6 +363,10 @@ void move_children(std::vector<IndexNode>& nodes, std::uint32_t by_nodes, std::u
 }  // namespace
 
 std::vector<GaussianBlock> IndexForest::plant(IndexTree tree) {
+  if (blocks_ + tree.blocks.size() > kMaxIndexBlocks) {
+    throw Error("more than {} Gaussians do not fit into one index; cut the scene",
+                kMaxIndexBlocks * kIndexWidth);
+  }
   move_children(tree.nodes, static_cast<std::uint32_t>(nodes_.size()), static_cast<std::uint32_t>(blocks_));
   roots_.push_back({tree.box, static_cast<std::uint32_t>(nodes_.size())});
   append(nodes_, tree.nodes);

@@ -47,7 +47,8 @@ IndexTree build_tree(std::span<const GaussianRecord> records, std::span<const Ei
 class IndexForest {
  public:
   /// Adds a tree, all but its blocks, which are returned: they come next in the order of the leaves, and need
-  /// not be held. Trees that are neighbours in space should follow each other.
+  /// not be held. Trees that are neighbours in space should follow each other. \throws Error if there are
+  /// more than kMaxIndexBlocks.
   std::vector<GaussianBlock> plant(IndexTree tree);
 
   /// The nodes of all trees, under one root, which is the first. Takes them away.

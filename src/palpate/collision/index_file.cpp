@@ -140,6 +140,7 @@ std::size_t first_changed_chunk(std::span<const std::byte> bytes, std::span<cons
 /// True if every child exists, comes after its parent, and is not too deep: no walk can leave the arrays or
 /// fail to end, whoever wrote the file.
 bool is_tree(const IndexView& index) {
+  if (index.blocks.size() > kMaxIndexBlocks) return false;
   std::vector<std::uint8_t> depth(index.nodes.size(), 0);
   for (std::size_t n = 0; n < index.nodes.size(); ++n) {
     const IndexNode& node = index.nodes[n];

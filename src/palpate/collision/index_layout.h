@@ -54,6 +54,9 @@ static_assert(sizeof(GaussianBlock) == 64 * kIndexWidth, "64 bytes a Gaussian; p
 /// from there halves; 2^32 Gaussians take 28 halvings.
 inline constexpr std::uint32_t kMaxIndexDepth = 64;
 
+/// The most blocks, so that 32 bits tell a Gaussian's block and lane: room for 2^32 Gaussians.
+inline constexpr std::size_t kMaxIndexBlocks = (std::size_t{1} << 32) / kIndexWidth;
+
 /// Nodes that a depth-first walk may have to come back to.
 inline constexpr std::size_t kMaxIndexStack = kMaxIndexDepth * (kIndexWidth - 1) + 1;
 

@@ -155,6 +155,12 @@ PALPATE_LANES std::size_t count_of(const LaneMask<D, N>& mask) {
   return count;
 }
 
+/// The first `n` lanes.
+template <class L>
+HWY_INLINE LaneMask<decltype(L::d()), 1> first_lanes(std::size_t n) {
+  return {{hn::FirstN(L::d(), n)}};
+}
+
 /// Where a number is: not NaN.
 PALPATE_LANES LaneMask<D, N> is_number(const Lanes<D, N>& a) {
   LaneMask<D, N> r;

@@ -23,10 +23,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// times what they resolve, and up to it P E (1 + t) stays a float for Gaussians up to a thousand times the
 /// tool.
 constexpr float kLatestT = 1e6F;
-/// Newton's steps in ln t: always as many, as a loop that ends when its lanes are done keeps the processor
-/// from starting the next vector. After four from a guess, 99 in 100 pairs of flat Gaussians are as near as a
-/// float tells; two do from where the minimum was a tick ago. The others are seen to later.
-constexpr int kStepsFromGuess = 4;
+/// Newton's steps in ln t, after the one that screens: always as many, as a loop that ends when its lanes are
+/// done keeps the processor from starting the next vector. After four from a guess, 99 in 100 pairs of flat
+/// Gaussians are as near as a float tells; two do from where the minimum was a tick ago. The others are seen
+/// to later.
+constexpr int kStepsFromGuess = 3;
 constexpr int kStepsFromLast = 2;
 
 /// Bound of the relative error of t P / ((1 + t) E) in lanes whose coefficients were computed in double, u =
@@ -50,11 +51,6 @@ HWY_INLINE L first_t(const KLanes<L>& k) {
   return min(sqrt(t_squared), L(kLatestT));
 }
 
-/// Where to start, for `n` pairs that nothing is known about.
-HWY_INLINE void guess(WhitenedPairs<float>& pairs, std::size_t n) {
-  for (std::size_t i = 0; i < n; i += Floats::width()) store(first_t(load_k<Floats>(pairs, i)), pairs, i, kT);
-}
-
 /// E and the bound of `rounding`: f = t P / ((1 + t) E) is above 1 beyond doubt where t P exceeds (1 + t)
 /// times this.
 template <class L>
@@ -64,27 +60,35 @@ HWY_INLINE L denominator_bound(const FTerms<L>& x, const SingleRounding& roundin
   return fma(x.E, relative, (A * A) * (A * rounding.per_volume));
 }
 
-/// One step for the lanes from i on: rules out those that are apart at t, and moves t uphill.
-HWY_INLINE void search_step(WhitenedPairs<float>& pairs, std::size_t i, const SingleRounding& rounding) {
-  using L = TwoFloats;
-  const L t = load<L>(pairs, i, kT);
-  const FTerms<L> x(load_k<L>(pairs, i), t);
-  const L tP = t * x.P;
-  const auto finite = tP < std::numeric_limits<float>::max();  // what overflowed proves nothing
-  const auto apart = finite & (tP > x.q * denominator_bound(x, rounding));
-  set_bits<L>(pairs.open, i, get_bits<L>(pairs.open, i) & ~bits_of(apart));
-  const FSlope<L> slope(x, t);
-  store(min(advance(t, newton_step(slope)), L(kLatestT)), pairs, i, kT);
-}
+/// One step: which lanes are certainly apart at t, and a better t for the others.
+template <class L>
+struct SearchStep {
+  decltype(L() > L()) apart;
+  L t;
+
+  HWY_INLINE SearchStep(const KLanes<L>& k, const L& at, const SingleRounding& rounding) {
+    const FTerms<L> x(k, at);
+    const L tP = at * x.P;
+    const auto finite = tP < std::numeric_limits<float>::max();  // what overflowed proves nothing
+    apart = finite & (tP > x.q * denominator_bound(x, rounding));
+    const FSlope<L> slope(x, at);
+    t = min(advance(at, newton_step(slope)), L(kLatestT));
+  }
+};
 
 /// From t on: closes those of the first `n` pairs that are apart, and brings t near the minimum of K for the
 /// others. Step by step for all pairs, so that the processor has others to work on while some wait for their
 /// reciprocals.
 HWY_INLINE void search(WhitenedPairs<float>& pairs, std::size_t n, const SingleRounding& rounding,
                        int steps) {
-  open_all(pairs, n);
+  using L = TwoFloats;
+  set_first(pairs.open, n);
   for (int step = 0; step < steps; ++step) {
-    for (std::size_t i = 0; i < n; i += 2 * TwoFloats::width()) search_step(pairs, i, rounding);
+    for (std::size_t i = 0; i < n; i += L::kVectors * L::width()) {
+      const SearchStep<L> next(load_k<L>(pairs, i), load<L>(pairs.t, i), rounding);
+      set_bits<L>(pairs.open, i, get_bits<L>(pairs.open, i) & ~bits_of(next.apart));
+      store(next.t, pairs.t, i);
+    }
   }
 }
 

@@ -51,6 +51,10 @@ ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
   const Eigen::Vector3d lengths = tool.axes.colwise().norm() / frame.scale;
   const double kappa = norm * lengths.maxCoeff();
   const double beta = norm * 2.0 * kFloatRoundoff * kFloatRoundoff * center.norm();
+  metric = (W.transpose() * W).cast<float>();
+  const double away = norm * kFloatRoundoff * center.norm();
+  box = {static_cast<float>(8.0 * away),
+         static_cast<float>(norm * norm * (64.0 * kFloatRoundoff + 8.0 * away))};
   cull_slack = static_cast<float>(2.0 * (12.0 * kappa * kFloatRoundoff + 2.0 * beta + 8.0 * kFloatRoundoff));
   // Spectral norm of W: one over the shortest semi-axis. A length is its larger part and less than a unit in
   // the last place; two more for this number's own rounding.

@@ -43,6 +43,26 @@ struct SingleRounding {
   float constant, per_extent, per_volume;
 };
 
+/// Bound of the error of  m^T M m - |M m| . h - 2 sqrt(m^T M m)  in lanes of single precision, where m = (low
+/// - c) + (high - c) and h = (high - c) - (low - c) for a box, c the tool's centre and M = W^T W:
+///
+///     constant + per_square (|m|^2 + |h|^2)
+///
+/// With u = 2^-24, N = |W|_F, s^2 = |m|^2 + |h|^2 and a = u N |c|, the float that stands for c being off by u
+/// |c|:
+///
+///   1. |dm|, |dh| <= 3 u s + 2 u |c|;  |d(M m)| <= N^2 (7 u s + 2 u |c|), M rounded and three products a
+///   row;
+///   2. m^T M m and |M m| . h are each off by at most N^2 (13 u s^2 + 4 u |c| s), their difference by another
+///      2 u N^2 s^2; 8 u N^2 |c| s <= 4 a (1 + N^2 s^2);
+///   3. where the difference exceeds twice the root, the root exceeds 2: its double is off by half of what
+///      m^T M m is.
+///
+/// In all 5 a and N^2 (35 u + 5 a), and the comparison's own roundings; nearly doubled.
+struct BoxRounding {
+  float constant, per_square;
+};
+
 /// The tool as the lanes want it. W and the boxes are in the captured frame, relative to the index's origin.
 struct ToolFrame {
   /// \pre the semi-axes of `tool` (world frame) are positive and all of it is finite.
@@ -58,6 +78,8 @@ struct ToolFrame {
   Eigen::Matrix3f W_float;      ///< W
   Eigen::Vector3f center_high;  ///< center = center_high + center_low + 2^-48 |center|
   Eigen::Vector3f center_low;
+  Eigen::Matrix3f metric;  ///< W^T W
+  BoxRounding box;         ///< of the gap between tool and box in lanes of single precision
   float reach_per_length;  ///< how far one captured unit reaches, at most, in tool radii
   float cull_slack;        ///< relative, of the squared distance in tool radii
   SingleRounding single;   ///< of K in lanes of single precision

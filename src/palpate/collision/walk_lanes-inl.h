@@ -10,8 +10,11 @@
 #endif
 // clang-format on
 
+#include <span>
+
 #include <hwy/cache_control.h>
 
+#include <palpate/collision/contact.h>
 #include <palpate/collision/pair_buffer.h>
 #include <palpate/collision/pair_lanes-inl.h>
 #include <palpate/collision/tool_frame.h>
@@ -49,6 +52,25 @@ struct Pending {
   std::uint32_t blocks[kPortion + 2 * kIndexWidth];
 };
 
+/// True where the tool and the box [low, high] are certainly apart: where, as the tool sees it, a plane
+/// across the line of centres separates the two. With m from the tool's centre to the box's, h half the box's
+/// size and M = W^T W, it does where
+///
+///     m^T M m - |M m| . h  >  sqrt(m^T M m).
+///
+/// Here m and h are twice as long; the slack is derived in tool_frame.h. Of the boxes that meet the tool's
+/// own, which is twice as large as the tool, a third are apart.
+HWY_INLINE LaneMask<DFloat, 1> is_apart(const Vec3<Floats>& low, const Vec3<Floats>& high,
+                                        const ToolFrame& tool) {
+  const Vec3<Floats> center = broadcast<Floats>(tool.center_high);
+  const Vec3<Floats> from = low - center, to = high - center, m = from + to, h = to - from;
+  const Vec3<Floats> g = broadcast<Floats>(tool.metric) * m;
+  const Floats mm = dot(m, g), extent = fma(abs(g.x), h.x, fma(abs(g.y), h.y, abs(g.z) * h.z));
+  const Floats size = squared_norm(m) + squared_norm(h);
+  const Floats gap = (mm - extent) - fma(Floats(tool.box.per_square), size, Floats(tool.box.constant));
+  return (gap > 0.0F) & (gap * gap > mm * 4.0F);
+}
+
 /// Appends the nodes and the blocks whose boxes meet the tool's. Without a branch: which slots meet, and
 /// which of them are blocks, is nothing that a processor could predict. \pre pending.block_count <=
 /// Pending::kPortion.
@@ -60,30 +82,35 @@ HWY_INLINE void expand(const IndexNode& node, const ToolFrame& tool, Pending& pe
     const auto meets = (node_low.x <= high.x) & (node_low.y <= high.y) & (node_low.z <= high.z) &
                        (node_high.x >= low.x) & (node_high.y >= low.y) & (node_high.z >= low.z);
     const Floats child = from(node.child);
+    const auto near = and_not(is_apart(node_low, node_high, tool), meets);
     const auto block = is_negative(child);  // IndexNode::kLeaf is where a float has its sign
     const auto add = [&](const LaneMask<DFloat, 1>& which, std::uint32_t* list, std::size_t& count) HWY_ATTR {
       const LanePacker<DFloat> pack(which);
       pack(child, reinterpret_cast<float*>(list + count));
       count += count_of(which);
     };
-    add(meets & block, pending.blocks, pending.block_count);
-    add(and_not(block, meets), pending.nodes, pending.node_count);
+    add(near & block, pending.blocks, pending.block_count);
+    add(and_not(block, near), pending.nodes, pending.node_count);
   }
 }
 
-/// Asks for all cache lines of `block` at once, so that the wait for memory is one.
+/// Asks for what cull() decides by, at once, so that the wait for memory is one. No more than that: the
+/// processor can only wait for so many lines, and finds the others by itself.
 HWY_INLINE void prefetch(const GaussianBlock& block) {
-  constexpr std::size_t kLine = 64;
-  const auto* bytes = reinterpret_cast<const char*>(&block);
-  for (std::size_t k = 0; k < sizeof(GaussianBlock); k += kLine) hwy::Prefetch(bytes + k);
+  for (const auto& lane : block.position) hwy::Prefetch(&lane);
+  for (const auto& lane : block.length_high) hwy::Prefetch(&lane);
 }
 
 /// Appends to `out` what may touch the tool: |d'| <= 1 + length_max / a_min, paper eq. 4 in the frame where
 /// the tool is a unit sphere, where it says more. \pre out.has_room_for_block(). \returns Gaussians in the
 /// block.
-HWY_INLINE std::size_t cull(const GaussianBlock& block, const ToolFrame& tool, PairBuffer& out) {
+template <Precision kPrecision>
+HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t number,
+                            const ToolFrame& tool, PairBuffer& out) {
+  const GaussianBlock& block = blocks[number];
   const Matrix3<Floats> W = broadcast<Floats>(tool.W_float);
   const Vec3<Floats> high = broadcast<Floats>(tool.center_high), low = broadcast<Floats>(tool.center_low);
+  const hn::Rebind<std::uint32_t, DFloat> numbers;
   std::size_t gaussians = 0;
   for (std::size_t i = 0; i < kIndexWidth; i += Floats::width()) {
     const From from{i};
@@ -96,13 +123,15 @@ HWY_INLINE std::size_t cull(const GaussianBlock& block, const ToolFrame& tool, P
 
     const LanePacker<DFloat> pack(near);
     const std::size_t n = out.size;
-    for (std::size_t k = 0; k < 3; ++k) pack(from(block.position[k]), &out.position[k][n]);
-    for (std::size_t k = 0; k < 3; ++k) pack(from(block.length_high[k]), &out.length_high[k][n]);
-    for (std::size_t k = 0; k < 3; ++k) pack(from(block.length_low[k]), &out.length_low[k][n]);
-    for (std::size_t k = 0; k < 4; ++k) pack(from(block.rotation[k]), &out.rotation[k][n]);
-    pack(from(block.opacity_high), &out.opacity_high[n]);
-    pack(from(block.opacity_low), &out.opacity_low[n]);
-    pack(from(block.id), reinterpret_cast<float*>(&out.id[n]));
+    const auto pack_all = [&](const auto& lanes, auto& to) HWY_ATTR {
+      for (std::size_t k = 0; k < lanes.size(); ++k) pack(from(lanes[k]), &to[k][n]);
+    };
+    pack_all(block.position, out.position);
+    pack_all(block.length_high, out.length_high);
+    if constexpr (kPrecision == Precision::kDouble) pack_all(block.length_low, out.length_low);
+    pack_all(block.rotation, out.rotation);
+    const auto slots = hn::Iota(numbers, static_cast<std::uint32_t>(number * kIndexWidth + i));
+    pack(Floats(hn::BitCast(DFloat(), slots)), reinterpret_cast<float*>(&out.slot[n]));
     out.size += count_of(near);
   }
   return gaussians;
@@ -111,7 +140,7 @@ HWY_INLINE std::size_t cull(const GaussianBlock& block, const ToolFrame& tool, P
 /// Walks the tree depth first and fills `buffer`, calling `flush(buffer)`, which must empty it, whenever it
 /// is full. What is left in it at the end is the caller's. \returns the Gaussians in the blocks that were
 /// met.
-template <class Flush>
+template <Precision kPrecision, class Flush>
 HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, PairBuffer& buffer,
                             const Flush& flush) {
   std::size_t walked = 0;
@@ -130,7 +159,7 @@ HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, PairB
     }
     for (std::size_t k = 0; k < pending.block_count; ++k) {
       if (!buffer.has_room_for_block()) flush(buffer);
-      walked += cull(index.blocks[pending.blocks[k]], tool, buffer);
+      walked += cull<kPrecision>(index.blocks, pending.blocks[k], tool, buffer);
     }
     pending.block_count = 0;
   }

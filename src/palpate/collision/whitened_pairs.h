@@ -10,44 +10,35 @@
 
 namespace palpate {
 
-/// Pairs as the tool sees them, where it is the unit sphere, and what is found out about them: eight in
-/// double or sixteen in single precision, so that each number of theirs takes a cache line, and a vector of
-/// AVX-512. Together, and not as one long array a number, since arrays whose addresses differ by a multiple
-/// of 4096 get in each other's way.
-template <typename T>
-struct alignas(64) WhitenedGroup {
-  static constexpr std::size_t kWidth = 64 / sizeof(T);
-  using Lane = std::array<T, kWidth>;
+/// One bit a pair.
+struct PairBits {
+  static constexpr std::size_t kWidth = 32;
+  std::array<std::uint32_t, PairBuffer::kCapacity / kWidth + 1> words;
 
-  std::array<Lane, 3> distance;  ///< d'
-  std::array<Lane, 9> l;         ///< columns of L
-  std::array<Lane, 6> k;         ///< KFunction: p0 p1 p2 e1 e2 e3
-  Lane opacity;
-  Lane t;      ///< lambda / (1 - lambda): where to look for the minimum of K, then where it is
-  Lane k_min;  ///< there
-
-  // What follows from where the minimum is, see Contact; points relative to the tool's centre.
-  Lane lambda, depth;
-  std::array<Lane, 3> center, point, normal;
+  bool operator[](std::size_t pair) const { return (words[pair / kWidth] >> (pair % kWidth) & 1U) != 0; }
 };
 
-/// The work on pairs is done in rounds, each over all of them before the next: while one vector waits for a
-/// division, the processor is busy with the others.
+/// Pairs as the tool sees them, where it is the unit sphere, and what is found out about them. The work on
+/// them is done in rounds, each over all of them before the next: while one vector waits for a division, the
+/// processor is busy with the others.
 template <typename T>
 struct WhitenedPairs {
-  using Group = WhitenedGroup<T>;
   static constexpr std::size_t kCapacity = PairBuffer::kCapacity;
-  static constexpr std::size_t kWidth = Group::kWidth;
-  /// For each group, one bit a pair.
-  using Bits = std::array<std::uint32_t, kCapacity / kWidth>;
+  template <typename Number>
+  using Lane = PairBuffer::Lane<Number>;
 
-  std::array<Group, kCapacity / kWidth> groups;
-  Bits open;  ///< it may touch
-  Bits sure;  ///< it does, with K_min as it is
+  alignas(64) std::array<Lane<T>, 3> distance;  ///< d'
+  alignas(64) std::array<Lane<T>, 9> l;         ///< columns of L
+  alignas(64) std::array<Lane<T>, 6> k;         ///< KFunction: p0 p1 p2 e1 e2 e3
+  alignas(64) Lane<T> t;      ///< lambda / (1 - lambda): where to look for the minimum of K, then where it is
+  alignas(64) Lane<T> k_min;  ///< there
+  PairBits open;              ///< it may touch
+  PairBits sure;              ///< it does, with K_min as it is
 
-  Group& group(std::size_t pair) { return groups[pair / kWidth]; }
-  const Group& group(std::size_t pair) const { return groups[pair / kWidth]; }
-  bool is_open(std::size_t pair) const { return (open[pair / kWidth] >> (pair % kWidth) & 1U) != 0; }
+  /// What follows from where the minimum is, in the world frame, two numbers at a time as Contact has them:
+  /// k_min and lambda; centre x and y; centre z and point x; point y and z; normal x and y; normal z and
+  /// depth.
+  alignas(64) std::array<Lane<std::array<double, 2>>, 6> row;
 };
 
 }  // namespace palpate
