@@ -136,12 +136,13 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   figures.path = options.trajectory;
   figures.pipeline = options.query.pipeline;
   figures.simd = options.simd;
-  figures.model = options.force.model;
+  figures.model = options.force.model_for(*opened.query);
   figures.tool = options.query.tool;
   figures.open = std::move(opened.figures);
   figures.rounds = options.rounds;
   figures.tracked = timed.index != nullptr;
-  figures.poses = time_path(timed, path, *options.force.build(), options.rounds, progress);
+  figures.poses = time_path(timed, path, *options.force.build(*opened.query, options.query.tool),
+                            options.rounds, progress);
 
   using tbb::global_control;
   std::optional<global_control> limit;

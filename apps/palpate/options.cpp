@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <palpate/base/error.h>
 #include <palpate/scene/load_scene.h>
 
 #include "output.h"
@@ -314,10 +315,20 @@ std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
 }
 
 void ForceOptions::declare(CLI::App& app) {
-  constexpr double kMost = 1e6;
-  app.add_option("--model", model, "force model: the paper's density")
-      ->check(CLI::IsMember({"density"}))
-      ->capture_default_str()
+  constexpr double kMost = 1e6, kMostFriction = 10.0;
+  app.add_option("--model", model,
+                 "force model: proxy follows the surface; field is the gradient of a potential; density is "
+                 "the paper's")
+      ->check(CLI::IsMember({"proxy", "field", "density"}))
+      ->default_str("proxy; density with --pipeline paper")
+      ->group(kForceGroup);
+  add_number(app, "--stiffness", proxy.stiffness, 0.0, kMost, "N/m", "of proxy and field: force per depth")
+      ->group(kForceGroup);
+  add_number(app, "--friction", proxy.friction, 0.0, kMostFriction, "1", "of proxy: Coulomb's coefficient")
+      ->group(kForceGroup);
+  add_parsed(app, "--detail", "m",
+             "of proxy: what is smaller is smoothed away (default: 0.6 of the tool's thinnest semi-axis)",
+             [this](const std::string& text) { proxy.detail = parse_positive(text); })
       ->group(kForceGroup);
   add_number(app, "--k-base", density.k_base, 0.0, kMost, "N",
              "eq. 9: force of one colliding Gaussian of opacity 1")
@@ -335,6 +346,22 @@ void ForceOptions::declare(CLI::App& app) {
       ->group(kForceGroup);
 }
 
-std::unique_ptr<ForceModel> ForceOptions::build() const { return std::make_unique<DensityForce>(density); }
+std::string ForceOptions::model_for(const ContactQuery& query) const {
+  if (!model.empty()) return model;
+  return dynamic_cast<const SceneIndex*>(&query) != nullptr ? "proxy" : "density";
+}
+
+std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool) const {
+  const std::string name = model_for(query);
+  if (name == "density") return std::make_unique<DensityForce>(density);
+  if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
+  const auto* index = dynamic_cast<const SceneIndex*>(&query);
+  if (index == nullptr) {
+    throw Error(
+        "--model proxy asks for contacts by itself, as --pipeline exact finds them; take that, or --model "
+        "density");
+  }
+  return std::make_unique<ProxyForce>(*index, tool, proxy);
+}
 
 }  // namespace palpate::cli

@@ -18,6 +18,8 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/geometry/similarity.h>
 #include <palpate/haptics/density_force.h>
+#include <palpate/haptics/field_force.h>
+#include <palpate/haptics/proxy_force.h>
 #include <palpate/haptics/tool.h>
 #include <palpate/scene/gaussian_scene.h>
 #include <palpate/scene/scene_filter.h>
@@ -99,11 +101,17 @@ struct QueryOptions {
 
 /// How contacts become a force.
 struct ForceOptions {
-  std::string model = "density";
+  std::string model;  ///< empty: see model_for()
   DensityParameters density;
+  ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too
 
   void declare(CLI::App& app);
-  std::unique_ptr<ForceModel> build() const;
+
+  /// The model that was asked for; else the proxy, or the paper's on the contacts of the paper's pipeline.
+  std::string model_for(const ContactQuery& query) const;
+  /// `query`, whose contacts it is for, must outlive it. \throws Error if the model needs a SceneIndex and
+  /// has none.
+  std::unique_ptr<ForceModel> build(const ContactQuery& query, const Tool& tool) const;
 };
 
 }  // namespace palpate::cli

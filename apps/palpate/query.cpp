@@ -62,11 +62,12 @@ void print_contacts(std::vector<Contact> contacts) {
   if (contacts.size() > kShown) fmt::print("  ... and {} more; --json lists all\n", contacts.size() - kShown);
 }
 
-void print_text(const ContactSet& set, const Wrench& wrench, const Options& options) {
+void print_text(const ContactSet& set, const Wrench& wrench, const std::string& model,
+                const Options& options) {
   fmt::print("{} candidates, {} after the spheres, {} in contact\n", set.candidates, set.filtered,
              set.contacts.size());
   fmt::print("force  {:.4f} {:.4f} {:.4f} N, |F| = {:.4f} N ({})\n", wrench.force.x(), wrench.force.y(),
-             wrench.force.z(), wrench.force.norm(), options.force.model);
+             wrench.force.z(), wrench.force.norm(), model);
   fmt::print("torque {:.5f} {:.5f} {:.5f} N m\n", wrench.torque.x(), wrench.torque.y(), wrench.torque.z());
   print_contacts(set.contacts);
   if (!options.common.quiet) notify("note: " + options.scene.frame_note());
@@ -77,7 +78,8 @@ void run(const Options& options) {
   const auto query = options.query.build(options.scene, progress);
   ContactSet set;
   query->query(options.query.tool.at(options.pose), set);
-  const Wrench wrench = options.force.build()->evaluate({options.pose, {}, 0.0, &set});
+  const Wrench wrench =
+      options.force.build(*query, options.query.tool)->evaluate({options.pose, {}, 0.0, &set}).wrench;
 
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
@@ -85,7 +87,7 @@ void run(const Options& options) {
     if (paper != nullptr) add_reach(*paper, options.query.tool, json);
     fmt::print("{}\n", json.dump(2));
   } else {
-    print_text(set, wrench, options);
+    print_text(set, wrench, options.force.model_for(*query), options);
     if (paper != nullptr) print_reach(*paper, options.query.tool);
   }
 }

@@ -80,7 +80,7 @@ void run(const Options& options) {
 
   const Trajectory trajectory = read_trajectory(options.trajectory);
   const auto query = options.query.build(options.scene, progress);
-  const auto model = options.force.build();
+  const auto model = options.force.build(*query, options.query.tool);
   const std::vector<RunRow> rows = play_back(*query, options.query.tool, *model, trajectory, progress);
   write_run(rows, options.out, progress);
 

@@ -62,7 +62,7 @@ class Figures(Bench):
         self.assertGreater(figures["throughput"]["queries_per_second"], 0)
         self.assertEqual(figures["throughput"]["in_contact"], True)
         self.assertEqual(figures["tool"], [0.02, 0.02, 0.04])
-        self.assertEqual(figures["model"], "density")
+        self.assertEqual(figures["model"], "proxy")
         self.assertEqual((figures["scene"], figures["path"]), ("wall.ply", "path.csv"))
 
     def test_where_the_index_comes_from(self):

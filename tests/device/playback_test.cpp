@@ -64,10 +64,10 @@ TEST(VelocityBetween, IsZeroIfNoTimePassed) {
 class Witness final : public ForceModel {
  public:
   void reset() override { ++resets; }
-  Wrench evaluate(const ForceInput& input) override {
+  ForceOutput evaluate(const ForceInput& input) override {
     inputs.push_back(input);
     colliding.push_back(input.contacts->contacts.size());
-    return {Vector3d(static_cast<double>(inputs.size()), 0, 0), Vector3d(0, 1, 0)};
+    return {{Vector3d(static_cast<double>(inputs.size()), 0, 0), Vector3d(0, 1, 0)}, input.tool};
   }
   int resets = 0;
   std::vector<ForceInput> inputs;
@@ -181,7 +181,7 @@ TEST(PlayBack, AgreesWithOneCallAPose) {
     index.query(Tool{}.at(path[i].pose), set);
     const TimedPose& before = path[i > 0 ? i - 1 : 0];
     const Wrench w =
-        alone.evaluate({path[i].pose, velocity_between(before, path[i]), path[i].t - before.t, &set});
+        alone.evaluate({path[i].pose, velocity_between(before, path[i]), path[i].t - before.t, &set}).wrench;
     ASSERT_EQ(rows[i].colliding, set.contacts.size()) << i;
     ASSERT_EQ(rows[i].wrench.force, w.force) << i;
   }

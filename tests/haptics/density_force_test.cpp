@@ -86,7 +86,7 @@ TEST(WeightedContact, OfOneIsItself) {
 TEST(DensityForce, PushesTheToolAwayFromTheCentroid) {
   DensityForce model(plain());
   const ContactSet set = contacts({contact({1, 2, 0}, 0.2, 0.5), contact({3, 0, 0}, 0.7, 0.9)});
-  const Wrench wrench = model.evaluate(input(set));
+  const Wrench wrench = model.evaluate(input(set)).wrench;
   EXPECT_NEAR(wrench.force.norm(), 2.9959349299229672, kClose);
   EXPECT_NEAR(
       (wrench.force.normalized() + Eigen::Vector3d(2.2449186624037091, 0.7550813375962909, 0).normalized())
@@ -101,7 +101,7 @@ TEST(DensityForce, DirectionIsFromTheToolNotFromTheOrigin) {
   const ContactSet set = contacts({contact({1, 1, 1}, 0.5, 1.0)});
   ForceInput in = input(set);
   in.tool.position << 1, 1, 4;  // three above: the push is up, 2 * 1 * 1
-  EXPECT_NEAR((model.evaluate(in).force - Eigen::Vector3d(0, 0, 2)).norm(), 0.0, kClose);
+  EXPECT_NEAR((model.evaluate(in).wrench.force - Eigen::Vector3d(0, 0, 2)).norm(), 0.0, kClose);
 }
 
 TEST(DensityForce, ElasticForceGrowsWithTheNumberAndTheOpacity) {
@@ -110,10 +110,10 @@ TEST(DensityForce, ElasticForceGrowsWithTheNumberAndTheOpacity) {
       DensityForce model(plain());
       const ContactSet set = contacts(std::vector<Contact>(n, contact({0, 0, -1}, 0.5, alpha)));
       // k_base alpha N, upwards.
-      EXPECT_NEAR(
-          (model.evaluate(input(set)).force - Eigen::Vector3d(0, 0, 2.0 * alpha * static_cast<double>(n)))
-              .norm(),
-          0.0, 1e-13);
+      EXPECT_NEAR((model.evaluate(input(set)).wrench.force -
+                   Eigen::Vector3d(0, 0, 2.0 * alpha * static_cast<double>(n)))
+                      .norm(),
+                  0.0, 1e-13);
     }
   }
 }
@@ -122,7 +122,7 @@ TEST(DensityForce, ElasticForceGrowsWithTheNumberAndTheOpacity) {
 TEST(DensityForce, DampingAddsOnTheWayInAndSubtractsOnTheWayOut) {
   const ContactSet set = contacts({contact({0, 0, -1}, 0.5, 1.0), contact({0, 0, -2}, 0.5, 1.0)});
   const auto force_at = [&](const Eigen::Vector3d& velocity) {
-    return DensityForce(plain()).evaluate(input(set, 0.0, velocity)).force;
+    return DensityForce(plain()).evaluate(input(set, 0.0, velocity)).wrench.force;
   };
   EXPECT_NEAR((force_at({0, 0, -0.5}) - Eigen::Vector3d(0, 0, 5.5)).norm(), 0.0, kClose);  // 4 + 3 * 0.5
   EXPECT_NEAR((force_at({0, 0, 0.5}) - Eigen::Vector3d(0, 0, 2.5)).norm(), 0.0, kClose);   // 4 - 3 * 0.5
@@ -136,13 +136,13 @@ TEST(DensityForce, IsClampedToTheDevice) {
   p.f_max = 5.0;
   DensityForce model(p);
   const ContactSet set = contacts(std::vector<Contact>(40, contact({0, 3, 4}, 0.5, 1.0)));  // 80 N
-  EXPECT_NEAR((model.evaluate(input(set)).force - Eigen::Vector3d(0, -3, -4)).norm(), 0.0, kClose);
+  EXPECT_NEAR((model.evaluate(input(set)).wrench.force - Eigen::Vector3d(0, -3, -4)).norm(), 0.0, kClose);
 }
 
 TEST(DensityForce, IsZeroWithoutContact) {
   DensityForce model(plain());
   const ContactSet none;
-  const Wrench wrench = model.evaluate(input(none, 0.001, {0, 0, -1}));
+  const Wrench wrench = model.evaluate(input(none, 0.001, {0, 0, -1})).wrench;
   EXPECT_EQ(wrench.force, Eigen::Vector3d::Zero());
   EXPECT_EQ(wrench.torque, Eigen::Vector3d::Zero());
 }
@@ -151,10 +151,10 @@ TEST(DensityForce, IsZeroWithoutContact) {
 TEST(DensityForce, IsZeroAndNotNanBetweenSymmetricContacts) {
   DensityForce model(plain());
   const ContactSet set = contacts({contact({0, 0, 1}, 0.5, 1.0), contact({0, 0, -1}, 0.5, 1.0)});
-  EXPECT_EQ(model.evaluate(input(set, 0.0, {1, 2, 3})).force, Eigen::Vector3d::Zero());
-  EXPECT_EQ(model.evaluate(input(set, 0.001, {1, 2, 3})).force, Eigen::Vector3d::Zero());
+  EXPECT_EQ(model.evaluate(input(set, 0.0, {1, 2, 3})).wrench.force, Eigen::Vector3d::Zero());
+  EXPECT_EQ(model.evaluate(input(set, 0.001, {1, 2, 3})).wrench.force, Eigen::Vector3d::Zero());
   const ContactSet at_centre = contacts({contact({0, 0, 0}, 1.0, 1.0)});
-  EXPECT_EQ(DensityForce(plain()).evaluate(input(at_centre)).force, Eigen::Vector3d::Zero());
+  EXPECT_EQ(DensityForce(plain()).evaluate(input(at_centre)).wrench.force, Eigen::Vector3d::Zero());
 }
 
 // Opacity 1 for the first call, 0 from then on, tau = 10 ms: alpha(t) = e^(-t/tau).
@@ -165,9 +165,9 @@ TEST(DensityForce, OpacityIsAveragedInTime) {
   const ContactSet thin = contacts({contact({0, 0, -1}, 0.5, 0.0)});
   const auto after = [&](const std::vector<double>& steps) {
     DensityForce model(p);
-    EXPECT_NEAR(model.evaluate(input(dense)).force.z(), 2.0, kClose);  // begins at the first value
+    EXPECT_NEAR(model.evaluate(input(dense)).wrench.force.z(), 2.0, kClose);  // begins at the first value
     double force = 0.0;
-    for (const double dt : steps) force = model.evaluate(input(thin, dt)).force.z();
+    for (const double dt : steps) force = model.evaluate(input(thin, dt)).wrench.force.z();
     return force;
   };
   EXPECT_NEAR(after({0.005}), 2.0 * std::exp(-0.5), kClose);
@@ -186,11 +186,12 @@ TEST(DensityForce, DirectionIsAveragedInTimeAndIsAUnitVector) {
   DensityForce model(p);
   const ContactSet below = contacts({contact({0, 0, -1}, 0.5, 1.0)});
   const ContactSet beside = contacts({contact({-1, 0, 0}, 0.5, 1.0)});
-  EXPECT_NEAR((model.evaluate(input(below)).force - Eigen::Vector3d(0, 0, 2)).norm(), 0.0, kClose);
+  EXPECT_NEAR((model.evaluate(input(below)).wrench.force - Eigen::Vector3d(0, 0, 2)).norm(), 0.0, kClose);
   const double b = 1.0 - std::exp(-0.4);
   const Eigen::Vector3d expected = 2.0 * Eigen::Vector3d(b, 0, 1.0 - b).normalized();
-  EXPECT_NEAR((model.evaluate(input(beside, 0.004)).force - expected).norm(), 0.0, 1e-14);
-  EXPECT_NEAR((model.evaluate(input(beside, 10.0)).force - Eigen::Vector3d(2, 0, 0)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((model.evaluate(input(beside, 0.004)).wrench.force - expected).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((model.evaluate(input(beside, 10.0)).wrench.force - Eigen::Vector3d(2, 0, 0)).norm(), 0.0,
+              1e-14);
 }
 
 // Two half steps against one: renormalising in between makes them differ, but only in second order.
@@ -203,8 +204,8 @@ TEST(DensityForce, DirectionHardlyDependsOnTheTickRate) {
   fine.evaluate(input(below));
   coarse.evaluate(input(below));
   Eigen::Vector3d one, other;
-  for (int i = 0; i < 10; ++i) one = fine.evaluate(input(aside, 0.001)).force;
-  other = coarse.evaluate(input(aside, 0.01)).force;
+  for (int i = 0; i < 10; ++i) one = fine.evaluate(input(aside, 0.001)).wrench.force;
+  other = coarse.evaluate(input(aside, 0.01)).wrench.force;
   EXPECT_LE(std::acos(std::min(1.0, one.normalized().dot(other.normalized()))), 1e-3);
 }
 
@@ -215,7 +216,8 @@ TEST(DensityForce, OppositeDirectionsDoNotMakeNan) {
   const ContactSet below = contacts({contact({0, 0, -1}, 0.5, 1.0)});
   const ContactSet above = contacts({contact({0, 0, 1}, 0.5, 1.0)});
   model.evaluate(input(below));
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(model.evaluate(input(above, std::log(2.0))).force.allFinite());
+  for (int i = 0; i < 5; ++i)
+    EXPECT_TRUE(model.evaluate(input(above, std::log(2.0))).wrench.force.allFinite());
 }
 
 // Velocity 0 at first, then 1 m/s inwards, tau = 5 ms: v(t) = 1 - e^(-t/tau).
@@ -227,7 +229,7 @@ TEST(DensityForce, VelocityIsFiltered) {
     DensityForce model(p);
     model.evaluate(input(set));
     double force = 0.0;
-    for (const double dt : steps) force = model.evaluate(input(set, dt, {0, 0, -1})).force.z();
+    for (const double dt : steps) force = model.evaluate(input(set, dt, {0, 0, -1})).wrench.force.z();
     return force;
   };
   EXPECT_NEAR(after({0.001}), 2.0 + 3.0 * (1.0 - std::exp(-0.2)), kClose);
@@ -239,7 +241,7 @@ TEST(DensityForce, TheFirstVelocityCountsInFull) {
   DensityParameters p = plain();
   p.tau_velocity = 1e9;
   const ContactSet set = contacts({contact({0, 0, -1}, 0.5, 1.0)});
-  EXPECT_NEAR(DensityForce(p).evaluate(input(set, 0.001, {0, 0, -1})).force.z(), 5.0, kClose);
+  EXPECT_NEAR(DensityForce(p).evaluate(input(set, 0.001, {0, 0, -1})).wrench.force.z(), 5.0, kClose);
 }
 
 // The velocity filter runs on in the air, so that the first touch meets the velocity of the approach.
@@ -251,7 +253,7 @@ TEST(DensityForce, VelocityIsFollowedWithoutContact) {
   model.evaluate(input(none));
   model.evaluate(input(none, 0.005, {0, 0, -1}));
   const double v = 1.0 - std::exp(-2.0);  // two time constants after standstill
-  EXPECT_NEAR(model.evaluate(input(set, 0.005, {0, 0, -1})).force.z(), 2.0 + 3.0 * v, kClose);
+  EXPECT_NEAR(model.evaluate(input(set, 0.005, {0, 0, -1})).wrench.force.z(), 2.0 + 3.0 * v, kClose);
 }
 
 TEST(DensityForce, ForgetsDirectionAndOpacityAtTheEndOfAContact) {
@@ -261,11 +263,12 @@ TEST(DensityForce, ForgetsDirectionAndOpacityAtTheEndOfAContact) {
   const ContactSet below = contacts({contact({0, 0, -1}, 0.5, 0.25)});
   const ContactSet beside = contacts({contact({-1, 0, 0}, 0.5, 1.0)});
   const ContactSet none;
-  EXPECT_NEAR((model.evaluate(input(below)).force - Eigen::Vector3d(0, 0, 0.5)).norm(), 0.0, kClose);
-  EXPECT_NEAR((model.evaluate(input(beside, 0.001)).force - Eigen::Vector3d(0, 0, 0.5)).norm(), 0.0,
+  EXPECT_NEAR((model.evaluate(input(below)).wrench.force - Eigen::Vector3d(0, 0, 0.5)).norm(), 0.0, kClose);
+  EXPECT_NEAR((model.evaluate(input(beside, 0.001)).wrench.force - Eigen::Vector3d(0, 0, 0.5)).norm(), 0.0,
               1e-9);  // remembers
-  EXPECT_EQ(model.evaluate(input(none, 0.001)).force, Eigen::Vector3d::Zero());
-  EXPECT_NEAR((model.evaluate(input(beside, 0.001)).force - Eigen::Vector3d(2, 0, 0)).norm(), 0.0, kClose);
+  EXPECT_EQ(model.evaluate(input(none, 0.001)).wrench.force, Eigen::Vector3d::Zero());
+  EXPECT_NEAR((model.evaluate(input(beside, 0.001)).wrench.force - Eigen::Vector3d(2, 0, 0)).norm(), 0.0,
+              kClose);
 }
 
 TEST(DensityForce, ResetForgetsAllButTheParameters) {
@@ -276,9 +279,9 @@ TEST(DensityForce, ResetForgetsAllButTheParameters) {
   const ContactSet beside = contacts({contact({-1, 0, 0}, 0.5, 1.0)});
   used.evaluate(input(below, 0.001, {0, 0, 5}));
   used.reset();
-  const Wrench after = used.evaluate(input(beside, 0.001, {-1, 0, 0}));
+  const Wrench after = used.evaluate(input(beside, 0.001, {-1, 0, 0})).wrench;
   EXPECT_NEAR((after.force - Eigen::Vector3d(5, 0, 0)).norm(), 0.0, kClose);  // 2 + 3, as a new one
-  EXPECT_EQ(after.force, DensityForce(p).evaluate(input(beside, 0.001, {-1, 0, 0})).force);
+  EXPECT_EQ(after.force, DensityForce(p).evaluate(input(beside, 0.001, {-1, 0, 0})).wrench.force);
 }
 
 TEST(DensityForce, TurnsAndMovesWithTheWorld) {
@@ -295,7 +298,7 @@ TEST(DensityForce, TurnsAndMovesWithTheWorld) {
     const ForceInput in = input(here, 0.001, velocity);
     ForceInput turned = input(there, 0.001, R * velocity);
     turned.tool.position = t;
-    EXPECT_NEAR((R * one.evaluate(in).force - other.evaluate(turned).force).norm(), 0.0, 1e-13);
+    EXPECT_NEAR((R * one.evaluate(in).wrench.force - other.evaluate(turned).wrench.force).norm(), 0.0, 1e-13);
   }
 }
 

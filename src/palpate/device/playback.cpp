@@ -50,10 +50,12 @@ std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, Force
       row.filtered = set.filtered;
       row.colliding = set.contacts.size();
       row.k_max = set.k_max();
-      row.proxy = now.pose.position;
       row.user_force = now.user_force;
       const auto start = Clock::now();
-      row.wrench = model.evaluate({now.pose, velocity_between(before, now), now.t - before.t, &set});
+      const ForceOutput felt =
+          model.evaluate({now.pose, velocity_between(before, now), now.t - before.t, &set});
+      row.wrench = felt.wrench;
+      row.proxy = felt.proxy.position;
       row.compute_us += microseconds_since(start);
     }
     report(progress, "replaying", static_cast<double>(first + n) / static_cast<double>(trajectory.size()));

@@ -26,7 +26,7 @@ WeightedContact weighted_contact(const ContactSet& set) {
 
 void DensityForce::reset() { *this = DensityForce(parameters_); }
 
-Wrench DensityForce::evaluate(const ForceInput& input) {
+ForceOutput DensityForce::evaluate(const ForceInput& input) {
   velocity_ +=
       (moving_ ? blend(input.dt, parameters_.tau_velocity) : 1.0) * (input.velocity.linear - velocity_);
   moving_ = true;
@@ -34,7 +34,7 @@ Wrench DensityForce::evaluate(const ForceInput& input) {
   const std::size_t n = input.contacts->contacts.size();
   if (n == 0) {
     in_contact_ = false;
-    return {};
+    return {Wrench{}, input.tool};
   }
   const WeightedContact now = weighted_contact(*input.contacts);
   const Eigen::Vector3d inward = (now.centroid - input.tool.position).stableNormalized();  // zero stays zero
@@ -47,9 +47,10 @@ Wrench DensityForce::evaluate(const ForceInput& input) {
     in_contact_ = true;
   }
   const Eigen::Vector3d outward = -inward_;
-  const double elastic = parameters_.k_base * alpha_ * static_cast<double>(n);  // eqs. 9-10
-  const double damping = -parameters_.damping * outward.dot(velocity_);         // eq. 10
-  return {std::clamp(elastic + damping, 0.0, parameters_.f_max) * outward, Eigen::Vector3d::Zero()};
+  const double elastic = parameters_.k_base * alpha_ * static_cast<double>(n);     // eqs. 9-10
+  const double damping = -parameters_.damping * outward.dot(velocity_);            // eq. 10
+  const double magnitude = std::clamp(elastic + damping, 0.0, parameters_.f_max);  // eq. 11
+  return {{magnitude * outward, Eigen::Vector3d::Zero()}, input.tool};
 }
 
 }  // namespace palpate

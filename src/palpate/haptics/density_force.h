@@ -37,7 +37,7 @@ class DensityForce final : public ForceModel {
   explicit DensityForce(const DensityParameters& parameters = {}) : parameters_(parameters) {}
 
   void reset() override;
-  Wrench evaluate(const ForceInput& input) override;
+  ForceOutput evaluate(const ForceInput& input) override;
 
  private:
   DensityParameters parameters_;

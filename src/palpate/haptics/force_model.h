@@ -15,6 +15,13 @@ struct ForceInput {
   const ContactSet* contacts = nullptr;  ///< of this pose; not null
 };
 
+/// What a force model answers.
+struct ForceOutput {
+  Wrench wrench;  ///< on the tool
+  Pose
+      proxy;  ///< where the tool would be if it could not enter anything; the tool's where the model has none
+};
+
 /// Turns contacts into a wrench on the tool. A model may keep state between calls (filters), so an
 /// object serves one tool on one thread. evaluate() does not throw, allocate, lock or do I/O.
 class ForceModel {
@@ -24,8 +31,8 @@ class ForceModel {
   /// Forgets all state, as if no call had been made.
   virtual void reset() = 0;
 
-  /// The wrench at this instant. Called once a tick, in order of time.
-  virtual Wrench evaluate(const ForceInput& input) = 0;
+  /// What is felt at this instant. Called once a tick, in order of time.
+  virtual ForceOutput evaluate(const ForceInput& input) = 0;
 };
 
 }  // namespace palpate

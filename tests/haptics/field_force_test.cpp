@@ -1,0 +1,195 @@
+// The potential force: against its own potential, around closed paths, and against a surface of known depth.
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <palpate/collision/scene_index.h>
+#include <palpate/haptics/field_force.h>
+#include <palpate/scene/procedural.h>
+#include <support/allocation_guard.h>
+#include <support/random_scenes.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using test::AllocationGuard;
+using test::Random;
+
+/// A tool in a scene, asked for potential and wrench anywhere.
+class Felt {
+ public:
+  Felt(const GaussianScene& scene, const Tool& tool)
+      : index_(scene, SceneFilter{}, Similarity{}), tool_(tool), model_(tool, {.stiffness = 1000.0}) {}
+
+  const ContactSet& contacts(const Pose& pose) {
+    index_.query(tool_.at(pose), set_);
+    return set_;
+  }
+  double potential(const Pose& pose) { return model_.potential(input(pose)); }
+  Wrench wrench(const Pose& pose) { return model_.evaluate(input(pose)).wrench; }
+
+ private:
+  ForceInput input(const Pose& pose) {
+    ForceInput in;
+    in.tool = pose;
+    in.contacts = &contacts(pose);
+    return in;
+  }
+
+  SceneIndex index_;
+  Tool tool_;
+  FieldForce model_;
+  ContactSet set_;
+};
+
+Eigen::Quaterniond turn(const Vector3d& by) {
+  const double angle = by.norm();
+  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, by / angle))
+                     : Eigen::Quaterniond::Identity();
+}
+
+Pose moved(const Pose& pose, const Vector3d& by, const Vector3d& turned) {
+  return {pose.position + by, turn(turned) * pose.orientation};
+}
+
+/// -dU along `by` and `turned` together: central differences of fourth order.
+double numerical_slope(Felt& felt, const Pose& pose, const Vector3d& by, const Vector3d& turned, double h) {
+  const auto u = [&](double s) { return felt.potential(moved(pose, s * by, s * turned)); };
+  return -(8.0 * (u(h) - u(-h)) - (u(2.0 * h) - u(-2.0 * h))) / (12.0 * h);
+}
+
+TEST(FieldForce, IsTheGradientOfItsPotential) {
+  Random random(901);
+  const GaussianScene scene = test::scene_of(test::sphere_of_splats(random, 20000));
+  int compared = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vector3d semi_axes = random.log_uniform(0.03, 0.1) * random.semi_axes(0.3, 1.0);
+    Felt felt(scene, Tool{semi_axes});
+    const Pose pose{(1.0 + random.uniform(-0.5, 1.0) * semi_axes.minCoeff()) * random.direction(),
+                    random.rotation()};
+    const Wrench wrench = felt.wrench(pose);
+    if (felt.contacts(pose).contacts.size() < 3) continue;
+    ++compared;
+    // Of each kind on its own scale, as the one may be zero for reasons of symmetry.
+    const double scale_force = wrench.force.norm(), scale_torque = scale_force * semi_axes.maxCoeff();
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d axis = Vector3d::Unit(k);
+      EXPECT_NEAR(numerical_slope(felt, pose, axis, Vector3d::Zero(), 1e-5), wrench.force[k],
+                  1e-5 * scale_force);
+      EXPECT_NEAR(numerical_slope(felt, pose, Vector3d::Zero(), axis, 1e-4), wrench.torque[k],
+                  1e-5 * scale_torque);
+    }
+  }
+  EXPECT_GT(compared, 40);
+}
+
+/// A smooth closed path of poses about `center`, s in [0, 1].
+struct Loop {
+  Pose center;
+  Vector3d a, b, c, turn_a, turn_b;
+
+  Pose at(double s) const {
+    const double w = 2.0 * std::numbers::pi * s;
+    return moved(center, std::cos(w) * a + std::sin(w) * b + std::sin(2.0 * w) * c,
+                 std::cos(w) * turn_a + std::sin(w) * turn_b);
+  }
+};
+
+TEST(FieldForce, DoesNoWorkAroundAClosedPath) {
+  Random random(902);
+  Felt felt(test::scene_of(test::sphere_of_splats(random, 20000)), Tool{{0.06, 0.05, 0.08}});
+  for (int i = 0; i < 5; ++i) {
+    const auto some = [&](double size) { return Vector3d(size * random.direction()); };
+    const Loop loop{{1.03 * random.direction(), random.rotation()},
+                    some(0.03),
+                    some(0.03),
+                    some(0.01),
+                    some(0.3),
+                    some(0.3)};
+    // The wrench against the path's own motion, at the middles of many short stretches: for a smooth periodic
+    // integrand the error of that falls faster than any power of their number, and Gaussians that come and go
+    // leave only kinks of high order.
+    constexpr int kStretches = 40000;
+    double work = 0.0, peak = 0.0;
+    for (int k = 0; k < kStretches; ++k) {
+      const double s = (k + 0.5) / kStretches, half = 0.5 / kStretches;
+      const Pose here = loop.at(s), before = loop.at(s - half), after = loop.at(s + half);
+      const Wrench wrench = felt.wrench(here);
+      const Eigen::AngleAxisd turned(after.orientation * before.orientation.conjugate());
+      work += wrench.force.dot(after.position - before.position) +
+              turned.angle() * wrench.torque.dot(turned.axis());
+      peak = std::max(peak, felt.potential(here));
+    }
+    ASSERT_GT(peak, 0.0);
+    EXPECT_LE(std::abs(work), 1e-6 * peak);
+  }
+}
+
+TEST(FieldForce, IsZeroWithoutContactAndBeginsSmoothly) {
+  const auto surface = make_surface("plane");
+  Felt felt(make_scene(*surface, {}), Tool{{0.02, 0.02, 0.02}});
+  double last = 0.0;
+  bool touched = false;
+  for (double z = 0.025; z > 0.010; z -= 1e-5) {
+    const Pose pose{{0.01, 0.02, z}, Eigen::Quaterniond::Identity()};
+    const double force = felt.wrench(pose).force.norm();
+    if (felt.contacts(pose).contacts.empty()) {
+      ASSERT_EQ(force, 0.0);
+    } else {
+      touched = true;
+      ASSERT_LE(std::abs(force - last), 2.0 * 1000.0 * 1e-5) << "a jump at " << z;
+    }
+    last = force;
+  }
+  EXPECT_TRUE(touched);
+}
+
+TEST(FieldForce, StiffnessIsInNewtonsAMetreHoweverDenselyTheSceneWasTrained) {
+  constexpr double kRadius = 0.02, kDepth = 0.010;
+  const auto surface = make_surface("plane");
+  for (const double spacing : {0.006, 0.003, 0.0015}) {
+    ProceduralOptions options;
+    options.spacing = spacing;
+    Felt felt(make_scene(*surface, options), Tool{Vector3d::Constant(kRadius)});
+    Random random(903);
+    double sum = 0.0;
+    constexpr int kPlaces = 200;
+    for (int i = 0; i < kPlaces; ++i) {
+      const Vector3d at(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), kRadius - kDepth);
+      const Wrench wrench = felt.wrench({at, Eigen::Quaterniond::Identity()});
+      EXPECT_GT(wrench.force.z(), 0.0);
+      sum += wrench.force.z();
+    }
+    EXPECT_NEAR(sum / kPlaces, 1000.0 * kDepth, 0.15 * 1000.0 * kDepth) << "spacing " << spacing;
+  }
+}
+
+TEST(FieldForce, HasNoForceWhereCentresCoincide) {
+  Felt felt(test::scene_of({test::splat({0, 0, 0}, {0.01, 0.01, 0.01})}), Tool{{0.02, 0.02, 0.02}});
+  const Wrench wrench = felt.wrench({});
+  EXPECT_EQ(wrench.force, Vector3d(0, 0, 0));
+  EXPECT_EQ(wrench.torque, Vector3d(0, 0, 0));
+}
+
+TEST(FieldForce, TakesNothingFromTheHeap) {
+  Random random(904);
+  const SceneIndex index(test::scene_of(test::sphere_of_splats(random, 2000)), SceneFilter{}, Similarity{});
+  const Tool tool{{0.1, 0.1, 0.1}};
+  ForceInput input;
+  input.tool.position = {0, 0, 1.05};
+  ContactSet set;
+  index.query(tool.at(input.tool), set);
+  input.contacts = &set;
+  ASSERT_FALSE(set.contacts.empty());
+  FieldForce model(tool);
+  const AllocationGuard guard;
+  const Wrench wrench = model.evaluate(input).wrench;
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(wrench.force.z(), 0.0);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,276 @@
+// The proxy against surfaces that are known exactly. What a force model promises is measured by `palpate
+// evaluate`; here is what must never break.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <palpate/haptics/proxy_force.h>
+#include <palpate/scene/procedural.h>
+#include <support/allocation_guard.h>
+#include <support/splats.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using test::AllocationGuard;
+
+constexpr double kRadius = 0.02, kStiffness = 1000.0;
+
+/// Noise as captures have it, relative to the spacing.
+ProceduralOptions noisy(std::uint64_t seed, double spacing = 0.006) {
+  ProceduralOptions options;
+  options.seed = seed;
+  options.spacing = spacing;
+  options.noise = 0.0015;
+  options.tilt = 10.0 * std::numbers::pi / 180.0;
+  return options;
+}
+
+/// A surface, its Gaussians, and a ball that feels them.
+class Bench {
+ public:
+  Bench(const std::string& shape, const ProceduralOptions& options, ProxyParameters parameters = {})
+      : surface(make_surface(shape)), index_(make_scene(*surface, options), SceneFilter{}, Similarity{}) {
+    parameters.stiffness = kStiffness;
+    model = std::make_unique<ProxyForce>(index_, Tool{Vector3d::Constant(kRadius)}, parameters);
+  }
+
+  ForceOutput at(const Vector3d& position) {
+    ForceInput input;
+    input.tool.position = position;
+    input.dt = 1e-3;
+    input.contacts = &none_;
+    return model->evaluate(input);
+  }
+
+  std::unique_ptr<AnalyticSurface> surface;
+  std::unique_ptr<ProxyForce> model;
+
+ private:
+  SceneIndex index_;
+  ContactSet none_;
+};
+
+/// Samples of the surface away from its borders and edges.
+std::vector<SurfaceSample> places(const AnalyticSurface& surface, const std::string& shape, std::size_t count,
+                                  std::uint64_t seed) {
+  Random random(seed);
+  const auto samples = surface.samples(0.01, random);
+  std::vector<SurfaceSample> chosen;
+  while (chosen.size() < count) {
+    const SurfaceSample& s = samples[random.index(samples.size())].sample;
+    const Vector3d& p = s.point;
+    if (shape == "plane" && p.cwiseAbs().maxCoeff() > 0.13) continue;
+    if (shape == "cylinder" && std::abs(p.z()) > 0.1) continue;
+    if (shape == "shell" && p.z() < 0.05) continue;
+    if (shape == "torus" && p.head<2>().norm() < 0.105) continue;  // the ball does not fit into the hole
+    chosen.push_back(s);
+  }
+  return chosen;
+}
+
+double degrees_between(const Vector3d& a, const Vector3d& b) {
+  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+}
+
+double quantile(std::vector<double> values, double p) {
+  std::sort(values.begin(), values.end());
+  return values.at(
+      std::min(values.size() - 1, static_cast<std::size_t>(p * static_cast<double>(values.size()))));
+}
+
+class OnShapes : public testing::TestWithParam<const char*> {};
+
+TEST_P(OnShapes, PushesAlongTheNormalAsASpringDoesHoweverDeep) {
+  Bench bench(GetParam(), noisy(921));
+  std::vector<double> angles, ratios;
+  for (const SurfaceSample& s : places(*bench.surface, GetParam(), 40, 922)) {
+    bench.model->reset();
+    for (double depth = -0.012; depth < 0.030; depth += 1e-4) {
+      const Wrench wrench = bench.at(s.point + (kRadius - depth) * s.normal).wrench;
+      if (depth < 0.004) continue;
+      ASSERT_GT(wrench.force.norm(), 0.0) << "silent at " << depth;
+      angles.push_back(degrees_between(wrench.force, s.normal));
+      ratios.push_back(wrench.force.norm() / (kStiffness * depth));
+      EXPECT_LE(wrench.torque.norm(), 1e-3 * kRadius * wrench.force.norm());  // a ball has no lever
+    }
+  }
+  EXPECT_LE(quantile(angles, 0.5), 2.5);
+  EXPECT_LE(quantile(angles, 0.95), 6.0);
+  EXPECT_LE(quantile(angles, 1.0), 20.0) << "nothing flips";
+  EXPECT_NEAR(quantile(ratios, 0.5), 1.0, 0.07);
+}
+
+TEST_P(OnShapes, SlidesWithoutJumps) {
+  Bench bench(GetParam(), noisy(923));
+  constexpr double kStep = 1e-4, kDepth = 0.01;  // 0.1 m/s at 1 kHz
+  for (SurfaceSample s : places(*bench.surface, GetParam(), 10, 924)) {
+    bench.model->reset();
+    for (double depth = -0.005; depth < kDepth; depth += kStep)
+      bench.at(s.point + (kRadius - depth) * s.normal);
+    Vector3d last = bench.at(s.point + (kRadius - kDepth) * s.normal).wrench.force;
+    for (int tick = 0; tick < 200; ++tick) {
+      const NearestPoint next = bench.surface->project(s.point + kStep * s.tangent + 1e-3 * s.normal);
+      s.point = next.point;
+      s.normal = next.normal;
+      s.tangent = (s.tangent - s.normal.dot(s.tangent) * s.normal).normalized();
+      const Vector3d force = bench.at(s.point + (kRadius - kDepth) * s.normal).wrench.force;
+      ASSERT_LE((force - last).norm(), 0.05 + kStiffness * kStep);
+      last = force;
+    }
+  }
+}
+
+TEST_P(OnShapes, IsNeverPulledThrough) {
+  Bench bench(GetParam(), noisy(925));
+  Random random(926);
+  int pushes = 0;
+  for (const SurfaceSample& s : places(*bench.surface, GetParam(), 40, 927)) {
+    bench.model->reset();
+    const bool fast = pushes++ % 4 == 0;  // 2 m/s at 1 kHz
+    const double step = fast ? 2e-3 : random.uniform(1e-4, 1e-3);
+    const Vector3d aside(random.normal(), random.normal(), random.normal());
+    const Vector3d along = (-s.normal + 0.4 * aside.normalized()).normalized();
+    const Vector3d start = s.point - 0.04 * along;
+    for (double way = 0.0; way < 0.04 + 3.0 * kRadius; way += step) {
+      const Vector3d proxy = bench.at(start + way * along).proxy.position;
+      // The ball's centre keeps its radius from the surface, but for what is smoothed.
+      ASSERT_GE(bench.surface->distance(proxy), 0.75 * kRadius);
+      if (bench.surface->closed()) continue;
+      const NearestPoint nearest = bench.surface->project(proxy);
+      if ((nearest.point - s.point).norm() > 0.05) continue;  // a sheet ends somewhere
+      ASSERT_GT((proxy - nearest.point).dot(s.normal), 0.0) << "on the other side";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Proxy, OnShapes, testing::Values("sphere", "cylinder", "torus", "plane", "shell"));
+
+TEST(ProxyForce, IsZeroAndFollowsTheToolOutOfContact) {
+  Bench bench("plane", noisy(931));
+  for (double z = 0.1; z > kRadius + 0.006; z -= 1e-3) {
+    const ForceOutput felt = bench.at({0, 0, z});
+    EXPECT_EQ(felt.wrench.force, Vector3d(0, 0, 0));
+    EXPECT_NEAR((felt.proxy.position - Vector3d(0, 0, z)).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(ProxyForce, HasTheFrictionThatIsSet) {
+  ProceduralOptions even;
+  even.spacing = 0.006;
+  for (const double friction : {0.1, 0.3, 0.6}) {
+    ProxyParameters parameters;
+    parameters.friction = friction;
+    Bench bench("plane", even, parameters);
+    Vector3d at(-0.1, 0.03, kRadius);
+    for (; at.z() > kRadius - 0.008; at.z() -= 1e-4) bench.at(at);
+    std::vector<double> measured;
+    for (; at.x() < 0.1; at.x() += 1e-4) {
+      const Vector3d force = bench.at(at).wrench.force;
+      if (at.x() > -0.05) measured.push_back(-force.x() / force.z());
+    }
+    EXPECT_NEAR(quantile(measured, 0.5), friction, 0.05 * friction);
+  }
+}
+
+TEST(ProxyForce, SticksWithoutCreeping) {
+  ProxyParameters parameters;
+  parameters.friction = 0.5;
+  Bench bench("sphere", noisy(932), parameters);
+  const double reach = 0.15 + kRadius;
+  for (double z = reach + 0.005; z > reach - 0.008; z -= 1e-4) bench.at({0, 0, z});
+  const Vector3d aside(0.002, 0.0, reach - 0.008);  // within the cone
+  ForceOutput felt;
+  for (int tick = 0; tick < 200; ++tick) felt = bench.at(aside);
+  const Vector3d before = felt.proxy.position;
+  EXPECT_GT(-felt.wrench.force.x(), 0.5);
+  for (int tick = 0; tick < 10000; ++tick) felt = bench.at(aside);
+  EXPECT_LE((felt.proxy.position - before).norm(), 1e-6);
+}
+
+TEST(ProxyForce, StaysOutOfACorner) {
+  // Two walls and a floor, each a sheet of splats.
+  std::vector<test::Splat> splats;
+  const auto sheet = [&](const Vector3d& u, const Vector3d& v) {
+    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), u.cross(v));
+    for (int i = 0; i < 30; ++i)
+      for (int k = 0; k < 30; ++k)
+        splats.push_back(test::splat(0.005 * (i * u + k * v), {0.003, 0.003, 0.0005}, q));
+  };
+  sheet(Vector3d::UnitX(), Vector3d::UnitY());
+  sheet(Vector3d::UnitY(), Vector3d::UnitZ());
+  sheet(Vector3d::UnitZ(), Vector3d::UnitX());
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool{Vector3d::Constant(kRadius)}, {.stiffness = kStiffness});
+  ContactSet none;
+  ForceInput input;
+  input.contacts = &none;
+  ForceOutput felt;
+  for (double x = 0.08; x > 0.0; x -= 2e-4) {
+    input.tool.position.setConstant(x);
+    felt = model.evaluate(input);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(felt.proxy.position[axis], kRadius, 0.15 * kRadius);
+    EXPECT_GT(felt.wrench.force[axis], 0.8 * kStiffness * kRadius);
+  }
+}
+
+TEST(ProxyForce, TurnsALongToolAlongAWall) {
+  const auto surface = make_surface("plane");
+  const SceneIndex index(make_scene(*surface, {}), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool{{0.02, 0.02, 0.04}}, {.stiffness = kStiffness});
+  ContactSet none;
+  ForceInput input;
+  input.contacts = &none;
+  // Its long axis 30 degrees above the plane, along x: the lower end touches first.
+  const Vector3d y = Vector3d::UnitY();
+  input.tool.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(2.0 * std::numbers::pi / 3.0, y));
+  ForceOutput felt;
+  for (double z = 0.05; z > 0.015; z -= 1e-4) {
+    input.tool.position = {0, 0, z};
+    felt = model.evaluate(input);
+  }
+  EXPECT_GT(felt.wrench.force.z(), 5.0);
+  // The long axis, (sin 120, 0, cos 120), points down at +x: what pushes up there turns about -y.
+  EXPECT_LT(felt.wrench.torque.y(), -0.01);
+  EXPECT_NEAR(felt.wrench.torque.x(), 0.0, 0.1 * std::abs(felt.wrench.torque.y()));
+}
+
+TEST(ProxyForce, ComesOutOfWhatItStartsIn) {
+  Bench bench("plane", noisy(933));
+  const ForceOutput felt = bench.at({0, 0, 0.5 * kRadius});
+  EXPECT_NEAR(felt.proxy.position.z(), kRadius, 0.15 * kRadius);
+  EXPECT_GT(felt.wrench.force.z(), 0.0);
+}
+
+TEST(ProxyForce, ForgetsAllWhenReset) {
+  Bench bench("plane", noisy(934));
+  for (double z = 0.05; z > -0.03; z -= 1e-3) bench.at({0, 0, z});
+  EXPECT_GT(bench.at({0, 0, -0.03}).proxy.position.z(), 0.0);
+  bench.model->reset();
+  EXPECT_EQ(bench.at({0.3, 0.3, 0.3}).wrench.force, Vector3d(0, 0, 0));
+  Bench other("plane", noisy(934));
+  bench.model->reset();
+  EXPECT_EQ(bench.at({0, 0, 0.015}).wrench.force, other.at({0, 0, 0.015}).wrench.force);
+}
+
+TEST(ProxyForce, TakesNothingFromTheHeap) {
+  Bench bench("sphere", noisy(935));
+  bench.at({0, 0, 0.2});
+  const AllocationGuard guard;
+  Vector3d force;
+  for (double z = 0.19; z > 0.13; z -= 1e-3) force = bench.at({0, 0, z}).wrench.force;
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(force.z(), 1.0);
+}
+
+}  // namespace
+}  // namespace palpate
