@@ -315,13 +315,17 @@ std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
 }
 
 void ForceOptions::declare(CLI::App& app) {
-  constexpr double kMost = 1e6, kMostFriction = 10.0;
   app.add_option("--model", model,
                  "force model: proxy follows the surface; field is the gradient of a potential; density is "
                  "the paper's")
       ->check(CLI::IsMember({"proxy", "field", "density"}))
       ->default_str("proxy; density with --pipeline paper")
       ->group(kForceGroup);
+  declare_parameters(app);
+}
+
+void ForceOptions::declare_parameters(CLI::App& app) {
+  constexpr double kMost = 1e6, kMostFriction = 10.0;
   add_number(app, "--stiffness", proxy.stiffness, 0.0, kMost, "N/m", "of proxy and field: force per depth")
       ->group(kForceGroup);
   add_number(app, "--friction", proxy.friction, 0.0, kMostFriction, "1", "of proxy: Coulomb's coefficient")

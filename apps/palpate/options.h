@@ -105,7 +105,8 @@ struct ForceOptions {
   DensityParameters density;
   ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too
 
-  void declare(CLI::App& app);
+  void declare(CLI::App& app);             ///< all of them
+  void declare_parameters(CLI::App& app);  ///< all but --model
 
   /// The model that was asked for; else the proxy, or the paper's on the contacts of the paper's pipeline.
   std::string model_for(const ContactQuery& query) const;

@@ -17,7 +17,8 @@ SANITIZED = os.environ.get("PALPATE_SANITIZED") == "1"
 RUN_HEADER = (
     "t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,compute_us"
 )
-COMMANDS = ["info", "query", "replay", "report", "make-scene", "make-path", "bench", "completion"]
+COMMANDS = ["info", "query", "replay", "report", "make-scene", "make-path", "bench", "evaluate",
+            "completion"]
 
 
 @dataclass

@@ -14,11 +14,14 @@ constexpr double kFullOverlap = 0.3;
 /// A contact belongs to a patch wholly if their normals are within 53 degrees, and not at all from 78 degrees
 /// on: at two deviations of the kernel normals differ by some 45 degrees, and by 90 across a corner of a box.
 constexpr double kOtherPatch = 0.2, kSamePatch = 0.6;
+/// Square of where the kernel (1 - r^2 / end)^3 ends, in deviations: its own is one.
+constexpr double kKernelEnd = 10.0;
 /// Slope and curvature are held back as by this many contacts, at one deviation, that say there is none:
 /// nothing to a well covered surface, all to a single Gaussian, whose own normal then counts.
 constexpr double kSlopePrior = 0.5, kCurvaturePrior = 1.0;
-/// Fits a patch takes from where it was; the foot moves to where its normal is.
-constexpr int kRounds = 2;
+/// Fits of a new patch, since its foot moves to where its normal is. One that was there has been fitted a
+/// tick ago.
+constexpr int kFirstRounds = 4;
 /// Contacts that no patch explains make one of their own if one of them has this K_min.
 constexpr double kUnexplained = 0.15;
 /// Patches are one if their normals are within 25 degrees.
@@ -47,9 +50,9 @@ SurfaceKernel SurfaceKernel::for_tool(double a_min, double detail) {
   return {detail, std::hypot(a_min, 2.0 * detail) - a_min};
 }
 
-bool SurfacePatches::fit(std::span<const Contact> contacts, const Ellipsoid& tool,
+bool SurfacePatches::fit(std::span<const Contact> contacts, const Ellipsoid& tool, int rounds,
                          SurfacePatch& patch) const {
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector3d n = patch.normal, foot = foot_of(tool, n);
     const Eigen::Vector3d u = n.unitOrthogonal(), v = n.cross(u);
     Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
@@ -60,7 +63,9 @@ bool SurfacePatches::fit(std::span<const Contact> contacts, const Ellipsoid& too
       if (same == 0.0) continue;
       const Eigen::Vector3d q = (c.point - foot) / kernel_.detail;
       const double x = q.dot(u), y = q.dot(v), z = q.dot(n), squared = x * x + y * y;
-      const double w = c.opacity * smooth_step(c.k_min / kFullOverlap) * std::exp(-0.5 * squared) * same;
+      if (squared >= kKernelEnd) continue;
+      const double near = 1.0 - squared / kKernelEnd;
+      const double w = c.opacity * smooth_step(c.k_min / kFullOverlap) * near * near * near * same;
       const Eigen::Vector4d basis(1.0, x, y, squared);
       normal_matrix += (w * basis) * basis.transpose();
       right += (w * z) * basis;
@@ -91,7 +96,7 @@ void SurfacePatches::update(std::span<const Contact> contacts, const Ellipsoid& 
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
-    if (fit(contacts, tool, patch)) keep_if_new(patch);
+    if (fit(contacts, tool, 1, patch)) keep_if_new(patch);
   }
   while (size_ < kMost) {
     const Contact* seed = nullptr;
@@ -108,7 +113,7 @@ void SurfacePatches::update(std::span<const Contact> contacts, const Ellipsoid& 
     if (seed == nullptr) return;
     SurfacePatch patch;
     patch.normal = seed->normal;
-    if (!fit(contacts, tool, patch) || !fit(contacts, tool, patch)) return;
+    if (!fit(contacts, tool, kFirstRounds, patch)) return;
     const std::size_t known = size_;
     keep_if_new(patch);
     if (size_ == known) return;

@@ -28,7 +28,7 @@ struct SurfacePatch {
 /// coordinates u,
 ///
 ///     minimise  sum_i w_i (z_i - a - b . u_i - c |u_i|^2)^2
-///     w_i = alpha_i S(K_i) exp(-|u_i|^2 / (2 detail^2)) S(n_i . n)
+///     w_i = alpha_i S(K_i) (1 - |u_i|^2 / (10 detail^2))^3 S(n_i . n)
 ///
 /// over height a, slope b and mean curvature c, with z_i the height of contact i's point and S a smooth step.
 /// It is moving least squares (Levin 1998; Alexa et al. 2003) with the curvature that keeps round things from
@@ -61,7 +61,8 @@ class SurfacePatches {
   std::span<const SurfacePatch> patches() const { return {patches_.data(), size_}; }
 
  private:
-  bool fit(std::span<const Contact> contacts, const Ellipsoid& tool, SurfacePatch& patch) const;
+  /// Moves `patch` to where the contacts near it are; false if there are none.
+  bool fit(std::span<const Contact> contacts, const Ellipsoid& tool, int rounds, SurfacePatch& patch) const;
   void keep_if_new(const SurfacePatch& patch);
 
   SurfaceKernel kernel_;
