@@ -4,7 +4,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/collision/open_index.h>
-#include <palpate/haptics/density_force.h>
+#include <palpate/haptics/proxy_force.h>
 #include <palpate/haptics/tool.h>
 
 int main(int argc, char** argv) {
@@ -21,8 +21,8 @@ int main(int argc, char** argv) {
     pose.position = {std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4])};
     palpate::ContactSet contacts;
     opened.index.query(palpate::Tool{}.at(pose), contacts);
-    palpate::DensityForce force;
-    const palpate::Wrench wrench = force.evaluate({pose, {}, 0.0, &contacts});
+    palpate::ProxyForce force(opened.index, palpate::Tool{});
+    const palpate::Wrench wrench = force.evaluate({pose, {}, 0.0, &contacts}).wrench;
     std::cout << opened.report.kept << " Gaussians, " << contacts.contacts.size() << " in contact, force "
               << wrench.force.transpose() << " N\n";
   } catch (const palpate::Error& error) {
