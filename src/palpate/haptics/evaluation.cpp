@@ -61,7 +61,7 @@ class Hand {
     tracker_.query(tool_.at(pose), contacts_);
     Twist velocity;
     if (moving_) velocity.linear = (position - last_) / kTick;
-    const ForceOutput felt = model_->evaluate({pose, velocity, moving_ ? kTick : 0.0, &contacts_});
+    ForceOutput felt = model_->evaluate({pose, velocity, moving_ ? kTick : 0.0, &contacts_});
     const double us = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
     if (!contacts_.contacts.empty()) ticks_.push_back(us);
     last_ = position;
@@ -75,7 +75,11 @@ class Hand {
   void move(const Vector3d& from, const Vector3d& to, double speed, const Visit& visit) {
     const double length = (to - from).norm();
     const Vector3d along = (to - from) / length;
-    for (double s = 0.0; s < length; s += speed * kTick) visit(at(from + s * along), s);
+    const int ticks = static_cast<int>(std::ceil(length / (speed * kTick)));
+    for (int k = 0; k < ticks; ++k) {
+      const double s = k * speed * kTick;
+      visit(at(from + s * along), s);
+    }
   }
 
   const std::vector<double>& ticks() const { return ticks_; }
@@ -164,7 +168,8 @@ void slide(Hand& hand, SurfaceSample place, const AnalyticSurface& surface, cons
   double sum = 0.0, squares = 0.0, jump = 0.0;
   std::size_t n = 0;
   Vector3d last = Vector3d::Zero();
-  for (double way = 0.0; way < kSlide; way += step) {
+  const int ticks = static_cast<int>(kSlide / step);
+  for (int tick = 0; tick < ticks; ++tick) {
     const NearestPoint next = surface.project(place.point + step * place.tangent + 0.05 * r * place.normal);
     place.point = next.point;
     place.normal = next.normal;
