@@ -1,9 +1,11 @@
 // palpate evaluate: force models against surfaces that are known exactly.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -83,15 +85,19 @@ std::string text_of(const Column& column, const Evaluation& figures) {
   return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
 }
 
+/// Of a column of the table, in characters.
+std::size_t width_of(const Column& column) {
+  constexpr std::size_t kNarrowest = 7;
+  return std::max(kNarrowest, std::string_view(column.heading).size());
+}
+
 void print_text(const std::vector<Row>& rows) {
   fmt::print("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
-  for (const Column& c : columns())
-    fmt::print(" {:>{}}", c.heading, std::max<std::size_t>(7, std::string(c.heading).size()));
+  for (const Column& c : columns()) fmt::print(" {:>{}}", c.heading, width_of(c));
   fmt::print("\n");
   for (const Row& row : rows) {
     fmt::print("{:<9} {:>4.1f} mm {:<8}", row.shape, kToMm * row.spacing, row.model);
-    for (const Column& c : columns())
-      fmt::print(" {:>{}}", text_of(c, row.figures), std::max<std::size_t>(7, std::string(c.heading).size()));
+    for (const Column& c : columns()) fmt::print(" {:>{}}", text_of(c, row.figures), width_of(c));
     fmt::print("\n");
   }
 }
@@ -126,8 +132,7 @@ void write_csv(const std::vector<Row>& rows, const std::string& path) {
   file.commit();
 }
 
-Row evaluate_one(const Options& options, const std::string& shape, double spacing, const std::string& model,
-                 const Progress& progress) {
+Row evaluate_one(const Options& options, const std::string& shape, double spacing, const std::string& model) {
   EvaluationSetup setup;
   setup.shape = shape;
   setup.scene.seed = options.seed;
@@ -142,7 +147,7 @@ Row evaluate_one(const Options& options, const std::string& shape, double spacin
   ForceOptions force = options.force;
   force.model = model;
   setup.model = [&force, &setup](const SceneIndex& index) { return force.build(index, setup.tool); };
-  return {shape, model, spacing, evaluate(setup, progress)};
+  return {shape, model, spacing, evaluate(setup)};
 }
 
 void run(const Options& options) {
@@ -153,7 +158,7 @@ void run(const Options& options) {
   for (const std::string& shape : options.shapes) {
     for (const double spacing : options.spacings) {
       for (const std::string& model : options.models) {
-        rows.push_back(evaluate_one(options, shape, spacing, model, {}));
+        rows.push_back(evaluate_one(options, shape, spacing, model));
         report(progress, "evaluating", static_cast<double>(rows.size()) / static_cast<double>(total));
       }
     }

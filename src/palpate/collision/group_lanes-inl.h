@@ -45,11 +45,13 @@ HWY_INLINE KLanes<L> load_k(const PairsOf<L>& pairs, std::size_t i) {
   return {load3<L>(pairs.k, i, 0), load3<L>(pairs.k, i, 3)};
 }
 
-/// The bits of those pairs, the first in bit 0.
+/// As many bits as L has lanes.
 template <class L>
 HWY_INLINE std::uint32_t lanes_mask() {
   return static_cast<std::uint32_t>((std::uint64_t{1} << (L::kVectors * L::width())) - 1);
 }
+
+/// The bits of those pairs, the first in bit 0.
 template <class L>
 HWY_INLINE std::uint32_t get_bits(const PairBits& bits, std::size_t i) {
   return bits.words[i / PairBits::kWidth] >> (i % PairBits::kWidth) & lanes_mask<L>();

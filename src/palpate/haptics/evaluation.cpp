@@ -46,8 +46,8 @@ Vector3d random_direction(Random& random) {
 /// A tool in the scene, moved tick by tick.
 class Hand {
  public:
-  Hand(const SceneIndex& index, const EvaluationSetup& setup)
-      : tool_(setup.tool), tracker_(index), model_(setup.model(index)) {}
+  Hand(const SceneIndex& index, const Tool& tool, const ForceModelMaker& model)
+      : tool_(tool), tracker_(index), model_(model(index)) {}
 
   void reset() {
     model_->reset();
@@ -249,7 +249,7 @@ Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress) {
     ProceduralOptions options = setup.scene;
     options.seed += k;
     const SceneIndex index(make_scene(*surface, options), SceneFilter{}, Similarity{});
-    Hand hand(index, setup);
+    Hand hand(index, setup.tool, setup.model);
     for (std::size_t i = k; i < places.size(); i += setup.scenes) {
       press(hand, places[i], setup, gathered, result);
       slide(hand, places[i], *surface, setup, gathered);
@@ -274,10 +274,7 @@ StepResponse step_response(const ForceModelMaker& model, const Tool& tool, const
   constexpr double kHeight = 0.003, kTravel = 0.015, kHalfWay = 0.04;  // [m]
   const auto surface = make_surface("step");
   const SceneIndex index(make_scene(*surface, scene), SceneFilter{}, Similarity{});
-  EvaluationSetup setup;
-  setup.tool = tool;
-  setup.model = model;
-  Hand hand(index, setup);
+  Hand hand(index, tool, model);
   Random random(seed);
   const double r = tool.semi_axes.z(), step = kSpeed * kTick;
   const auto window = static_cast<std::size_t>(kTravel / step);

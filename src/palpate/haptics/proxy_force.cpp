@@ -13,9 +13,8 @@ constexpr double kSettled = 1e-5;
 double gyration_of(const Eigen::Vector3d& semi_axes) { return std::sqrt(2.0 / 15.0) * semi_axes.norm(); }
 
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
-  const double sign = q.w() < 0.0 ? -1.0 : 1.0, sine = q.vec().norm();
-  const double angle = 2.0 * std::atan2(sine, std::abs(q.w()));
-  return sine > 0.0 ? Eigen::Vector3d((sign * angle / sine) * q.vec()) : Eigen::Vector3d::Zero();
+  const Eigen::AngleAxisd turn(q);
+  return turn.angle() * turn.axis();
 }
 
 Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector) {

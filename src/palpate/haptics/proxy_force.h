@@ -21,7 +21,8 @@ struct ProxyParameters {
   std::optional<double> detail = {};
 
   /// A tool cannot tell much that is smaller than itself. This much of it keeps the direction of the force on
-  /// splats a third of the tool's radius apart, displaced by a quarter of that, within three degrees.
+  /// splats a third of the tool's radius apart, displaced by a quarter of that, within four degrees, 95 times
+  /// in 100.
   static constexpr double kDetailOfTool = 0.6;
 };
 
