@@ -201,7 +201,7 @@ Command declare_evaluate(CLI::App& parent) {
       ->capture_default_str();
   add_seed(*app, options->seed, "of the first scene, and of the places");
   app->add_option("--csv", options->csv, "the table as CSV")->type_name("T.csv");
-  options->query.tool.semi_axes.setConstant(0.02);
+  options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
   options->query.declare_tool(*app);
   options->force.declare_parameters(*app);
   return {app, [=] { run(*options); }};

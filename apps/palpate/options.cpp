@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
+#include <palpate/haptics/tool_file.h>
 #include <palpate/scene/load_scene.h>
 
 #include "output.h"
@@ -25,8 +26,6 @@ constexpr const char* kToolGroup = "Tool";
 constexpr const char* kForceGroup = "Force";
 
 /// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
-constexpr double kMinToolAxis = 1e-6;
-constexpr double kMaxToolAxis = 1e6;
 constexpr double kMinScale = 1e-9;
 constexpr double kMaxScale = 1e9;
 
@@ -271,6 +270,10 @@ SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progr
 
 void QueryOptions::declare_tool(CLI::App& app) {
   const auto set = [this](const std::string& text) {
+    if (text.ends_with(".toml")) {
+      tool = read_tool(text);
+      return;
+    }
     const auto v = parse_numbers(text, 3, 3);
     for (const double a : v) {
       if (!(a >= kMinToolAxis && a <= kMaxToolAxis)) {
@@ -278,10 +281,11 @@ void QueryOptions::declare_tool(CLI::App& app) {
             fmt::format("semi-axis {} is not in {} to {} m", a, kMinToolAxis, kMaxToolAxis));
       }
     }
-    tool.semi_axes = {v[0], v[1], v[2]};
+    tool = Tool({v[0], v[1], v[2]});
   };
-  const auto& a = tool.semi_axes;
-  add_parsed(app, "--tool", "a,b,c", "semi-axes of the tool, an ellipsoid, m", set)
+  const Eigen::Vector3d& a = tool.parts()[0].semi_axes;
+  add_parsed(app, "--tool", "a,b,c|FILE.toml",
+             "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools", set)
       ->default_str(fmt::format("{},{},{}", a.x(), a.y(), a.z()))
       ->group(kToolGroup);
 }
@@ -309,8 +313,7 @@ std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
     return std::make_unique<SceneIndex>(open_index(options, files, progress));
   }
   EllipsoidScene scene = load(options, progress).kept;
-  const double radius =
-      search_radius.value_or(PaperPipeline::default_search_radius(scene, tool.semi_axes.maxCoeff()));
+  const double radius = search_radius.value_or(PaperPipeline::default_search_radius(scene, tool.longest()));
   return std::make_unique<PaperPipeline>(std::move(scene), radius, iterations);
 }
 
@@ -357,7 +360,7 @@ std::string ForceOptions::model_for(const ContactQuery& query) const {
 
 std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool) const {
   const std::string name = model_for(query);
-  if (name == "density") return std::make_unique<DensityForce>(density);
+  if (name == "density") return std::make_unique<DensityForce>(tool, density);
   if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
   const auto* index = dynamic_cast<const SceneIndex*>(&query);
   if (index == nullptr) {

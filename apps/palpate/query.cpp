@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <palpate/haptics/tool_query.h>
+
 #include "command.h"
 #include "options.h"
 #include "output.h"
@@ -77,7 +79,7 @@ void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   const auto query = options.query.build(options.scene, progress);
   ContactSet set;
-  query->query(options.query.tool.at(options.pose), set);
+  palpate::query(*query, options.query.tool, options.pose, set);
   const Wrench wrench =
       options.force.build(*query, options.query.tool)->evaluate({options.pose, {}, 0.0, &set}).wrench;
 

@@ -9,7 +9,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
-#include <palpate/collision/contact_tracker.h>
+#include <palpate/haptics/tool_query.h>
 
 namespace palpate {
 namespace {
@@ -47,7 +47,7 @@ Vector3d random_direction(Random& random) {
 class Hand {
  public:
   Hand(const SceneIndex& index, const Tool& tool, const ForceModelMaker& model)
-      : tool_(tool), tracker_(index), model_(model(index)) {}
+      : tracker_(index, tool), model_(model(index)) {}
 
   void reset() {
     model_->reset();
@@ -58,12 +58,12 @@ class Hand {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const Pose pose{position, Eigen::Quaterniond::Identity()};
-    tracker_.query(tool_.at(pose), contacts_);
+    if (model_->wants_contacts()) tracker_.query(pose, contacts_);
     Twist velocity;
     if (moving_) velocity.linear = (position - last_) / kTick;
     ForceOutput felt = model_->evaluate({pose, velocity, moving_ ? kTick : 0.0, &contacts_});
     const double us = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-    if (!contacts_.contacts.empty()) ticks_.push_back(us);
+    if (felt.wrench.force.squaredNorm() > 0.0) ticks_.push_back(us);
     last_ = position;
     moving_ = true;
     return felt;
@@ -85,8 +85,7 @@ class Hand {
   const std::vector<double>& ticks() const { return ticks_; }
 
  private:
-  Tool tool_;
-  ContactTracker tracker_;
+  ToolTracker tracker_;
   std::unique_ptr<ForceModel> model_;
   ContactSet contacts_;
   bool moving_ = false;
@@ -95,12 +94,12 @@ class Hand {
 };
 
 /// How far the tool reaches from its centre along -n, oriented as the world.
-double reach(const Tool& tool, const Vector3d& n) { return tool.at({}).support(n); }
+double reach(const Tool& tool, const Vector3d& n) { return tool.support(-n); }
 
 /// True if the tool touches the surface there and nowhere else, and the surface has neither edge nor border
 /// for `margin` around.
 bool is_smooth(const AnalyticSurface& surface, const SurfaceSample& place, const Tool& tool, double margin) {
-  const double radius = tool.at({}).radius();
+  const double radius = tool.radius();
   if (surface.distance(place.point + (radius + 1e-4) * place.normal) < radius) return false;
   const Vector3d other = place.normal.cross(place.tangent);
   for (int k = 0; k < 8; ++k) {
@@ -120,12 +119,11 @@ std::vector<SurfaceSample> choose_places(const AnalyticSurface& surface, const E
   const std::vector<PartSample> all = surface.samples(kSpacing, random);
   std::vector<SurfaceSample> smooth, chosen;
   for (const PartSample& s : all) {
-    if (is_smooth(surface, s.sample, setup.tool, 1.5 * setup.tool.semi_axes.maxCoeff()))
-      smooth.push_back(s.sample);
+    if (is_smooth(surface, s.sample, setup.tool, 1.5 * setup.tool.radius())) smooth.push_back(s.sample);
   }
   if (smooth.empty()) {
     throw Error("{}: nowhere is it smooth enough for a tool of {} mm", setup.shape,
-                1e3 * setup.tool.semi_axes.maxCoeff());
+                1e3 * setup.tool.radius());
   }
   for (std::size_t i = 0; i < setup.places; ++i) chosen.push_back(smooth[random.index(smooth.size())]);
   return chosen;
@@ -276,7 +274,7 @@ StepResponse step_response(const ForceModelMaker& model, const Tool& tool, const
   const SceneIndex index(make_scene(*surface, scene), SceneFilter{}, Similarity{});
   Hand hand(index, tool, model);
   Random random(seed);
-  const double r = tool.semi_axes.z(), step = kSpeed * kTick;
+  const double r = tool.radius(), step = kSpeed * kTick;
   const auto window = static_cast<std::size_t>(kTravel / step);
   std::vector<double> felt, rise_over;
   for (std::size_t i = 0; i < crossings; ++i) {

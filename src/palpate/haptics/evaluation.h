@@ -21,9 +21,9 @@ using ForceModelMaker = std::function<std::unique_ptr<ForceModel>(const SceneInd
 
 /// What is felt, with what, and how much of it.
 struct EvaluationSetup {
-  std::string shape;        ///< of procedural_shapes()
-  ProceduralOptions scene;  ///< its noise is what the model has to cope with
-  Tool tool{Eigen::Vector3d::Constant(0.02)};
+  std::string shape;                           ///< of procedural_shapes()
+  ProceduralOptions scene;                     ///< its noise is what the model has to cope with
+  Tool tool{Eigen::Vector3d::Constant(0.02)};  ///< one ellipsoid
   ForceModelMaker model;
   double stiffness = 0.0;    ///< that the model promises; 0 if none. Unit: [N/m].
   std::size_t scenes = 1;    ///< that are made of the shape, with one seed after the other; > 0

@@ -2,7 +2,9 @@
 /// The constraint-based force: a proxy of the tool that stays on the surface.
 #pragma once
 
+#include <deque>
 #include <optional>
+#include <vector>
 
 #include <palpate/collision/contact_tracker.h>
 #include <palpate/collision/scene_index.h>
@@ -30,50 +32,70 @@ struct ProxyParameters {
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
 /// points):
 ///
-///  1. the contacts of the proxy, enlarged by SurfaceKernel::reach, make SurfacePatches;
+///  1. of every part of the proxy the contacts, enlarged by SurfaceKernel::reach, make SurfacePatches;
 ///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion()), at most half of
 ///  the
-///     reach at once, so that nothing is passed unseen however fast the tool is; with friction, it stays
-///     behind by no more than friction times what presses it on;
+///     reach at once, so that nothing is passed unseen however fast the tool is. A patch of confidence c
+///     gives way, so that it is felt with c times the stiffness and does not hide what is behind it. With
+///     friction, the proxy stays behind by no more than friction times what presses it on;
 ///  3. again, until it hardly moves, at most kMostSteps times, or kMostFreeSteps out of contact and at first,
-///  where
-///     the tool may begin inside something;
+///     where the tool may begin inside something;
 ///  4. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g the tool's radius of
-///  gyration. Zero
-///     where nothing holds the proxy back.
+///     gyration. Zero where nothing holds the proxy back.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
 /// its memory: an object serves one tool on one thread. Takes nothing from the heap after construction,
-/// unless there are more than kRoom contacts at once.
+/// unless a part has more than kRoom contacts at once.
 class ProxyForce final : public ForceModel {
  public:
   /// `index` must outlive it.
   ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters = {});
 
   void reset() override;
+  /// It looks for contacts where the proxy is.
+  bool wants_contacts() const override { return false; }
   ForceOutput evaluate(const ForceInput& input) override;
-
-  std::span<const SurfacePatch> patches() const { return patches_.patches(); }
 
   static constexpr int kMostSteps = 4;       ///< in contact
   static constexpr int kMostFreeSteps = 32;  ///< out of contact, where a step costs little
   static constexpr std::size_t kRoom = 4096;
 
  private:
+  struct Part {
+    Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel)
+        : solid(part), larger(part), tracker(index, Precision::kSingle), patches(kernel) {
+      larger.semi_axes.array() += kernel.reach;
+    }
+
+    ToolPart solid, larger;  ///< it, and enlarged by the reach
+    ContactTracker tracker;
+    SurfacePatches patches;
+  };
+
+  /// Of what holds the proxy, weighted by how hard it is pushed.
+  struct Hold {
+    double push = 0.0;  ///< in all; 0 if nothing does. Unit: [m].
+    double confidence = 1.0;
+  };
+
   /// Moves the proxy one step towards `target`. \returns how far. Unit: [m].
   double step(const Pose& target);
-  Motion with_friction(const Motion& wanted, const Motion& free) const;
+  /// The patches of all parts as planes_.
+  void find_planes();
+  Hold hold() const;
+  Motion with_friction(const Motion& wanted, const Motion& free);
 
-  Tool tool_;
   ProxyParameters parameters_;
-  SurfaceKernel kernel_;
-  double gyration_;  ///< Unit: [m].
-  ContactTracker tracker_;
+  double gyration_;         ///< Unit: [m].
+  double radius_;           ///< of the tool about its handle. Unit: [m].
+  double step_;             ///< the farthest that a point moves at once. Unit: [m].
+  std::deque<Part> parts_;  ///< that cannot be moved
   ContactSet contacts_;
-  SurfacePatches patches_;
+  SurfaceContacts surface_;
+  std::vector<MotionConstraint> planes_;
   bool started_ = false;
-  bool held_ = false;  ///< by a patch, in the last step
-  Pose proxy_;         ///< world frame
+  Hold hold_;   ///< in the last step
+  Pose proxy_;  ///< world frame
 };
 
 }  // namespace palpate
