@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
+#include <palpate/haptics/material_file.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/scene/load_scene.h>
 
@@ -324,14 +325,19 @@ void ForceOptions::declare(CLI::App& app) {
       ->check(CLI::IsMember({"proxy", "field", "density"}))
       ->default_str("proxy; density with --pipeline paper")
       ->group(kForceGroup);
+  app.add_option("--materials", materials, "of proxy: what the scene is made of, region by region")
+      ->type_name("FILE.toml")
+      ->group(kForceGroup);
   declare_parameters(app);
 }
 
 void ForceOptions::declare_parameters(CLI::App& app) {
-  constexpr double kMost = 1e6, kMostFriction = 10.0;
-  add_number(app, "--stiffness", proxy.stiffness, 0.0, kMost, "N/m", "of proxy and field: force per depth")
+  constexpr double kMost = 1e6;
+  add_number(app, "--stiffness", proxy.stiffness, 0.0, kMaterialProperties[kMaterialStiffness].most, "N/m",
+             "of proxy and field: force per depth")
       ->group(kForceGroup);
-  add_number(app, "--friction", proxy.friction, 0.0, kMostFriction, "1", "of proxy: Coulomb's coefficient")
+  add_number(app, "--friction", proxy.friction, 0.0, kMaterialProperties[kMaterialFriction].most, "1",
+             "of proxy: Coulomb's coefficient")
       ->group(kForceGroup);
   add_parsed(app, "--detail", "m",
              "of proxy: what is smaller is smoothed away (default: 0.6 of the tool's thinnest semi-axis)",
@@ -358,7 +364,8 @@ std::string ForceOptions::model_for(const ContactQuery& query) const {
   return dynamic_cast<const SceneIndex*>(&query) != nullptr ? "proxy" : "density";
 }
 
-std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool) const {
+std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool,
+                                                const std::string& scene, const Progress& progress) const {
   const std::string name = model_for(query);
   if (name == "density") return std::make_unique<DensityForce>(tool, density);
   if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
@@ -368,7 +375,11 @@ std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const
         "--model proxy asks for contacts by itself, as --pipeline exact finds them; take that, or --model "
         "density");
   }
-  return std::make_unique<ProxyForce>(*index, tool, proxy);
+  ProxyParameters parameters = proxy;
+  parameters.materials = std::make_shared<MaterialMap>(
+      materials.empty() ? std::vector<MaterialRegion>{} : read_materials(materials),
+      scene.empty() ? PlyMaterials{} : read_ply_materials(scene, progress));
+  return std::make_unique<ProxyForce>(*index, tool, parameters);
 }
 
 }  // namespace palpate::cli

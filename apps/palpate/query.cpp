@@ -80,8 +80,8 @@ void run(const Options& options) {
   const auto query = options.query.build(options.scene, progress);
   ContactSet set;
   palpate::query(*query, options.query.tool, options.pose, set);
-  const Wrench wrench =
-      options.force.build(*query, options.query.tool)->evaluate({options.pose, {}, 0.0, &set}).wrench;
+  const auto model = options.force.build(*query, options.query.tool, options.scene.path, progress);
+  const Wrench wrench = model->evaluate({options.pose, {}, 0.0, &set}).wrench;
 
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {

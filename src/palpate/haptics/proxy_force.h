@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/constrained_motion.h>
 #include <palpate/haptics/force_model.h>
+#include <palpate/haptics/material.h>
 #include <palpate/haptics/surface_fit.h>
 #include <palpate/haptics/tool.h>
 
@@ -21,6 +23,8 @@ struct ProxyParameters {
   double friction = 0.0;     ///< Coulomb's coefficient. >= 0
   /// SurfaceKernel::detail; kDetailOfTool of the tool's thinnest semi-axis if unset. Unit: [m]. > 0
   std::optional<double> detail = {};
+  /// What the scene is made of, over the numbers above; null or empty: of one stuff all over.
+  std::shared_ptr<const MaterialMap> materials = {};
 
   /// A tool cannot tell much that is smaller than itself. This much of it keeps the direction of the force on
   /// splats a third of the tool's radius apart, displaced by a quarter of that, within four degrees, 95 times
