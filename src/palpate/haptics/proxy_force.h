@@ -32,6 +32,12 @@ struct ProxyParameters {
   static constexpr double kDetailOfTool = 0.6;
 };
 
+/// The kernel that the surface is felt with by a part of the tool, in a scene of usual_extent() `extent`.
+SurfaceKernel kernel_of(const ToolPart& part, const ProxyParameters& parameters, double extent);
+
+/// A part that is larger by the kernel's reach on all sides.
+ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel);
+
 /// A god-object (Zilles and Salisbury 1995), in six degrees of freedom (Ortega, Redon and Coquillart 2007),
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
 /// points):
@@ -45,7 +51,11 @@ struct ProxyParameters {
 ///  3. again, until it hardly moves, at most kMostSteps times, or kMostFreeSteps out of contact and at first,
 ///     where the tool may begin inside something;
 ///  4. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g the tool's radius of
-///     gyration. Zero where nothing holds the proxy back.
+///     gyration. Zero where nothing holds the proxy back. With damping b, the force changes by -b times the
+///     tool's velocity along it, by no more than there is.
+///
+/// k, friction and damping are those of what holds the proxy: means over the Gaussians that the surface is
+/// made of there, and over the patches, by how hard they are pushed.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
 /// its memory: an object serves one tool on one thread. Takes nothing from the heap after construction,
@@ -67,27 +77,41 @@ class ProxyForce final : public ForceModel {
  private:
   struct Part {
     Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel)
-        : solid(part), larger(part), tracker(index, Precision::kSingle), patches(kernel) {
-      larger.semi_axes.array() += kernel.reach;
-    }
+        : solid(part), larger(enlarged(part, kernel)), tracker(index, Precision::kSingle), patches(kernel) {}
 
     ToolPart solid, larger;  ///< it, and enlarged by the reach
     ContactTracker tracker;
     SurfacePatches patches;
   };
 
+  /// What something is made of, nothing left open.
+  struct Properties {
+    double stiffness, friction, damping;
+  };
+
+  /// What the proxy must not enter, and what that is made of.
+  struct Obstacles {
+    std::vector<MotionConstraint> planes;
+    std::vector<Properties> properties;
+  };
+
   /// Of what holds the proxy, weighted by how hard it is pushed.
   struct Hold {
     double push = 0.0;  ///< in all; 0 if nothing does. Unit: [m].
     double confidence = 1.0;
+    Properties properties{};
   };
 
   /// Moves the proxy one step towards `target`. \returns how far. Unit: [m].
   double step(const Pose& target);
-  /// The patches of all parts as planes_.
-  void find_planes();
+  /// The patches of all parts as obstacles.
+  void find_obstacles();
+  /// Of the contacts that are in contacts_ and surface_, those that make up `patch`.
+  Properties properties_at(const SurfacePatch& patch, const SurfaceKernel& kernel) const;
   Hold hold() const;
   Motion with_friction(const Motion& wanted, const Motion& free);
+  /// What the push is multiplied with so that it damps the motion, too.
+  double damped(const Eigen::Vector3d& push) const;
 
   ProxyParameters parameters_;
   double gyration_;         ///< Unit: [m].
@@ -96,7 +120,8 @@ class ProxyForce final : public ForceModel {
   std::deque<Part> parts_;  ///< that cannot be moved
   ContactSet contacts_;
   SurfaceContacts surface_;
-  std::vector<MotionConstraint> planes_;
+  Obstacles obstacles_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
   Hold hold_;   ///< in the last step
   Pose proxy_;  ///< world frame

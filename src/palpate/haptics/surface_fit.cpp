@@ -48,16 +48,6 @@ Eigen::Vector4d solve(const SurfaceMoments& moments) {
   return held.ldlt().solve(Eigen::Vector4f(b[0], b[1], b[2], b[3]).cast<double>());
 }
 
-/// Paper eq. 9 with the opacity that is seen: of Gaussians over each other, front to back.
-double confidence_of(const SurfaceMoments& moments) {
-  const double layers = moments.layers;
-  if (!(layers > 0.0)) return 0.0;
-  const double covered = std::min(1.0, layers / kCovered);
-  const double each = std::min(1.0, moments.opacity / layers);
-  const double hidden = 1.0 - std::pow(1.0 - each, std::max(1.0, layers));
-  return covered * covered * (3.0 - 2.0 * covered) * std::min(1.0, hidden / kOpaque);
-}
-
 /// The contact that no patch explains, if it is a deep one.
 std::optional<std::size_t> unexplained(const SurfaceContacts& contacts) {
   std::optional<std::size_t> found;
@@ -75,6 +65,15 @@ std::optional<std::size_t> unexplained(const SurfaceContacts& contacts) {
 }
 
 }  // namespace
+
+double confidence_of(const SurfaceMoments& moments) {
+  const double layers = moments.layers;
+  if (!(layers > 0.0)) return 0.0;
+  const double covered = std::min(1.0, layers / kCovered);
+  const double each = std::min(1.0, moments.opacity / layers);
+  const double hidden = 1.0 - std::pow(1.0 - each, std::max(1.0, layers));
+  return covered * covered * (3.0 - 2.0 * covered) * std::min(1.0, hidden / kOpaque);
+}
 
 bool SurfacePatches::fit(SurfaceContacts& contacts, const Ellipsoid& solid, int rounds,
                          SurfacePatch& patch) const {

@@ -23,6 +23,11 @@ struct SurfacePatch {
   double confidence = 1.0;
 };
 
+/// SurfacePatch::confidence: S(layers / 0.25) min(1, alpha / 0.9), with S a smooth step, `layers` the number
+/// of Gaussians that lie over each other and alpha = 1 - (1 - mean opacity)^max(1, layers), which is what
+/// they hide together. It is the alpha of paper eq. 9, as it is seen.
+double confidence_of(const SurfaceMoments& moments);
+
 /// The patches that one solid of a tool touches, kept from one instant to the next. Takes nothing from the
 /// heap.
 ///
