@@ -320,7 +320,7 @@ describe('report', () => {
   }, position);
 
   test('the view draws the path where the tool was', async () => {
-    for (const name of ['scene', 'contacts', 'normals']) await page.locator(`[data-toggle="${name}"]`).uncheck();
+    for (const name of ['scene', 'contacts', 'normals', 'force']) await page.locator(`[data-toggle="${name}"]`).uncheck();
     await page.evaluate(() => palpateReport.timeline.setRow(0));
     await settle(page);
     const pixels = await canvasPixels(page, '#view');
@@ -334,7 +334,7 @@ describe('report', () => {
     const peak = run.episodes[3].peak;
     const at = await projected(['x', 'y', 'z'].map((axis) => run.columns[axis][peak]));
     assert.ok(hasPixelNear(pixels, ...at, 3, (p) => distance(p, touching) < 40), 'contact is highlighted');
-    for (const name of ['scene', 'contacts', 'normals']) await page.locator(`[data-toggle="${name}"]`).check();
+    for (const name of ['scene', 'contacts', 'normals', 'force']) await page.locator(`[data-toggle="${name}"]`).check();
   });
 
   /// The view once two pictures of it in a row are alike: a slow machine may still be drawing.
@@ -352,7 +352,7 @@ describe('report', () => {
   test('each toggle changes the picture and back', async () => {
     await settle(page);
     const all = await stillPixels();
-    for (const name of ['scene', 'path', 'contacts', 'normals']) {
+    for (const name of ['scene', 'path', 'contacts', 'normals', 'force']) {
       await page.locator(`[data-toggle="${name}"]`).uncheck();
       await settle(page);
       assert.ok(countDifferences(all, await stillPixels()) > 20, `${name} off`);
@@ -360,6 +360,26 @@ describe('report', () => {
       await settle(page);
       assert.equal(countDifferences(all, await stillPixels()), 0, `${name} on again`);
     }
+  });
+
+  test('force arrows stand on the path and point where the force does', async () => {
+    const ends = await page.evaluate(() => {
+      const { instanceStart: from, instanceEnd: to } = palpateReport.view.layers.Force.geometry.attributes;
+      const at = (a, i) => [a.getX(i), a.getY(i), a.getZ(i)];
+      return [...Array(from.count).keys()].filter((i) => i % 3 === 0).map((i) => [at(from, i), at(to, i)]);
+    });
+    assert.ok(ends.length > 10);
+    const { columns } = run;
+    const lengths = ends.map(([from, to]) => {
+      const row = columns.x.findIndex((x, i) => Math.hypot(x - from[0], columns.y[i] - from[1], columns.z[i] - from[2]) < 1e-6);
+      assert.ok(row >= 0, 'begins at a place of the tool');
+      const force = ['fx', 'fy', 'fz'].map((name) => columns[name][row]);
+      const arrow = to.map((v, k) => v - from[k]);
+      const [f, l] = [Math.hypot(...force), Math.hypot(...arrow)];
+      assert.ok(arrow.reduce((sum, v, k) => sum + v * force[k], 0) > 0.9999 * f * l, `row ${row}`);
+      return l / f;
+    });
+    assert.ok(Math.max(...lengths) < 1.001 * Math.min(...lengths), 'all on one scale');
   });
 
   test('the scene is drawn in its own colours', async () => {
@@ -425,7 +445,7 @@ describe('other runs', () => {
     assert.equal(await legendValue(page, 'time'), '12.5');
     assert.equal(await page.locator('.onset').count(), 0);
     assert.match(await page.locator('#contacts').textContent(), /touched nothing/);
-    assert.equal(await page.locator('[data-toggle]:disabled').count(), 4);
+    assert.equal(await page.locator('[data-toggle]:disabled').count(), 5);
     for (const [min, max] of Object.values(await rangesOf(page))) assert.ok(min < max);
   }));
 

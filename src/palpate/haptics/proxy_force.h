@@ -102,8 +102,8 @@ class ProxyForce final : public ForceModel {
     Properties properties{};
   };
 
-  /// Moves the proxy one step towards `target`. \returns how far. Unit: [m].
-  double step(const Pose& target);
+  /// Moves the proxy one step towards `target`, by at most `longest`. \returns how far. Unit: [m].
+  double step(const Pose& target, double longest);
   /// The patches of all parts as obstacles.
   void find_obstacles();
   /// Of the contacts that are in contacts_ and surface_, those that make up `patch`.
@@ -123,8 +123,10 @@ class ProxyForce final : public ForceModel {
   Obstacles obstacles_;
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
-  Hold hold_;   ///< in the last step
-  Pose proxy_;  ///< world frame
+  bool held_ = false;  ///< by something, in the last step
+  Hold hold_;          ///< of the last step in which it was held
+  Pose tool_;          ///< of the last call, world frame
+  Pose proxy_;         ///< world frame
 };
 
 }  // namespace palpate

@@ -95,8 +95,10 @@ bool SurfacePatches::fit(SurfaceContacts& contacts, const Ellipsoid& solid, int 
 }
 
 bool SurfacePatches::keep_if_new(const SurfacePatch& patch) {
-  for (const SurfacePatch& other : patches()) {
-    if (other.normal.dot(patch.normal) > kOnePatch) return false;
+  for (SurfacePatch& other : std::span(patches_).first(size_)) {
+    if (other.normal.dot(patch.normal) <= kOnePatch) continue;
+    if (patch.gap < other.gap) other = patch;  // what holds the tool more
+    return false;
   }
   patches_[size_++] = patch;
   return true;

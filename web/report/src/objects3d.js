@@ -3,7 +3,7 @@
 
 import {
   BufferAttribute, BufferGeometry, Color, DataTexture, GreaterDepth, Group, LineBasicMaterial,
-  LineSegments, Points, PointsMaterial, UnsignedByteType, RGBAFormat,
+  LineSegments, Points, PointsMaterial, UnsignedByteType, RGBAFormat, Vector3,
 } from 'three';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
@@ -17,6 +17,7 @@ const contactSize = 6; // Unit: [px].
 const sceneDensity = 1.15; // diameter of the scene's points, in extent / sqrt(count)
 const normalOpacity = 0.45;
 const ringSegments = 48;
+const mostArrows = 80; // of the force; more would hide each other
 
 /// K_min from lowest to highest; the page's legend shows the same colours.
 export const rampColors = ['#6a3fc4', '#e0407b', '#ffae00'];
@@ -179,6 +180,42 @@ export function contactNormals(contacts, length) {
   const geometry = geometryOf(new Float32Array(ends), null, false);
   return new LineSegments(geometry,
     themed(new LineBasicMaterial({ transparent: true, opacity: normalOpacity }), '--normal'));
+}
+
+// The rows in contact, thinned to at most `most` at equal distances along the path.
+function spreadAlongContact(run, rows, positions, most) {
+  const step = (i) => Math.hypot(...positions[i].map((v, k) => v - positions[i - 1][k]));
+  const touching = [...rows.keys()].filter((i) => i > 0 && run.col.force[rows[i]] > 0);
+  const spacing = touching.reduce((sum, i) => sum + step(i), 0) / most;
+  let way = spacing;
+  return touching.filter((i) => {
+    way += step(i);
+    if (way < spacing) return false;
+    way = 0;
+    return true;
+  });
+}
+
+/// The force on the tool as arrows along the path, the largest of `longest`; null if there is none.
+export function forceArrows(run, rows, positions, longest) {
+  const largest = run.col.force.reduce((high, f) => Math.max(high, f ?? 0), 0);
+  if (!(largest > 0)) return null;
+  const segments = [];
+  for (const i of spreadAlongContact(run, rows, positions, mostArrows)) {
+    const force = new Vector3(run.col.fx[rows[i]], run.col.fy[rows[i]], run.col.fz[rows[i]]);
+    const length = (longest * force.length()) / largest;
+    const along = force.normalize();
+    const aside = new Vector3(along.y, -along.x, 0);
+    if (aside.lengthSq() < 1e-6) aside.set(1, 0, 0);
+    aside.normalize();
+    const from = new Vector3(...positions[i]);
+    const tip = from.clone().addScaledVector(along, length);
+    segments.push(...from, ...tip);
+    for (const side of [1, -1]) {
+      segments.push(...tip, ...tip.clone().addScaledVector(along, -0.25 * length).addScaledVector(aside, 0.12 * side * length));
+    }
+  }
+  return fatLines(segments, '--force', 2.2, { transparent: true });
 }
 
 // Rings of a unit sphere: three through the poles of each axis and two parallels.

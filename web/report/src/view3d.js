@@ -9,7 +9,7 @@ import { toolOrientation, toolPosition } from './data.js';
 import { element, symbol, themeValue } from './dom.js';
 import { formatFixed, formatTick, niceFloor } from './format.js';
 import {
-  applyTheme, contactNormals, contactPoints, floorGrid, kMinRange, rampColors, sceneCloud,
+  applyTheme, contactNormals, contactPoints, floorGrid, forceArrows, kMinRange, rampColors, sceneCloud,
   toolMarker, toolPath,
 } from './objects3d.js';
 
@@ -19,6 +19,7 @@ const fitMargin = 1.12;
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
 const markerShare = 0.015; // size of the marker where the tool's is not known, of the view
 const normalShare = 0.035; // length of the normals, of the view
+const forceShare = 0.12; // length of the largest force, of the view
 const labelLimit = 60; // onset labels in the view; more would hide it
 
 // Colours are those of the files and the style sheet, not lit: they go to the screen unchanged.
@@ -128,6 +129,7 @@ class View {
       Path: rows.length > 1 ? toolPath(run, rows, positions, this.extent) : null,
       Contacts: contacts.length > 0 ? contactPoints(contacts) : null,
       Normals: contactNormals(contacts, normalShare * this.extent),
+      Force: forceArrows(run, rows, positions, forceShare * this.extent),
     };
     this.marker = toolMarker(run.tool ?? [ball]);
     const grid = floorGrid(this.box, this.gridStep, this.box.min[2]);
