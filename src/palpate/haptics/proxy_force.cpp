@@ -41,6 +41,9 @@ Motion difference(const Motion& a, const Motion& b) {
 /// for an edge, and the proxy does not overshoot where the surface is more bent than it looks. Unit: [m/s].
 constexpr double kCatchUp = 0.1;
 
+/// And what is left of that where it has no direction at all.
+constexpr double kLeastPurpose = 0.01;
+
 /// What gives way this much hardly holds anything. As a share of the stiffness.
 constexpr double kLeastConfidence = 1e-3;
 
@@ -83,6 +86,7 @@ void ProxyForce::reset() {
   started_ = held_ = false;
   hold_ = {};
   velocity_.setZero();
+  direction_.setZero();
   for (Part& part : parts_) part.patches.clear();
 }
 
@@ -186,6 +190,16 @@ double ProxyForce::damped(const Eigen::Vector3d& push) const {
   return std::clamp(1.0 - hold_.properties.damping * outwards / size, 0.0, 2.0);
 }
 
+/// Less where the proxy goes to and fro, as between patches that come and go in turn: it then settles.
+double ProxyForce::catch_up() const { return kCatchUp * std::max(kLeastPurpose, direction_.squaredNorm()); }
+
+void ProxyForce::remember(const Eigen::Vector3d& moved) {
+  const double way = moved.norm();
+  if (way == 0.0) return;
+  const double forgotten = -std::expm1(-way / step_);
+  direction_ += forgotten * (moved / way - direction_);
+}
+
 ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const bool jumped = !held_ && (input.tool.position - proxy_.position).norm() > kMostFreeSteps * step_;
   const bool first = !started_ || jumped;  // a pose so far away is no motion
@@ -197,8 +211,9 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
   // Where the tool starts in something, it comes out at once.
   double way = first ? std::numeric_limits<double>::infinity()
-                     : length_of(motion_between(tool_, input.tool), gyration_) + kCatchUp * input.dt;
+                     : length_of(motion_between(tool_, input.tool), gyration_) + catch_up() * input.dt;
   tool_ = input.tool;
+  const Eigen::Vector3d before = proxy_.position;
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
@@ -207,6 +222,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     held_steps += held_ ? 1 : 0;
     if (moved < kSettled * step_) break;
   }
+  remember(proxy_.position - before);
   const Motion spring = motion_between(input.tool, proxy_);
   if (length_of(spring, gyration_) == 0.0) return {Wrench{}, proxy_, 1.0};
   const double k = hold_.properties.stiffness, push = damped(k * spring.translation);

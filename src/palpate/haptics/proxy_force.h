@@ -110,6 +110,9 @@ class ProxyForce final : public ForceModel {
   Properties properties_at(const SurfacePatch& patch, const SurfaceKernel& kernel) const;
   Hold hold() const;
   Motion with_friction(const Motion& wanted, const Motion& free);
+  /// How much faster than the tool the proxy may move now. Unit: [m/s].
+  double catch_up() const;
+  void remember(const Eigen::Vector3d& moved);
   /// What the push is multiplied with so that it damps the motion, too.
   double damped(const Eigen::Vector3d& push) const;
 
@@ -121,6 +124,8 @@ class ProxyForce final : public ForceModel {
   ContactSet contacts_;
   SurfaceContacts surface_;
   Obstacles obstacles_;
+  /// Mean direction of the proxy's last way, of the length of a step; a unit vector if that was straight.
+  Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
   bool held_ = false;  ///< by something, in the last step
