@@ -146,7 +146,11 @@ Row evaluate_one(const Options& options, const std::string& shape, double spacin
   if (model != "density") setup.stiffness = options.force.proxy.stiffness;
   ForceOptions force = options.force;
   force.model = model;
-  setup.model = [&force, &setup](const SceneIndex& index) { return force.build(index, setup.tool); };
+  setup.model = [&force](const SceneIndex& index, const Tool& tool, double friction) {
+    ForceOptions of_this = force;
+    of_this.proxy.friction = friction;
+    return of_this.build(index, tool);
+  };
   return {shape, model, spacing, evaluate(setup)};
 }
 

@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include <palpate/haptics/evaluation_strokes.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSlide = 0.03;                     // that counts. [m]
+constexpr std::size_t kRests = 4;                   // of ten seconds each, since they take long
+constexpr int kSettle = 200, kTenSeconds = 10'000;  // ticks
+
+}  // namespace
+
+void Rubs::at(Hand& hand, const SurfaceSample& place) {
+  slide(hand, place);
+  if (creep_.size() < kRests) rest(hand, place);
+}
+
+void Rubs::slide(Hand& hand, const SurfaceSample& start) {
+  const double r = reach(hand.tool(), start.normal), depth = 0.5 * r, step = kHandSpeed * kTick;
+  const double until_it_slips = 2.0 * friction_ * depth;
+  double drag = 0.0, pressing = 0.0;
+  hand.come_down(start, depth);
+  SurfaceSample place = start;
+  for (double way = 0.0; way < until_it_slips + kSlide; way += step) {
+    place = next_place(surface_, place, step);
+    if (!tool_fits(surface_, place, hand.tool()) || !is_smooth(surface_, place, r)) break;
+    const ForceOutput felt = hand.at(centre_at(place, hand.tool(), depth));
+    if (way < until_it_slips) continue;
+    const Vector3d normal = surface_.project(felt.proxy.position).normal;
+    const Vector3d along = (place.tangent - normal.dot(place.tangent) * normal).normalized();
+    drag -= felt.wrench.force.dot(along);
+    pressing += felt.wrench.force.dot(normal);
+  }
+  if (pressing > 0.0) coefficient_.push_back(drag / pressing);
+}
+
+void Rubs::rest(Hand& hand, const SurfaceSample& place) {
+  const double depth = 0.5 * reach(hand.tool(), place.normal);
+  hand.come_down(place, depth);
+  const Vector3d below = centre_at(place, hand.tool(), depth);
+  const Vector3d aside = below + 0.5 * friction_ * depth * place.tangent;
+  hand.move(below, aside, kHandSpeed, [](const ForceOutput&, double) {});
+  Vector3d before = below;
+  for (int tick = 0; tick < kSettle; ++tick) before = hand.at(aside).proxy.position;
+  double farthest = 0.0;
+  for (int tick = 0; tick < kTenSeconds; ++tick)
+    farthest = std::max(farthest, (hand.at(aside).proxy.position - before).norm());
+  creep_.push_back(farthest);
+}
+
+void Rubs::tell(Evaluation& result) const {
+  result.friction = spread_of(coefficient_);
+  result.creep = spread_of(creep_);
+}
+
+}  // namespace palpate
