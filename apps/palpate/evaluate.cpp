@@ -66,8 +66,13 @@ EvaluationSetup setup_of(const Options& options, const std::string& shape, doubl
 
 EvaluationRow measure(const EvaluationSetup& setup, const std::string& model, const Progress& progress) {
   EvaluationRow row{setup.shape, model, *setup.scene.spacing, evaluate(setup, progress)};
-  if (setup.shape == "step") row.step = step_response(setup);
+  if (setup.friction > 0.0) row.friction_at = friction_response(setup, {0.1, 0.2, 0.3, 0.5, 0.8});
   if (setup.shape == "box") row.edge = edge_response(setup);
+  if (setup.shape != "step") return row;
+  row.step = step_response(setup);
+  EvaluationSetup clean = setup;
+  clean.scene.noise = clean.scene.tilt = 0.0;
+  row.clean_step = step_response(clean);
   return row;
 }
 
@@ -121,8 +126,7 @@ std::vector<std::string> write_files(const Options& options, const std::vector<E
     written.push_back(path);
   };
   const double radius = options.query.tool.semi_axes.minCoeff();
-  const std::vector<Plot> figures =
-      evaluation_figures(rows, {options.force.proxy.stiffness, options.force.proxy.friction, 0.5 * radius});
+  const std::vector<Plot> figures = evaluation_figures(rows, {options.force.proxy.stiffness, 0.5 * radius});
   if (!options.csv.empty()) write(options.csv, evaluation_csv(rows));
   if (!options.html.empty()) write(options.html, evaluation_page(rows, figures, setup_text(options)));
   if (options.svg.empty()) return written;

@@ -93,19 +93,12 @@ class Figures {
     constexpr double kShown = 20.0;  // [mm]
     Plot plot{"step",
               "A step of 3 mm",
-              "crossed by a ball of 5 mm; median, and 5 to 95 of 100",
+              "crossed by a ball of 5 mm, no noise; median, and 5 to 95 of 100",
               {"way from the step, mm", false, -kShown, kShown, {}},
               {"height of the proxy's centre, mm", false, {}, {}, {}},
               {}};
     for (const EvaluationRow& row : rows_) {
-      if (!row.step || row.step->path.empty()) continue;
-      PlotSeries line = with_spacing(row, plot.series.size());
-      for (const CurvePoint& p : row.step->path) {
-        if (std::abs(kToMm * p.at) <= kShown)
-          line.points.emplace_back(kToMm * p.at, kToMm * p.value.p50, kToMm * p.value.p05,
-                                   kToMm * p.value.p95);
-      }
-      plot.series.push_back(std::move(line));
+      if (row.clean_step) draw_crossing(plot, row, row.clean_step->path, kShown);
     }
     PlotSeries true_line = truth("truth");
     for (double way = -kShown; way <= kShown; way += 0.25)
@@ -123,28 +116,38 @@ class Figures {
               {"proxy above where a ball rolls, mm", false, {}, {}, {}},
               {}};
     for (const EvaluationRow& row : rows_) {
-      if (!row.edge || row.edge->error.empty()) continue;
-      PlotSeries line = with_spacing(row, plot.series.size());
-      for (const CurvePoint& p : row.edge->error) {
-        if (std::abs(kToMm * p.at) <= kShown)
-          line.points.emplace_back(kToMm * p.at, kToMm * p.value.p50, kToMm * p.value.p05,
-                                   kToMm * p.value.p95);
-      }
-      plot.series.push_back(std::move(line));
+      if (row.edge) draw_crossing(plot, row, row.edge->error, kShown);
     }
     plot.series.push_back(level("truth", -kShown, kShown, 0.0));
     return plot;
   }
 
   Plot friction() const {
-    Plot plot{"friction",
-              "Friction",
-              "measured in slides; median, and 5 to 95 of 100",
-              shape_axis(),
-              {"drag over normal force", false, 0.0, {}, {}},
-              {}};
-    across_shapes(plot, true, [](const EvaluationRow& row) { return row.figures.friction; });
-    plot.series.push_back(level("set", -0.5, static_cast<double>(shapes_.size()) - 0.5, truth_.friction));
+    Plot plot{
+        "friction",
+        "Friction",
+        fmt::format("measured in slides, {:.3g} mm; median, and 5 to 95 of 100", kToMm * spacings_.front()),
+        {"coefficient set", false, 0.0, {}, {}},
+        {"drag over normal force", false, 0.0, {}, {}},
+        {}};
+    double most = 0.0;
+    for (const EvaluationRow& row : rows_) {
+      if (row.spacing != spacings_.front() || row.friction_at.empty()) continue;
+      if (plot.series.size() == PlotSeries::kColors) break;  // more could not be told apart
+      PlotSeries dots{fmt::format("{}, {}", row.model, row.shape),
+                      Style::kDots,
+                      static_cast<int>(plot.series.size()),
+                      {}};
+      for (const CurvePoint& p : row.friction_at) {
+        dots.points.emplace_back(p.at, p.value.p50, p.value.p05, p.value.p95);
+        most = std::max(most, p.at);
+      }
+      plot.series.push_back(std::move(dots));
+    }
+    set_apart(plot, 0.015 * most);
+    PlotSeries as_set = truth("as set");
+    as_set.points = {{0.0, 0.0}, {most, most}};
+    plot.series.push_back(std::move(as_set));
     return plot;
   }
 
@@ -156,9 +159,16 @@ class Figures {
               shape_axis(),
               {"ratio of forces", true, {}, {}, {}},
               {}};
-    across_shapes(plot, false, [this](const EvaluationRow& row) {
-      return row.denser && row.spacing == spacings_.back() ? *row.denser : spread_of({});
-    });
+    for (const std::string& model : models_) {
+      PlotSeries dots{model, Style::kDots, color_of(model), {}};
+      for (const EvaluationRow& row : rows_) {
+        if (row.model != model || row.spacing != spacings_.back() || !row.denser) continue;
+        dots.points.emplace_back(index_of(shapes_, row.shape), row.denser->p50, row.denser->p05,
+                                 row.denser->p95);
+      }
+      plot.series.push_back(std::move(dots));
+    }
+    set_apart(plot, 0.16);
     plot.series.push_back(level("no matter how dense", -0.5, static_cast<double>(shapes_.size()) - 0.5, 1.0));
     return plot;
   }
@@ -178,12 +188,18 @@ class Figures {
 
   int color_of(const std::string& model) const { return index_of(models_, model) % PlotSeries::kColors; }
 
-  /// A series of its own for every model and spacing that a figure has several of.
-  static PlotSeries with_spacing(const EvaluationRow& row, std::size_t index) {
-    return {fmt::format("{}, {:.3g} mm", row.model, kToMm * row.spacing),
-            Style::kLine,
-            static_cast<int>(index) % PlotSeries::kColors,
-            {}};
+  /// A line of its own for every model and spacing, of what is within `shown` mm.
+  void draw_crossing(Plot& plot, const EvaluationRow& row, const Curve& curve, double shown) const {
+    if (curve.empty()) return;
+    // The first in its model's colour, the others in colours that no model has, as long as there are some.
+    const int color = (PlotSeries::kColors + color_of(row.model) - static_cast<int>(plot.series.size())) %
+                      PlotSeries::kColors;
+    PlotSeries line{fmt::format("{}, {:.3g} mm", row.model, kToMm * row.spacing), Style::kLine, color, {}};
+    for (const CurvePoint& p : curve) {
+      if (std::abs(kToMm * p.at) <= shown)
+        line.points.emplace_back(kToMm * p.at, kToMm * p.value.p50, kToMm * p.value.p05, kToMm * p.value.p95);
+    }
+    plot.series.push_back(std::move(line));
   }
 
   /// Calls `visit(row, series)` for each model on what is shown.
@@ -196,32 +212,11 @@ class Figures {
     }
   }
 
-  /// Adds a dot for what `value(row)` is on every shape, if it is anything: a series a model, or one a model
-  /// and spacing.
-  template <class Value>
-  void across_shapes(Plot& plot, bool every_spacing, const Value& value) const {
-    for (const EvaluationRow& row : rows_) {
-      const Spread spread = value(row);
-      if (std::isnan(spread.p50)) continue;
-      const std::string name = every_spacing ? with_spacing(row, 0).name : row.model;
-      auto series = std::find_if(plot.series.begin(), plot.series.end(),
-                                 [&](const PlotSeries& s) { return s.name == name; });
-      if (series == plot.series.end()) {
-        const int color =
-            every_spacing ? static_cast<int>(plot.series.size()) % PlotSeries::kColors : color_of(row.model);
-        series = plot.series.insert(series, {name, Style::kDots, color, {}});
-      }
-      series->points.emplace_back(index_of(shapes_, row.shape), spread.p50, spread.p05, spread.p95);
-    }
-    set_apart(plot);
-  }
-
-  /// Dots of one shape stand beside each other.
-  static void set_apart(Plot& plot) {
-    constexpr double kApart = 0.16;
+  /// Dots at one place stand beside each other.
+  static void set_apart(Plot& plot, double distance) {
     const double middle = 0.5 * (static_cast<double>(plot.series.size()) - 1.0);
     for (std::size_t i = 0; i < plot.series.size(); ++i) {
-      for (PlotPoint& p : plot.series[i].points) p.x += kApart * (static_cast<double>(i) - middle);
+      for (PlotPoint& p : plot.series[i].points) p.x += distance * (static_cast<double>(i) - middle);
     }
   }
 

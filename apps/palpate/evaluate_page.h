@@ -13,7 +13,6 @@ namespace palpate::cli {
 /// What the figures are drawn against.
 struct EvaluationTruth {
   double stiffness;  ///< that proxy and field promise. Unit: [N/m].
-  double friction;   ///< that was set
   double depth;      ///< of the slides. Unit: [m].
 };
 

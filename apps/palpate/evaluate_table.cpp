@@ -22,9 +22,8 @@ constexpr const char *kMm = "{:.2f}", *kShare = "{:.3f}", *kCount = "{:.0f}", *k
 Section pressed() {
   return {
       "Pressed in",
-      "angle of the force from the true normal, deg; |F| over stiffness times true depth; depth at which it "
-      "begins, "
-      "mm; ticks without force, and with one that pulls in",
+      "Angle of the force from the true normal, degrees; |F| over stiffness times true depth;\n"
+      "depth at which it begins, mm; ticks without force, and with one that pulls in.",
       {{"direction_p50_deg", "dir p50", "{:.1f}", [](const Row& r) { return r.figures.direction.p50; }},
        {"direction_p95_deg", "p95", "{:.1f}", [](const Row& r) { return r.figures.direction.p95; }},
        {"direction_p99_deg", "p99", "{:.1f}", [](const Row& r) { return r.figures.direction.p99; }},
@@ -39,9 +38,9 @@ Section pressed() {
 Section moved() {
   return {
       "Slid along, around a circle, and pushed through",
-      "sd of |F| over its mean; largest change of the force in 1 ms, N; work around a circle over the energy "
-      "of the "
-      "spring; pushes that came out on the other side, of all and of those at 2 m/s",
+      "Standard deviation of |F| over its mean; largest change of the force in 1 ms, N; work around a\n"
+      "circle over the energy of the spring; pushes that came out on the other side, of all and of\n"
+      "those at 2 m/s.",
       {{"ripple_p50", "ripple", kShare, [](const Row& r) { return r.figures.ripple.p50; }},
        {"ripple_p95", "p95", kShare, [](const Row& r) { return r.figures.ripple.p95; }},
        {"jump_max_n", "jump", kShare, [](const Row& r) { return r.figures.jump.max; }},
@@ -55,50 +54,60 @@ Section moved() {
 }
 
 Section rubbed() {
-  return {
-      "Friction",
-      "drag over normal force while sliding, a slide; the farthest that the proxy creeps in 10 s of rest, um",
-      {{"friction_p05", "p5", kShare, [](const Row& r) { return r.figures.friction.p05; }},
-       {"friction_p50", "p50", kShare, [](const Row& r) { return r.figures.friction.p50; }},
-       {"friction_p95", "p95", kShare, [](const Row& r) { return r.figures.friction.p95; }},
-       {"creep_max_um", "creep", "{:.3f}", [](const Row& r) { return kToUm * r.figures.creep.max; }}}};
+  return {"Friction",
+          "Drag over normal force while sliding, a slide; the farthest that the proxy creeps in 10 s of\n"
+          "rest, um.",
+          {{"friction_p05", "p5", kShare, [](const Row& r) { return r.figures.friction.p05; }},
+           {"friction_p50", "p50", kShare, [](const Row& r) { return r.figures.friction.p50; }},
+           {"friction_p95", "p95", kShare, [](const Row& r) { return r.figures.friction.p95; }},
+           {"creep_max_um", "creep", "{:.3f}", [](const Row& r) { return kToUm * r.figures.creep.max; }}}};
 }
 
 Section denser() {
   return {
       "Two densities",
-      "|F| over that at the first spacing, at the same poses",
+      "|F| over that at the first spacing, at the same poses.",
       {{"force_ratio_p05", "F/F p5", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p05 : kNone; }},
        {"force_ratio_p50", "p50", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p50 : kNone; }},
        {"force_ratio_p95", "p95", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p95 : kNone; }}}};
 }
 
-Section crossed() {
+double step_mm(const std::optional<StepResponse>& step, double Spread::*quantile) {
+  return step ? kToMm * (step->felt.*quantile) : kNone;
+}
+
+Section stepped() {
+  return {"A step of 3 mm crossed by a ball of 5 mm",
+          "The largest rise within 15 mm, mm, without noise, and the way over which it comes; and with\n"
+          "noise.",
+          {{"step_p05_mm", "rise p5", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p05); }},
+           {"step_p50_mm", "p50", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p50); }},
+           {"step_p95_mm", "p95", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p95); }},
+           {"step_over_p50_mm", "over", kMm,
+            [](const Row& r) { return r.clean_step ? kToMm * r.clean_step->rise_over.p50 : kNone; }},
+           {"noisy_step_p05_mm", "noisy p5", kMm, [](const Row& r) { return step_mm(r.step, &Spread::p05); }},
+           {"noisy_step_p50_mm", "p50", kMm, [](const Row& r) { return step_mm(r.step, &Spread::p50); }},
+           {"noisy_step_p95_mm", "p95", kMm, [](const Row& r) { return step_mm(r.step, &Spread::p95); }}}};
+}
+
+Section edged() {
   return {
-      "A step and an edge crossed",
-      "what a ball of 5 mm rises within 15 mm on a step of 3 mm, mm, and the way over which it does; how far "
-      "the "
-      "proxy is from where it should roll over an edge, mm, and where that is largest, from the middle of "
-      "the turn",
-      {{"step_p05_mm", "step p5", kMm,
-        [](const Row& r) { return r.step ? kToMm * r.step->felt.p05 : kNone; }},
-       {"step_p50_mm", "p50", kMm, [](const Row& r) { return r.step ? kToMm * r.step->felt.p50 : kNone; }},
-       {"step_p95_mm", "p95", kMm, [](const Row& r) { return r.step ? kToMm * r.step->felt.p95 : kNone; }},
-       {"step_over_p50_mm", "over", kMm,
-        [](const Row& r) { return r.step ? kToMm * r.step->rise_over.p50 : kNone; }},
-       {"edge_off_p50_mm", "edge p50", kMm,
+      "An edge of 90 degrees crossed",
+      "The farthest that the proxy is from where a ball rolls, mm, and where that is, on the way of the\n"
+      "ball's centre from the middle of its turn.",
+      {{"edge_off_p50_mm", "off p50", kMm,
         [](const Row& r) { return r.edge ? kToMm * r.edge->off.p50 : kNone; }},
+       {"edge_off_p95_mm", "p95", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->off.p95 : kNone; }},
        {"edge_off_max_mm", "max", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->off.max : kNone; }},
        {"edge_where_mm", "where", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->where : kNone; }}}};
 }
 
 Section timed() {
   return {"A tick",
-          "contacts and force, in contact, us",
+          "Time of contacts and force, in contact, us.",
           {{"tick_p50_us", "p50", kUs, [](const Row& r) { return r.figures.tick.p50; }},
            {"tick_p99_us", "p99", kUs, [](const Row& r) { return r.figures.tick.p99; }},
-           {"tick_p99.9_us", "p99.9", kUs, [](const Row& r) { return r.figures.tick.p999; }},
-           {"tick_max_us", "max", kUs, [](const Row& r) { return r.figures.tick.max; }}}};
+           {"tick_p99.9_us", "p99.9", kUs, [](const Row& r) { return r.figures.tick.p999; }}}};
 }
 
 /// Of a column of the table, in characters.
@@ -120,7 +129,9 @@ Json curves_json(const Row& row) {
   Json json{{"direction_deg", curve_json(row.figures.direction_at)},
             {"force_n", curve_json(row.figures.force_at)},
             {"slide_n", std::move(slide)}};
-  if (row.step) json["step_m"] = curve_json(row.step->path);
+  if (!row.friction_at.empty()) json["friction"] = curve_json(row.friction_at);
+  if (row.step) json["noisy_step_m"] = curve_json(row.step->path);
+  if (row.clean_step) json["step_m"] = curve_json(row.clean_step->path);
   if (row.edge) json["edge_m"] = curve_json(row.edge->error);
   return json;
 }
@@ -133,7 +144,7 @@ bool EvaluationSection::has(const EvaluationRow& row) const {
 }
 
 const std::vector<EvaluationSection>& evaluation_sections() {
-  static const std::vector<Section> all{pressed(), moved(), rubbed(), denser(), crossed(), timed()};
+  static const std::vector<Section> all{pressed(), moved(), rubbed(), denser(), stepped(), edged(), timed()};
   return all;
 }
 
@@ -146,7 +157,7 @@ void print_tables(const std::vector<EvaluationRow>& rows) {
   bool first = true;
   for (const Section& section : evaluation_sections()) {
     if (std::none_of(rows.begin(), rows.end(), [&](const Row& r) { return section.has(r); })) continue;
-    fmt::print("{}{}: {}\n\n", first ? "" : "\n", section.title, section.note);
+    fmt::print("{}{}\n{}\n\n", first ? "" : "\n", section.title, section.note);
     first = false;
     fmt::print("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
     for (const Column& c : section.columns) fmt::print(" {:>{}}", c.heading, width_of(c));

@@ -18,8 +18,10 @@ struct EvaluationRow {
   std::string shape, model;
   double spacing;  ///< Unit: [m].
   Evaluation figures;
-  std::optional<StepResponse> step = {};  ///< where the shape is `step`
+  std::optional<StepResponse> step = {};        ///< where the shape is `step`
+  std::optional<StepResponse> clean_step = {};  ///< the same without noise
   std::optional<EdgeResponse> edge = {};  ///< where it is `box`
+  Curve friction_at = {};                 ///< over the coefficient; empty if the model has none
   std::optional<Spread> denser = {};      ///< |F| over that at the first spacing; not there itself
 };
 
@@ -34,7 +36,7 @@ struct EvaluationColumn {
 /// A table of some columns for people, with the rows that have something in it.
 struct EvaluationSection {
   const char* title;
-  const char* note;  ///< what the figures are, in a sentence
+  const char* note;  ///< what the figures are, in a few lines
   std::vector<EvaluationColumn> columns;
 
   bool has(const EvaluationRow& row) const;

@@ -17,7 +17,7 @@ namespace {
 constexpr double kWidth = 480, kHeight = 340;
 constexpr double kLeft = 50, kRight = 466, kBottom = 290;
 constexpr double kTitle = 22, kSubtitle = 41, kLegend = 64, kLegendRow = 19;  // baselines
-constexpr double kCharacter = 6.6;                                            // mean width, as estimated
+constexpr double kCharacter = 7.2;                                            // mean width, as estimated
 constexpr double kInset = 0.5;  // free room before the first and after the last category
 
 constexpr const char* kStyle = R"(
@@ -121,7 +121,7 @@ class Picture {
  public:
   explicit Picture(const Plot& plot)
       : plot_(plot),
-        top_(kLegend + kLegendRow * static_cast<double>(legend_rows()) + 12.0),
+        top_(kLegend + kLegendRow * static_cast<double>(legend_rows()) + 16.0),
         x_(scale(plot.x, &Picture::all_x, kLeft, kRight)),
         y_(scale(plot.y, &Picture::all_y, kBottom, top_)) {}
 

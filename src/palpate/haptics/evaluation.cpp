@@ -21,6 +21,13 @@ std::vector<SurfaceSample> smooth_places(const AnalyticSurface& surface, const T
   return smooth;
 }
 
+std::vector<SurfaceSample> choose(const std::vector<SurfaceSample>& places, std::size_t count,
+                                  Random& random) {
+  std::vector<SurfaceSample> chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(places[random.index(places.size())]);
+  return chosen;
+}
+
 /// Everything that is measured on one surface.
 class Measurements {
  public:
@@ -28,13 +35,12 @@ class Measurements {
       : setup_(setup),
         random_(setup.seed),
         smooth_(smooth_places(surface, setup.tool, random_)),
+        places_(choose(smooth_, setup.places, random_)),
         presses_(setup),
         slides_(surface),
         loops_(setup.stiffness),
         pushes_(surface, setup.seed + 1),
-        rubs_(surface, setup.friction) {
-    for (std::size_t i = 0; i < setup.places; ++i) places_.push_back(smooth_[random_.index(smooth_.size())]);
-  }
+        rubs_(surface, setup.friction) {}
 
   /// The share of scene `k`. `done(n)` is told how much of `work()` has been done.
   template <class Done>
@@ -93,6 +99,25 @@ Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress) {
     });
   }
   return measurements.result();
+}
+
+Curve friction_response(const EvaluationSetup& setup, const std::vector<double>& coefficients) {
+  constexpr std::size_t kPlaces = 10;
+  const auto surface = make_surface(setup.shape);
+  Random random(setup.seed);
+  const std::vector<SurfaceSample> smooth = smooth_places(*surface, setup.tool, random);
+  const std::vector<SurfaceSample> places = choose(smooth, kPlaces, random);
+  const SceneIndex index(make_scene(*surface, setup.scene), SceneFilter{}, Similarity{});
+  Curve curve;
+  for (const double coefficient : coefficients) {
+    Hand hand(index, setup.tool, setup.model, coefficient);
+    std::vector<double> measured;
+    for (const SurfaceSample& place : places) {
+      if (const auto one = measured_friction(hand, *surface, place, coefficient)) measured.push_back(*one);
+    }
+    curve.push_back({coefficient, spread_of(std::move(measured))});
+  }
+  return curve;
 }
 
 Spread force_ratio(const Evaluation& one, const Evaluation& other) {

@@ -89,4 +89,8 @@ Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress = {})
 /// shape, tool, places and seed.
 Spread force_ratio(const Evaluation& one, const Evaluation& other);
 
+/// Friction as Evaluation::friction has it, over each of `coefficients` that the model is asked to have; in
+/// one scene, at ten places.
+Curve friction_response(const EvaluationSetup& setup, const std::vector<double>& coefficients);
+
 }  // namespace palpate

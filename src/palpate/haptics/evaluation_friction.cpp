@@ -14,27 +14,29 @@ constexpr int kSettle = 200, kTenSeconds = 10'000;  // ticks
 }  // namespace
 
 void Rubs::at(Hand& hand, const SurfaceSample& place) {
-  slide(hand, place);
+  if (const auto coefficient = measured_friction(hand, surface_, place, friction_))
+    coefficient_.push_back(*coefficient);
   if (creep_.size() < kRests) rest(hand, place);
 }
 
-void Rubs::slide(Hand& hand, const SurfaceSample& start) {
+std::optional<double> measured_friction(Hand& hand, const AnalyticSurface& surface,
+                                        const SurfaceSample& start, double friction) {
   const double r = reach(hand.tool(), start.normal), depth = 0.5 * r, step = kHandSpeed * kTick;
-  const double until_it_slips = 2.0 * friction_ * depth;
+  const double until_it_slips = 2.0 * friction * depth;
   double drag = 0.0, pressing = 0.0;
   hand.come_down(start, depth);
   SurfaceSample place = start;
   for (double way = 0.0; way < until_it_slips + kSlide; way += step) {
-    place = next_place(surface_, place, step);
-    if (!tool_fits(surface_, place, hand.tool()) || !is_smooth(surface_, place, r)) break;
+    place = next_place(surface, place, step);
+    if (!tool_fits(surface, place, hand.tool()) || !is_smooth(surface, place, r)) break;
     const ForceOutput felt = hand.at(centre_at(place, hand.tool(), depth));
     if (way < until_it_slips) continue;
-    const Vector3d normal = surface_.project(felt.proxy.position).normal;
+    const Vector3d normal = surface.project(felt.proxy.position).normal;
     const Vector3d along = (place.tangent - normal.dot(place.tangent) * normal).normalized();
     drag -= felt.wrench.force.dot(along);
     pressing += felt.wrench.force.dot(normal);
   }
-  if (pressing > 0.0) coefficient_.push_back(drag / pressing);
+  return pressing > 0.0 ? std::optional(drag / pressing) : std::nullopt;
 }
 
 void Rubs::rest(Hand& hand, const SurfaceSample& place) {

@@ -4,6 +4,7 @@
 /// Each is told of places with `at`, and writes what it has found with `tell`.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <palpate/haptics/evaluation_hand.h>
@@ -75,6 +76,11 @@ class Pushes {
   std::size_t pushes_ = 0, through_ = 0, fast_ = 0, fast_through_ = 0;
 };
 
+/// Drag along over force against the true normal, means of a slide half as deep as the tool reaches; nothing
+/// where it finds no room to slip. \param friction that the model is said to have.
+std::optional<double> measured_friction(Hand& hand, const AnalyticSurface& surface,
+                                        const SurfaceSample& place, double friction);
+
 /// With friction: slides, and rests.
 class Rubs {
  public:
@@ -83,7 +89,6 @@ class Rubs {
   void tell(Evaluation& result) const;
 
  private:
-  void slide(Hand& hand, const SurfaceSample& place);
   void rest(Hand& hand, const SurfaceSample& place);
 
   const AnalyticSurface& surface_;
