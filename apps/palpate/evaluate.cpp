@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -110,31 +111,38 @@ std::string setup_text(const Options& options) {
   const Eigen::Vector3d mm = 1e3 * options.query.tool.semi_axes;
   return fmt::format(
       "A tool of {:.3g} x {:.3g} x {:.3g} mm (semi-axes) feels surfaces whose truth is known, made of "
-      "Gaussians that "
-      "are displaced by {:.3g} mm and tilted by {:.3g} degrees (standard deviations). {} scenes of each, "
-      "seeds from "
-      "{}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
+      "Gaussians that are displaced by {:.3g} mm and tilted by {:.3g} degrees (standard deviations). {} "
+      "scenes of each, seeds from {}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
       mm.x(), mm.y(), mm.z(), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
       options.places, options.pushes, options.force.proxy.stiffness);
 }
 
-/// Writes what was asked for. \returns the paths.
-std::vector<std::string> write_files(const Options& options, const std::vector<EvaluationRow>& rows) {
-  std::vector<std::string> written;
-  const auto write = [&](const std::string& path, const std::string& bytes) {
-    write_file(path, bytes);
-    written.push_back(path);
-  };
-  const double radius = options.query.tool.semi_axes.minCoeff();
-  const std::vector<Plot> figures = evaluation_figures(rows, {options.force.proxy.stiffness, 0.5 * radius});
-  if (!options.csv.empty()) write(options.csv, evaluation_csv(rows));
-  if (!options.html.empty()) write(options.html, evaluation_page(rows, figures, setup_text(options)));
-  if (options.svg.empty()) return written;
-  for (const Plot& plot : figures) {
-    const auto path = std::filesystem::path(options.svg) / fmt::format("evaluate-{}.svg", plot.name);
-    write(path.string(), plot_document(plot));
+/// A file that is opened before the work, so that it is not in vain, and written after it; or none.
+class Result {
+ public:
+  explicit Result(const std::string& path) : path_(path) {
+    if (!path.empty()) file_.emplace(path);
   }
-  return written;
+
+  void write(const std::string& bytes, std::vector<std::string>& written) {
+    if (!file_) return;
+    file_->write(bytes);
+    file_->commit();
+    written.push_back(path_);
+  }
+
+ private:
+  std::string path_;
+  std::optional<OutputFile> file_;
+};
+
+void write_figures(const std::vector<Plot>& figures, const std::string& folder,
+                   std::vector<std::string>& written) {
+  for (const Plot& plot : figures) {
+    const auto path = std::filesystem::path(folder) / fmt::format("evaluate-{}.svg", plot.name);
+    write_file(path.string(), plot_document(plot));
+    written.push_back(path.string());
+  }
 }
 
 void run(const Options& options) {
@@ -142,8 +150,13 @@ void run(const Options& options) {
   check_output(options.html, {options.common.config, options.csv}, "--html");
   if (!options.svg.empty() && !std::filesystem::is_directory(options.svg))
     throw Error("{}: --svg is not a folder", options.svg);
+  Result csv(options.csv), html(options.html);
   const std::vector<EvaluationRow> rows = measure_all(options);
-  const std::vector<std::string> written = write_files(options, rows);
+  const std::vector<Plot> figures = evaluation_figures(rows, options.force.proxy.stiffness);
+  std::vector<std::string> written;
+  csv.write(evaluation_csv(rows), written);
+  html.write(evaluation_page(rows, figures, setup_text(options)), written);
+  if (!options.svg.empty()) write_figures(figures, options.svg, written);
   if (options.common.json) {
     fmt::print("{}\n", evaluation_json(rows).dump(2));
     return;

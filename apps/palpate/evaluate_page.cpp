@@ -34,9 +34,9 @@ int index_of(const Values& values, const Value& value) {
 /// Draws a row's figures: the same model in the same colour everywhere.
 class Figures {
  public:
-  Figures(const Rows& rows, const EvaluationTruth& truth)
+  Figures(const Rows& rows, double stiffness)
       : rows_(rows),
-        truth_(truth),
+        stiffness_(stiffness),
         shapes_(distinct(rows, &EvaluationRow::shape)),
         models_(distinct(rows, &EvaluationRow::model)),
         spacings_(distinct(rows, &EvaluationRow::spacing)) {}
@@ -61,7 +61,7 @@ class Figures {
     for_shown([&](const EvaluationRow& row, PlotSeries& line) {
       for (const CurvePoint& p : row.figures.force_at) {
         line.points.emplace_back(kToMm * p.at, p.value.p50, p.value.p05, p.value.p95);
-        if (plot.series.empty()) true_line.points.emplace_back(kToMm * p.at, truth_.stiffness * p.at);
+        if (plot.series.empty()) true_line.points.emplace_back(kToMm * p.at, stiffness_ * p.at);
       }
       plot.series.push_back(std::move(line));
     });
@@ -70,18 +70,14 @@ class Figures {
   }
 
   Plot slide() const {
-    Plot plot{"slide",
-              "Sliding",
-              fmt::format("{}; one slide at 0.1 m/s, {:.3g} mm deep", shown(), kToMm * truth_.depth),
-              {"way, mm", false, 0.0, {}, {}},
-              {"force, N", false, 0.0, {}, {}},
-              {}};
+    Plot plot{"slide", "Sliding", "", {"way, mm", false, 0.0, {}, {}}, {"force, N", false, 0.0, {}, {}}, {}};
     PlotSeries true_line = truth("stiffness x depth");
     for_shown([&](const EvaluationRow& row, PlotSeries& line) {
+      const double depth = row.figures.slide_depth;
+      plot.subtitle = fmt::format("{}; one slide at 0.1 m/s, {:.3g} mm deep", shown(), kToMm * depth);
       for (const Eigen::Vector2d& p : row.figures.slide) {
         line.points.emplace_back(kToMm * p.x(), p.y());
-        if (plot.series.empty())
-          true_line.points.emplace_back(kToMm * p.x(), truth_.stiffness * truth_.depth);
+        if (plot.series.empty()) true_line.points.emplace_back(kToMm * p.x(), stiffness_ * depth);
       }
       plot.series.push_back(std::move(line));
     });
@@ -221,7 +217,7 @@ class Figures {
   }
 
   const Rows& rows_;
-  EvaluationTruth truth_;
+  double stiffness_;
   std::vector<std::string> shapes_, models_;
   std::vector<double> spacings_;
 };
@@ -267,8 +263,8 @@ std::string table_of(const EvaluationSection& section, const Rows& rows) {
 
 }  // namespace
 
-std::vector<Plot> evaluation_figures(const Rows& rows, const EvaluationTruth& truth) {
-  const Figures figures(rows, truth);
+std::vector<Plot> evaluation_figures(const Rows& rows, double stiffness) {
+  const Figures figures(rows, stiffness);
   return {figures.direction(), figures.force(),    figures.slide(),    figures.step(),
           figures.edge(),      figures.friction(), figures.densities()};
 }

@@ -10,14 +10,9 @@
 
 namespace palpate::cli {
 
-/// What the figures are drawn against.
-struct EvaluationTruth {
-  double stiffness;  ///< that proxy and field promise. Unit: [N/m].
-  double depth;      ///< of the slides. Unit: [m].
-};
-
 /// Shown are the first shape and spacing, where there is a choice. \pre rows is not empty.
-std::vector<Plot> evaluation_figures(const std::vector<EvaluationRow>& rows, const EvaluationTruth& truth);
+/// \param stiffness that proxy and field promise. Unit: [N/m].
+std::vector<Plot> evaluation_figures(const std::vector<EvaluationRow>& rows, double stiffness);
 
 /// A whole page that needs no network. `setup` says in a sentence what was done.
 std::string evaluation_page(const std::vector<EvaluationRow>& rows, const std::vector<Plot>& figures,

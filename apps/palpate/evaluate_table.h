@@ -20,9 +20,9 @@ struct EvaluationRow {
   Evaluation figures;
   std::optional<StepResponse> step = {};        ///< where the shape is `step`
   std::optional<StepResponse> clean_step = {};  ///< the same without noise
-  std::optional<EdgeResponse> edge = {};  ///< where it is `box`
-  Curve friction_at = {};                 ///< over the coefficient; empty if the model has none
-  std::optional<Spread> denser = {};      ///< |F| over that at the first spacing; not there itself
+  std::optional<EdgeResponse> edge = {};        ///< where it is `box`
+  Curve friction_at = {};                       ///< over the coefficient; empty if the model has none
+  std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; not there itself
 };
 
 /// A figure of a row.

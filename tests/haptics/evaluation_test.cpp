@@ -162,6 +162,18 @@ TEST_P(Friction, SeesAProxyThatCreeps) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Friction, testing::Values("plane", "sphere", "torus"));
 
+TEST(Friction, IsMeasuredForEveryCoefficientAskedFor) {
+  EvaluationSetup rubbed = setup("plane");
+  rubbed.model = [](const SceneIndex&, const Tool&, double friction) {
+    return std::make_unique<Knowing>("plane", Knowledge{.friction = 0.5 * friction});
+  };
+  const Curve curve = friction_response(rubbed, {0.2, 0.6});
+  ASSERT_EQ(curve.size(), 2U);
+  EXPECT_EQ(curve[1].at, 0.6);
+  EXPECT_NEAR(curve[0].value.p50, 0.1, 1e-6);
+  EXPECT_NEAR(curve[1].value.max, 0.3, 1e-6);
+}
+
 TEST(Friction, IsNotMeasuredWhereThereIsNone) {
   const Evaluation e = evaluate(setup("plane"));
   EXPECT_TRUE(std::isnan(e.friction.p50));

@@ -25,9 +25,7 @@ void cross_all(const AnalyticSurface& surface, const EvaluationSetup& setup, con
                const Cross& cross, const Judge& judge) {
   Random random(setup.seed);
   for (std::size_t k = 0; k < setup.scenes; ++k) {
-    ProceduralOptions options = setup.scene;
-    options.seed += k;
-    const SceneIndex index(make_scene(surface, options), SceneFilter{}, Similarity{});
+    const SceneIndex index = scene_of(surface, setup, k);
     Hand hand(index, tool, setup.model);
     for (std::size_t i = k; i < setup.places; i += setup.scenes) {
       const Path path = cross(hand, random);

@@ -28,7 +28,7 @@ struct EdgeResponse {
   Spread off;    ///< largest distance of the proxy from where a ball rolls, a crossing. Unit: [m].
   double where;  ///< of the largest of all: way along where the ball's centre rolls, from the middle of its
                  ///< turn about the edge. Unit: [m].
-  Curve error;  ///< distance of proxy and surface less the radius, over that way. Unit: [m].
+  Curve error;   ///< distance of proxy and surface less the radius, over that way. Unit: [m].
 };
 
 /// An edge of the surface `box` of make_surface(), crossed at 0.1 m/s by a ball as thick as the tool is where

@@ -91,9 +91,7 @@ Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress) {
   Measurements measurements(*surface, setup);
   std::size_t done = 0;
   for (std::size_t k = 0; k < setup.scenes; ++k) {
-    ProceduralOptions options = setup.scene;
-    options.seed += k;
-    const SceneIndex index(make_scene(*surface, options), SceneFilter{}, Similarity{});
+    const SceneIndex index = scene_of(*surface, setup, k);
     measurements.in_scene(index, k, [&] {
       report(progress, "evaluating", static_cast<double>(++done) / static_cast<double>(measurements.work()));
     });
@@ -107,7 +105,7 @@ Curve friction_response(const EvaluationSetup& setup, const std::vector<double>&
   Random random(setup.seed);
   const std::vector<SurfaceSample> smooth = smooth_places(*surface, setup.tool, random);
   const std::vector<SurfaceSample> places = choose(smooth, kPlaces, random);
-  const SceneIndex index(make_scene(*surface, setup.scene), SceneFilter{}, Similarity{});
+  const SceneIndex index = scene_of(*surface, setup, 0);
   Curve curve;
   for (const double coefficient : coefficients) {
     Hand hand(index, setup.tool, setup.model, coefficient);

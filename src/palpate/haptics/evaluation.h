@@ -57,6 +57,7 @@ struct Evaluation {
   Spread ripple;                       ///< standard deviation of |F| over its mean, a slide
   Spread jump;                         ///< largest change of the force from tick to tick, a slide. Unit: [N].
   std::vector<Eigen::Vector2d> slide;  ///< the first of them: way [m] and |F| [N]
+  double slide_depth = 0.0;            ///< of that one. Unit: [m].
 
   /// |F| at each place with the tool at rest, half a tool radius deep: the same poses for every scene of a
   /// shape and every model. Unit: [N].

@@ -20,6 +20,12 @@ Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double depth) {
   return place.point - depth * place.normal - foot;
 }
 
+SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k) {
+  ProceduralOptions options = setup.scene;
+  options.seed += k;
+  return {make_scene(surface, options), SceneFilter{}, Similarity{}};
+}
+
 void Hand::reset() {
   model_->reset();
   moving_ = false;

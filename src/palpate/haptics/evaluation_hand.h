@@ -26,6 +26,9 @@ Eigen::Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double d
 /// How far the tool reaches from its centre along -n. Unit: [m].
 double reach(const Tool& tool, const Eigen::Vector3d& n);
 
+/// The scene `k` of the setup, of 0 ... scenes-1.
+SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
+
 /// A tool in a scene, moved tick by tick.
 class Hand {
  public:

@@ -74,10 +74,10 @@ void Slides::at(Hand& hand, const SurfaceSample& start) {
     if (!tool_fits(surface_, place, hand.tool()) || !is_smooth(surface_, place, r)) break;
     forces.push_back(hand.at(centre_at(place, hand.tool(), depth)).wrench.force);
   }
-  judge(forces);
+  judge(forces, depth);
 }
 
-void Slides::judge(const std::vector<Vector3d>& forces) {
+void Slides::judge(const std::vector<Vector3d>& forces, double depth) {
   constexpr std::size_t kFewest = 100;
   double sum = 0.0, squares = 0.0, jump = 0.0;
   for (std::size_t k = 0; k < forces.size(); ++k) {
@@ -91,6 +91,7 @@ void Slides::judge(const std::vector<Vector3d>& forces) {
   ripple_.push_back(std::sqrt(std::max(0.0, squares / count - mean * mean)) / mean);
   jump_.push_back(jump);
   if (!first_.empty()) return;
+  first_depth_ = depth;
   for (std::size_t k = 0; k < forces.size(); ++k)
     first_.emplace_back(static_cast<double>(k + 1) * kHandSpeed * kTick, forces[k].norm());
 }
@@ -100,6 +101,7 @@ void Slides::tell(Evaluation& result) const {
   result.ripple = spread_of(ripple_);
   result.jump = spread_of(jump_);
   result.slide = first_;
+  result.slide_depth = first_depth_;
 }
 
 void Loops::at(Hand& hand, const SurfaceSample& place) {

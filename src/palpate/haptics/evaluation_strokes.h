@@ -33,11 +33,12 @@ class Slides {
   void tell(Evaluation& result) const;
 
  private:
-  void judge(const std::vector<Eigen::Vector3d>& forces);
+  void judge(const std::vector<Eigen::Vector3d>& forces, double depth);
 
   const AnalyticSurface& surface_;
   std::vector<double> held_, ripple_, jump_;
   std::vector<Eigen::Vector2d> first_;
+  double first_depth_ = 0.0;
 };
 
 /// Around a circle and back to where it began.
