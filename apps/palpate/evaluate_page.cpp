@@ -97,8 +97,11 @@ class Figures {
       if (row.clean_step) draw_crossing(plot, row, row.clean_step->path, kShown);
     }
     PlotSeries true_line = truth("truth");
-    for (double way = -kShown; way <= kShown; way += 0.25)
+    constexpr int kPoints = 160;
+    for (int k = 0; k <= kPoints; ++k) {
+      const double way = kShown * (2.0 * k / kPoints - 1.0);
       true_line.points.emplace_back(way, kToMm * step_truth(way / kToMm));
+    }
     plot.series.push_back(std::move(true_line));
     return plot;
   }
@@ -119,31 +122,26 @@ class Figures {
   }
 
   Plot friction() const {
-    Plot plot{
-        "friction",
-        "Friction",
-        fmt::format("measured in slides, {:.3g} mm; median, and 5 to 95 of 100", kToMm * spacings_.front()),
-        {"coefficient set", false, 0.0, {}, {}},
-        {"drag over normal force", false, 0.0, {}, {}},
-        {}};
+    Plot plot{"friction",
+              "Friction",
+              fmt::format("in slides, {:.3g} mm; median, and 5 to 95 of 100", kToMm * spacings_.front()),
+              {"coefficient set", false, 0.0, {}, {}},
+              {"measured over set", false, {}, {}, {}},
+              {}};
     double most = 0.0;
     for (const EvaluationRow& row : rows_) {
       if (row.spacing != spacings_.front() || row.friction_at.empty()) continue;
       if (plot.series.size() == PlotSeries::kColors) break;  // more could not be told apart
-      PlotSeries dots{fmt::format("{}, {}", row.model, row.shape),
-                      Style::kDots,
-                      static_cast<int>(plot.series.size()),
-                      {}};
-      for (const CurvePoint& p : row.friction_at) {
-        dots.points.emplace_back(p.at, p.value.p50, p.value.p05, p.value.p95);
-        most = std::max(most, p.at);
+      const int color = static_cast<int>(plot.series.size());
+      PlotSeries dots{fmt::format("{}, {}", row.model, row.shape), Style::kDots, color, {}};
+      for (const auto& [set, measured] : row.friction_at) {
+        dots.points.emplace_back(set, measured.p50 / set, measured.p05 / set, measured.p95 / set);
+        most = std::max(most, set);
       }
       plot.series.push_back(std::move(dots));
     }
     set_apart(plot, 0.015 * most);
-    PlotSeries as_set = truth("as set");
-    as_set.points = {{0.0, 0.0}, {most, most}};
-    plot.series.push_back(std::move(as_set));
+    plot.series.push_back(level("as set", 0.0, 1.05 * most, 1.0));
     return plot;
   }
 

@@ -69,9 +69,10 @@ class Scale {
   std::vector<Tick> decades() const {
     std::vector<Tick> ticks;
     const bool few = high_ / low_ > 2000.0;
-    for (double power = std::pow(10.0, std::floor(std::log10(low_))); power <= high_; power *= 10.0) {
+    for (int decade = static_cast<int>(std::floor(std::log10(low_))); std::pow(10.0, decade) <= high_;
+         ++decade) {
       for (const double digit : {1.0, 2.0, 5.0}) {
-        const double at = digit * power;
+        const double at = digit * std::pow(10.0, decade);
         if (at >= 0.999 * low_ && at <= 1.001 * high_ && (digit == 1.0 || !few))
           ticks.push_back({at, fmt::format("{:.3g}", at)});
       }
@@ -88,8 +89,9 @@ class Scale {
                                                         : digit < 7.5 ? 5.0
                                                                       : 10.0);
     std::vector<Tick> ticks;
-    for (double k = std::ceil(low_ / step - 1e-9); k * step <= high_ + 1e-9 * step; ++k)
-      ticks.push_back({k * step, fmt::format("{:.6g}", k == 0.0 ? 0.0 : k * step)});
+    const auto first = static_cast<long>(std::ceil(low_ / step - 1e-9));
+    for (long k = first; static_cast<double>(k) * step <= high_ + 1e-9 * step; ++k)
+      ticks.push_back({static_cast<double>(k) * step, fmt::format("{:.6g}", static_cast<double>(k) * step)});
     return ticks;
   }
 

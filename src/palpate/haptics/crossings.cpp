@@ -13,7 +13,6 @@ using Eigen::Vector3d;
 
 constexpr double kHalfWay = 0.04;  // of a crossing. [m]
 constexpr std::size_t kBins = 160;
-constexpr double kStep = kHandSpeed * kTick;  // [m]
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Centres of the proxy, tick by tick; empty if the model has none.
@@ -52,7 +51,7 @@ double rise_over(const Path& path) {
     return std::find_if(path.begin(), path.end(),
                         [&](const Vector3d& p) { return p.z() > low + part * rise; });
   };
-  return kStep * static_cast<double>(first_above(0.9) - first_above(0.1));
+  return kHandStep * static_cast<double>(first_above(0.9) - first_above(0.1));
 }
 
 double largest_rise(const Path& path, std::size_t window) {
@@ -80,11 +79,11 @@ StepResponse step_response(const EvaluationSetup& setup) {
     const SurfaceSample start{{-kHalfWay, y, 0.0}, Vector3d::UnitZ(), Vector3d::UnitX(), 0.0};
     hand.come_down(start, StepResponse::kBall);
     Path centres;
-    for (double x = -kHalfWay; x < kHalfWay; x += kStep) centres.emplace_back(x, y, 0.0);
+    for (int k = 0; k < ticks_on(2.0 * kHalfWay); ++k) centres.emplace_back(k * kHandStep - kHalfWay, y, 0.0);
     return follow(hand, centres);
   };
   cross_all(*surface, setup, ball(StepResponse::kBall), cross, [&](const Path& path) {
-    felt.push_back(largest_rise(path, static_cast<std::size_t>(StepResponse::kTravel / kStep)));
+    felt.push_back(largest_rise(path, static_cast<std::size_t>(StepResponse::kTravel / kHandStep)));
     rises.push_back(rise_over(path));
     for (const Vector3d& p : path) path_bins.add(p.x(), p.z());
   });
@@ -102,7 +101,8 @@ class Edge {
   Path around(double y, double depth) const {
     const double r = radius_ - depth, turn = 0.5 * std::numbers::pi * r;
     Path centres;
-    for (double s = -kHalfWay; s < turn + kHalfWay; s += kStep) {
+    for (int k = 0; k < ticks_on(turn + 2.0 * kHalfWay); ++k) {
+      const double s = k * kHandStep - kHalfWay;
       const double angle = std::clamp(s / r, 0.0, 0.5 * std::numbers::pi);
       const double before = std::min(s, 0.0), after = std::max(s - turn, 0.0);
       centres.emplace_back(kX + before + r * std::sin(angle), y, kZ - after + r * std::cos(angle));

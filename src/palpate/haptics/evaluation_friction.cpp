@@ -21,16 +21,16 @@ void Rubs::at(Hand& hand, const SurfaceSample& place) {
 
 std::optional<double> measured_friction(Hand& hand, const AnalyticSurface& surface,
                                         const SurfaceSample& start, double friction) {
-  const double r = reach(hand.tool(), start.normal), depth = 0.5 * r, step = kHandSpeed * kTick;
-  const double until_it_slips = 2.0 * friction * depth;
+  const double r = reach(hand.tool(), start.normal), depth = 0.5 * r;
+  const int until_it_slips = ticks_on(2.0 * friction * depth);
   double drag = 0.0, pressing = 0.0;
   hand.come_down(start, depth);
   SurfaceSample place = start;
-  for (double way = 0.0; way < until_it_slips + kSlide; way += step) {
-    place = next_place(surface, place, step);
+  for (int tick = 0; tick < until_it_slips + ticks_on(kSlide); ++tick) {
+    place = next_place(surface, place, kHandStep);
     if (!tool_fits(surface, place, hand.tool()) || !is_smooth(surface, place, r)) break;
     const ForceOutput felt = hand.at(centre_at(place, hand.tool(), depth));
-    if (way < until_it_slips) continue;
+    if (tick < until_it_slips) continue;
     const Vector3d normal = surface.project(felt.proxy.position).normal;
     const Vector3d along = (place.tangent - normal.dot(place.tangent) * normal).normalized();
     drag -= felt.wrench.force.dot(along);

@@ -11,8 +11,12 @@
 
 namespace palpate {
 
-constexpr double kTick = 1e-3;      // [s]
-constexpr double kHandSpeed = 0.1;  // of all but pushes. [m/s]
+constexpr double kTick = 1e-3;                    // [s]
+constexpr double kHandSpeed = 0.1;                // of all but pushes. [m/s]
+constexpr double kHandStep = kHandSpeed * kTick;  // [m]
+
+/// Ticks on a way. Unit: [m].
+inline int ticks_on(double way) { return static_cast<int>(std::ceil(way / kHandStep)); }
 
 /// The tool's thinnest semi-axis, and how far any of it is from its centre. Unit: [m].
 double thickness_of(const Tool& tool);

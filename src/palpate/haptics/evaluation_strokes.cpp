@@ -62,15 +62,15 @@ void Presses::tell(Evaluation& result) const {
 }
 
 void Slides::at(Hand& hand, const SurfaceSample& start) {
-  const double r = reach(hand.tool(), start.normal), depth = 0.5 * r, step = kHandSpeed * kTick;
+  const double r = reach(hand.tool(), start.normal), depth = 0.5 * r;
   hand.come_down(start, depth);
   ForceOutput felt;
   for (int tick = 0; tick < kRest; ++tick) felt = hand.at(centre_at(start, hand.tool(), depth));
   held_.push_back(felt.wrench.force.norm());
   std::vector<Vector3d> forces;
   SurfaceSample place = start;
-  for (double way = 0.0; way < kSlide; way += step) {
-    place = next_place(surface_, place, step);
+  for (int tick = 0; tick < ticks_on(kSlide); ++tick) {
+    place = next_place(surface_, place, kHandStep);
     if (!tool_fits(surface_, place, hand.tool()) || !is_smooth(surface_, place, r)) break;
     forces.push_back(hand.at(centre_at(place, hand.tool(), depth)).wrench.force);
   }
@@ -93,7 +93,7 @@ void Slides::judge(const std::vector<Vector3d>& forces, double depth) {
   if (!first_.empty()) return;
   first_depth_ = depth;
   for (std::size_t k = 0; k < forces.size(); ++k)
-    first_.emplace_back(static_cast<double>(k + 1) * kHandSpeed * kTick, forces[k].norm());
+    first_.emplace_back(static_cast<double>(k + 1) * kHandStep, forces[k].norm());
 }
 
 void Slides::tell(Evaluation& result) const {
