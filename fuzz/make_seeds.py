@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes seeds for the fuzzers into FOLDER/ply, FOLDER/csv, FOLDER/config and FOLDER/index.
+"""Writes seeds for the fuzzers into FOLDER/ply, FOLDER/csv, FOLDER/config, FOLDER/materials and FOLDER/index.
 
     make_seeds.py FOLDER
 
@@ -9,13 +9,14 @@ The seeds are small sound files and the table of broken inputs of the command li
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tests", "cli"))
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+sys.path.insert(0, os.path.join(ROOT, "tests", "cli"))
 
 import broken_inputs  # noqa: E402
 from support import INRIA, RUN_HEADER, path_csv, ply, random_rows, splat  # noqa: E402
 
 MAX_BYTES = 8192
-FOLDERS = {".ply": "ply", ".splat": "ply", ".csv": "csv", ".toml": "config"}
+FOLDERS = {".ply": ["ply"], ".splat": ["ply"], ".csv": ["csv"], ".toml": ["config", "materials"]}
 
 LISTS = (
     b"ply\nformat ascii 1.0\ncomment c\nobj_info o\nelement face 2\nproperty list uchar int vertex_indices\n"
@@ -32,12 +33,16 @@ def sound_files():
     yield "ply", ply([splat()[:15] + splat()[16:]], [name for name in INRIA if name != "scale_2"])
     yield "ply", ply([splat() + [0.1] * 9], INRIA + [f"f_rest_{k}" for k in range(9)])
     yield "ply", LISTS
+    for encoding in ("ascii", "binary_big_endian"):
+        yield "ply", ply([splat() + [500, float("nan"), 2]] * 2, INRIA + ["stiffness", "friction", "damping"], encoding)
     yield "ply", bytes(range(64))  # two records of a .splat
     yield "csv", path_csv([(0, 0, 0, 1), (0.5, 1e-3, -2, 3)]).encode()
     yield "csv", path_csv([(0, 0, 0, 1, 1, 0, 0, 0, 4, 5, 6)], "t,x,y,z,qw,qx,qy,qz,ufx,ufy,ufz").encode()
     yield "csv", (RUN_HEADER + "\r\n" + ",".join(["0"] * 4 + ["1"] + ["2"] * 17) + "\r\n").encode()
     yield "config", (b'# options\nsigma = 1.5\ntool = [0.01, 0.02, 0.03]\njson = true\nframe = "y-up"\n'
                      b"[table]\na.b = {c = 1, d = 1979-05-27T07:32:00Z}\n'x y' = '''\nz'''\n")
+    with open(os.path.join(ROOT, "examples", "materials", "table.toml"), "rb") as file:
+        yield "materials", file.read()
     # Changes to an index, see index_fuzzer.cpp: none, a byte of each part, a cut; and one that is only a front.
     yield "index", b""
     yield "index", bytes([0, 0, 12, 2])
@@ -50,9 +55,9 @@ def main():
     seeds = list(sound_files())
     for row in broken_inputs.ROWS:
         for name, content in row.files.items():
-            folder = FOLDERS.get(os.path.splitext(name)[1]) if isinstance(name, str) else None
-            if folder and len(content) <= MAX_BYTES:
-                seeds.append((folder, content))
+            folders = FOLDERS.get(os.path.splitext(name)[1], []) if isinstance(name, str) else []
+            if len(content) <= MAX_BYTES:
+                seeds.extend((folder, content) for folder in folders)
     for k, (folder, content) in enumerate(seeds):
         path = os.path.join(sys.argv[1], folder)
         os.makedirs(path, exist_ok=True)

@@ -1,5 +1,5 @@
 // Scene files: whatever the bytes, load_scene() either throws Error or gives a scene that lint, filter,
-// index and query agree about.
+// index and query agree about; and read_ply_materials() gives a row for each of its Gaussians, or none.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/scene/lint.h>
 #include <palpate/scene/load_scene.h>
+#include <palpate/scene/ply_materials.h>
 
 #include "input_file.h"
 
@@ -46,13 +47,23 @@ void use(const palpate::GaussianScene& scene) {
   }
 }
 
+void check(const palpate::PlyMaterials& materials, std::size_t rows) {
+  for (std::size_t p = 0; p < palpate::kMaterialPropertyCount; ++p) {
+    require(materials.values[p].empty() || materials.values[p].size() == rows);
+    for (const float v : materials.values[p])
+      require(std::isnan(v) || (v >= 0.0F && v <= palpate::kMaterialProperties[p].most));
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static palpate::fuzz::InputFile file;
   for (const char* name : {"scene.ply", "scene.splat"}) {
     try {
-      use(palpate::load_scene(file.hold(data, size, name)));
+      const palpate::GaussianScene scene = palpate::load_scene(file.hold(data, size, name));
+      use(scene);
+      check(palpate::read_ply_materials(scene.source), scene.size());
     } catch (const palpate::Error&) {
     }
   }

@@ -141,8 +141,8 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   figures.open = std::move(opened.figures);
   figures.rounds = options.rounds;
   figures.tracked = timed.index != nullptr;
-  figures.poses = time_path(timed, path, *options.force.build(*opened.query, options.query.tool),
-                            options.rounds, progress);
+  const auto model = options.force.build(*opened.query, options.query.tool, options.scene.path, progress);
+  figures.poses = time_path(timed, path, *model, options.rounds, progress);
 
   using tbb::global_control;
   std::optional<global_control> limit;
@@ -156,7 +156,8 @@ BenchFigures measure(const Options& options, const Progress& progress) {
 }
 
 void run(Options& options) {
-  check_output(options.histogram, {options.scene.path, options.trajectory, options.common.config},
+  check_output(options.histogram,
+               {options.scene.path, options.trajectory, options.force.materials, options.common.config},
                "--histogram");
   if (options.simd.empty()) options.simd = simd_targets().front();
   use_simd_target(options.simd);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <span>
 
 #include <palpate/collision/batch_query.h>
-#include <palpate/collision/contact_tracker.h>
 #include <palpate/device/playback.h>
+#include <palpate/haptics/tool_query.h>
 
 #include "bench/latency.h"
 
@@ -33,9 +33,8 @@ void time_call(double& least, const Call& call) {
 void go_fresh(const TimedQuery& timed, const Trajectory& path, std::vector<PoseFigures>& figures) {
   ContactSet set;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const Ellipsoid tool = timed.tool.at(path[i].pose);
     PoseFigures& f = figures[i];
-    time_call(f.fresh, [&] { timed.query.query(tool, set); });
+    time_call(f.fresh, [&] { query(timed.query, timed.tool, path[i].pose, set); });
     f.candidates = set.candidates;
     f.filtered = set.filtered;
     f.contacts = set.contacts.size();
@@ -44,18 +43,17 @@ void go_fresh(const TimedQuery& timed, const Trajectory& path, std::vector<PoseF
 
 void go_as_a_hand(const TimedQuery& timed, const Trajectory& path, ForceModel& model,
                   std::vector<PoseFigures>& figures) {
-  std::unique_ptr<ContactTracker> tracker;
-  if (timed.index != nullptr) tracker = std::make_unique<ContactTracker>(*timed.index);
+  std::optional<ToolTracker> tracker;
+  if (timed.index != nullptr) tracker.emplace(*timed.index, timed.tool);
   ContactSet set;
   model.reset();
   for (std::size_t i = 0; i < path.size(); ++i) {
     const TimedPose& now = path[i];
     const TimedPose& before = path[i > 0 ? i - 1 : 0];
-    const Ellipsoid tool = timed.tool.at(now.pose);
     if (tracker) {
-      time_call(figures[i].tracked, [&] { tracker->query(tool, set); });
+      time_call(figures[i].tracked, [&] { tracker->query(now.pose, set); });
     } else {
-      timed.query.query(tool, set);
+      query(timed.query, timed.tool, now.pose, set);
       figures[i].tracked = 0.0;
     }
     const ForceInput input{now.pose, velocity_between(before, now), now.t - before.t, &set};
@@ -79,7 +77,8 @@ std::vector<PoseFigures> time_path(const TimedQuery& timed, const Trajectory& pa
 double time_batches(const TimedQuery& timed, const std::vector<Pose>& poses, int rounds,
                     const Progress& progress) {
   std::vector<Ellipsoid> tools;
-  for (const Pose& pose : poses) tools.push_back(timed.tool.at(pose));
+  for (const Pose& pose : poses)
+    for (const ToolPart& part : timed.tool.parts()) tools.push_back(part.at(pose));
   std::vector<ContactSet> results(std::min(kBatch, tools.size()));
   const std::span<const Ellipsoid> all(tools);
   double least = kNever;

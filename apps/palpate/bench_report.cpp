@@ -82,12 +82,10 @@ std::string megabytes(std::uint64_t bytes) {
 }
 
 void print_head(const BenchFigures& f) {
-  const Eigen::Vector3d mm = 1e3 * f.tool.semi_axes;
   fmt::print("machine   {}\n", bench::machine());
   fmt::print("scene     {}, {}, {} Gaussians\n", printable(f.scene), megabytes(f.open.scene_bytes),
              f.open.gaussians);
-  fmt::print("query     {} on {}; tool {:g}/{:g}/{:g} mm; {} force\n", f.pipeline, f.simd, mm.x(), mm.y(),
-             mm.z(), f.model);
+  fmt::print("query     {} on {}; tool {}; {} force\n", f.pipeline, f.simd, tool_text(f.tool), f.model);
   fmt::print("path      {}: {} poses, {} in contact\n",
              f.path.empty() ? "made for this scene" : printable(f.path), f.poses.size(), f.contact_poses());
   fmt::print("open      {:.3g} s, from {}{}\n", f.open.seconds, f.open.origin,
@@ -174,7 +172,7 @@ Json to_json(const BenchFigures& f) {
             {"pipeline", f.pipeline},
             {"simd", f.simd},
             {"model", f.model},
-            {"tool", vector_json(f.tool.semi_axes)},
+            {"tool", tool_json(f.tool)},
             {"open", open_json(f.open)}};
   json["path"] = f.path.empty() ? Json() : Json(f.path);
   json["poses"] = f.poses.size();

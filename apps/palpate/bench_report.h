@@ -66,7 +66,7 @@ std::string histogram_of(const BenchFigures& figures);
 ///     gaussians           integer    that can be touched
 ///     pipeline, simd      string
 ///     model               string
-///     tool                [3]        semi-axes, m
+///     tool                [object]   its parts, see tool_json()
 ///     open                object     seconds; origin: "index file", "new index file" or "memory"; remarks:
 ///     [string];
 ///                                    index_bytes, bytes_per_gaussian: of the index, null if unknown;

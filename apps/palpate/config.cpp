@@ -2,50 +2,21 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
-#include <fmt/format.h>
-#include <toml++/toml.h>
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
-#include <palpate/base/file.h>
+#include <palpate/base/toml_file.h>
 
 namespace palpate::cli {
 namespace {
 
-constexpr std::uint64_t kMaxConfigBytes = 1 << 16;
-
-/// The parser descends once for every dot of a key and every bracket, without a limit of its own:
-/// more of them in a line than any configuration has would end its stack.
-constexpr std::ptrdiff_t kMaxNesting = 100;
-
-void check_nesting(const std::string& path, std::string_view text) {
-  for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::string_view here = text.substr(0, text.find('\n'));
-    const auto nesting =
-        std::count_if(here.begin(), here.end(), [](char c) { return c == '.' || c == '[' || c == '{'; });
-    if (nesting > kMaxNesting)
-      throw Error("{}: line {}: is nested too deeply; keys are option names", path, line);
-    text.remove_prefix(std::min(here.size() + 1, text.size()));
-  }
-}
-
-/// The text of a TOML scalar, nothing for other values.
-std::optional<std::string> scalar_text(const toml::node& node) {
-  if (const auto* v = node.as_string()) return v->get();
-  if (const auto* v = node.as_integer()) return fmt::format("{}", v->get());
-  if (const auto* v = node.as_floating_point()) return fmt::format("{}", v->get());
-  if (const auto* v = node.as_boolean()) return v->get() ? "true" : "false";
-  return std::nullopt;
-}
-
-std::optional<std::string> value_text(const toml::node& node) {
-  const toml::array* array = node.as_array();
-  if (array == nullptr) return scalar_text(node);
+/// A scalar as it is, an array's joined by commas; nothing for other values.
+std::optional<std::string> value_text(const TomlValue& value) {
+  if (!value.is_array()) return value.scalar();
   std::string joined;
-  for (const toml::node& item : *array) {
-    const auto text = scalar_text(item);
+  for (const TomlValue& item : value.items()) {
+    const auto text = item.scalar();
     if (!text) return std::nullopt;
     joined += (joined.empty() ? "" : ",") + *text;
   }
@@ -94,22 +65,12 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name) {
 }
 
 std::vector<ConfigEntry> read_config(const std::string& path) {
-  const std::string text = read_text_file(path, kMaxConfigBytes);
-  check_nesting(path, text);
-  toml::table table;
-  try {
-    table = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw Error("{}: line {}: {}", path, error.source().begin.line, error.description());
-  }
+  const TomlFile file(path);
   std::vector<ConfigEntry> entries;
-  for (const auto& [key, node] : table) {
-    const std::size_t line = node.source().begin.line;
-    const auto value = value_text(node);
-    if (!value)
-      throw Error("{}: line {}: '{}' must be a number, text, true, false or an array of these", path, line,
-                  key.str());
-    entries.push_back({std::string(key.str()), *value, line});
+  for (const TomlValue& value : file.root().values()) {
+    const auto text = value_text(value);
+    if (!text) throw value.must_be("a number, text, true, false or an array of these");
+    entries.push_back({std::string(value.key()), *text, value.line()});
   }
   return entries;
 }

@@ -107,13 +107,18 @@ std::vector<EvaluationRow> measure_all(const Options& options) {
   return rows;
 }
 
+std::string tool_text(const Tool& tool) {
+  if (tool.parts().size() > 1) return fmt::format("A tool of {} ellipsoids", tool.parts().size());
+  const Eigen::Vector3d mm = 1e3 * tool.parts().front().semi_axes;
+  return fmt::format("A tool of {:.3g} x {:.3g} x {:.3g} mm (semi-axes)", mm.x(), mm.y(), mm.z());
+}
+
 std::string setup_text(const Options& options) {
-  const Eigen::Vector3d mm = 1e3 * options.query.tool.semi_axes;
   return fmt::format(
-      "A tool of {:.3g} x {:.3g} x {:.3g} mm (semi-axes) feels surfaces whose truth is known, made of "
+      "{} feels surfaces whose truth is known, made of "
       "Gaussians that are displaced by {:.3g} mm and tilted by {:.3g} degrees (standard deviations). {} "
       "scenes of each, seeds from {}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
-      mm.x(), mm.y(), mm.z(), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
+      tool_text(options.query.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
       options.places, options.pushes, options.force.proxy.stiffness);
 }
 
@@ -210,7 +215,7 @@ Command declare_evaluate(CLI::App& parent) {
   app->add_option("--html", options->html, "tables and figures as one self-contained page")
       ->type_name("P.html");
   app->add_option("--svg", options->svg, "a folder, for the figures of the page as files")->type_name("DIR");
-  options->query.tool.semi_axes.setConstant(0.02);
+  options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
   options->query.declare_tool(*app);
   options->force.proxy.friction = 0.3;  // measured in slides and rests of its own
   options->force.declare_parameters(*app);

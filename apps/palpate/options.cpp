@@ -13,6 +13,8 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
+#include <palpate/haptics/material_file.h>
+#include <palpate/haptics/tool_file.h>
 #include <palpate/scene/load_scene.h>
 
 #include "output.h"
@@ -25,8 +27,6 @@ constexpr const char* kToolGroup = "Tool";
 constexpr const char* kForceGroup = "Force";
 
 /// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
-constexpr double kMinToolAxis = 1e-6;
-constexpr double kMaxToolAxis = 1e6;
 constexpr double kMinScale = 1e-9;
 constexpr double kMaxScale = 1e9;
 
@@ -271,6 +271,10 @@ SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progr
 
 void QueryOptions::declare_tool(CLI::App& app) {
   const auto set = [this](const std::string& text) {
+    if (text.ends_with(".toml")) {
+      tool = read_tool(text);
+      return;
+    }
     const auto v = parse_numbers(text, 3, 3);
     for (const double a : v) {
       if (!(a >= kMinToolAxis && a <= kMaxToolAxis)) {
@@ -278,10 +282,11 @@ void QueryOptions::declare_tool(CLI::App& app) {
             fmt::format("semi-axis {} is not in {} to {} m", a, kMinToolAxis, kMaxToolAxis));
       }
     }
-    tool.semi_axes = {v[0], v[1], v[2]};
+    tool = Tool({v[0], v[1], v[2]});
   };
-  const auto& a = tool.semi_axes;
-  add_parsed(app, "--tool", "a,b,c", "semi-axes of the tool, an ellipsoid, m", set)
+  const Eigen::Vector3d& a = tool.parts()[0].semi_axes;
+  add_parsed(app, "--tool", "a,b,c|FILE.toml",
+             "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools", set)
       ->default_str(fmt::format("{},{},{}", a.x(), a.y(), a.z()))
       ->group(kToolGroup);
 }
@@ -309,8 +314,7 @@ std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
     return std::make_unique<SceneIndex>(open_index(options, files, progress));
   }
   EllipsoidScene scene = load(options, progress).kept;
-  const double radius =
-      search_radius.value_or(PaperPipeline::default_search_radius(scene, tool.semi_axes.maxCoeff()));
+  const double radius = search_radius.value_or(PaperPipeline::default_search_radius(scene, tool.longest()));
   return std::make_unique<PaperPipeline>(std::move(scene), radius, iterations);
 }
 
@@ -321,14 +325,19 @@ void ForceOptions::declare(CLI::App& app) {
       ->check(CLI::IsMember({"proxy", "field", "density"}))
       ->default_str("proxy; density with --pipeline paper")
       ->group(kForceGroup);
+  app.add_option("--materials", materials, "of proxy: what the scene is made of, region by region")
+      ->type_name("FILE.toml")
+      ->group(kForceGroup);
   declare_parameters(app);
 }
 
 void ForceOptions::declare_parameters(CLI::App& app) {
-  constexpr double kMost = 1e6, kMostFriction = 10.0;
-  add_number(app, "--stiffness", proxy.stiffness, 0.0, kMost, "N/m", "of proxy and field: force per depth")
+  constexpr double kMost = 1e6;
+  add_number(app, "--stiffness", proxy.stiffness, 0.0, kMaterialProperties[kMaterialStiffness].most, "N/m",
+             "of proxy and field: force per depth")
       ->group(kForceGroup);
-  add_number(app, "--friction", proxy.friction, 0.0, kMostFriction, "1", "of proxy: Coulomb's coefficient")
+  add_number(app, "--friction", proxy.friction, 0.0, kMaterialProperties[kMaterialFriction].most, "1",
+             "of proxy: Coulomb's coefficient")
       ->group(kForceGroup);
   add_parsed(app, "--detail", "m",
              "of proxy: what is smaller is smoothed away (default: 0.6 of the tool's thinnest semi-axis)",
@@ -355,9 +364,10 @@ std::string ForceOptions::model_for(const ContactQuery& query) const {
   return dynamic_cast<const SceneIndex*>(&query) != nullptr ? "proxy" : "density";
 }
 
-std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool) const {
+std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool,
+                                                const std::string& scene, const Progress& progress) const {
   const std::string name = model_for(query);
-  if (name == "density") return std::make_unique<DensityForce>(density);
+  if (name == "density") return std::make_unique<DensityForce>(tool, density);
   if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
   const auto* index = dynamic_cast<const SceneIndex*>(&query);
   if (index == nullptr) {
@@ -365,7 +375,11 @@ std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const
         "--model proxy asks for contacts by itself, as --pipeline exact finds them; take that, or --model "
         "density");
   }
-  return std::make_unique<ProxyForce>(*index, tool, proxy);
+  ProxyParameters parameters = proxy;
+  parameters.materials = std::make_shared<MaterialMap>(
+      materials.empty() ? std::vector<MaterialRegion>{} : read_materials(materials),
+      scene.empty() ? PlyMaterials{} : read_ply_materials(scene, progress));
+  return std::make_unique<ProxyForce>(*index, tool, parameters);
 }
 
 }  // namespace palpate::cli

@@ -104,15 +104,18 @@ struct ForceOptions {
   std::string model;  ///< empty: see model_for()
   DensityParameters density;
   ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too
+  std::string materials;  ///< file of read_materials(); empty: none
 
   void declare(CLI::App& app);             ///< all of them
-  void declare_parameters(CLI::App& app);  ///< all but --model
+  void declare_parameters(CLI::App& app);  ///< all but --model and --materials
 
   /// The model that was asked for; else the proxy, or the paper's on the contacts of the paper's pipeline.
   std::string model_for(const ContactQuery& query) const;
-  /// `query`, whose contacts it is for, must outlive it. \throws Error if the model needs a SceneIndex and
-  /// has none.
-  std::unique_ptr<ForceModel> build(const ContactQuery& query, const Tool& tool) const;
+  /// `query`, whose contacts it is for, must outlive it. `scene` is the file that it is of, and may say what
+  /// that is made of; empty: there is no file. \throws Error if the model needs a SceneIndex and has none, or
+  /// for broken materials.
+  std::unique_ptr<ForceModel> build(const ContactQuery& query, const Tool& tool,
+                                    const std::string& scene = {}, const Progress& progress = {}) const;
 };
 
 }  // namespace palpate::cli

@@ -13,6 +13,24 @@ void notify(std::string_view message) { fmt::print(stderr, "palpate: {}\n", mess
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+Json tool_json(const Tool& tool) {
+  Json json = Json::array();
+  for (const ToolPart& part : tool.parts()) {
+    const Eigen::Quaterniond& q = part.pose.orientation;
+    json.push_back({{"name", part.name},
+                    {"semi_axes", vector_json(part.semi_axes)},
+                    {"position", vector_json(part.pose.position)},
+                    {"orientation", {q.w(), q.x(), q.y(), q.z()}}});
+  }
+  return json;
+}
+
+std::string tool_text(const Tool& tool) {
+  if (tool.parts().size() > 1) return fmt::format("{} ellipsoids", tool.parts().size());
+  const Eigen::Vector3d mm = 1e3 * tool.parts()[0].semi_axes;
+  return fmt::format("{:g}/{:g}/{:g} mm", mm.x(), mm.y(), mm.z());
+}
+
 void check_output(const std::string& out, std::initializer_list<std::string> inputs,
                   std::string_view option) {
   for (const std::string& input : inputs) {
@@ -24,12 +42,12 @@ void check_output(const std::string& out, std::initializer_list<std::string> inp
 
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json) {
   json["search_radius"] = paper.search_radius();
-  json["can_miss"] = paper.can_miss(tool.semi_axes.maxCoeff());
+  json["can_miss"] = paper.can_miss(tool.longest());
 }
 
 void print_reach(const PaperPipeline& paper, const Tool& tool) {
   fmt::print("the search radius of {:.4g} m can miss {} Gaussians, whatever the pose\n",
-             paper.search_radius(), paper.can_miss(tool.semi_axes.maxCoeff()));
+             paper.search_radius(), paper.can_miss(tool.longest()));
 }
 
 }  // namespace palpate::cli

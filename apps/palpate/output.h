@@ -22,6 +22,12 @@ void notify(std::string_view message);
 /// [x, y, z]
 Json vector_json(const Eigen::Vector3d& v);
 
+/// [{name, semi_axes, position, orientation}, ...], a part each, in the tool frame; m and w, x, y, z
+Json tool_json(const Tool& tool);
+
+/// The tool in a few words: "20/20/40 mm", "24 ellipsoids".
+std::string tool_text(const Tool& tool);
+
 /// \throws Error if writing `out`, the value of `option`, would destroy one of `inputs` (empty names are
 /// skipped).
 void check_output(const std::string& out, std::initializer_list<std::string> inputs,

@@ -1,9 +1,16 @@
 // palpate query: one pose, its contacts and its wrench.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+
+#include <palpate/haptics/confidence.h>
+#include <palpate/haptics/tool_query.h>
 
 #include "command.h"
 #include "options.h"
@@ -21,15 +28,42 @@ struct Options {
   Pose pose;
 };
 
-/// Of the file that they are from, whatever index found them.
-std::vector<Contact> ordered_by_id(std::vector<Contact> contacts) {
-  std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) { return a.id < b.id; });
-  return contacts;
+/// One contact as it is shown.
+struct Row {
+  Contact contact;
+  const std::string* part;  ///< of the tool
+  double confidence;        ///< NaN where nobody asked
+};
+
+/// What there is to say about a pose.
+struct Answer {
+  std::size_t candidates, filtered;
+  std::vector<Row> rows;
+  ForceOutput felt;
+};
+
+Answer ask(const Options& options, const ContactQuery& query, ForceModel& model) {
+  ContactSet set;
+  const Tool& tool = options.query.tool;
+  palpate::query(query, tool, options.pose, set);
+  std::vector<double> confidences(set.contacts.size(), std::numeric_limits<double>::quiet_NaN());
+  if (const auto* index = dynamic_cast<const SceneIndex*>(&query))
+    confidences = confidence(*index, tool, options.pose, options.force.proxy, set.contacts);
+  Answer answer{set.candidates, set.filtered, {}, model.evaluate({options.pose, {}, 0.0, &set})};
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& contact = set.contacts[i];
+    answer.rows.push_back({contact, &tool.parts()[contact.part].name, confidences[i]});
+  }
+  return answer;
 }
 
-Json to_json(const ContactSet& set, const Wrench& wrench) {
-  Json json{{"candidates", set.candidates}, {"filtered", set.filtered}, {"contacts", Json::array()}};
-  for (const Contact& c : ordered_by_id(set.contacts)) {
+Json to_json(Answer answer) {
+  // Of the file that they are from, whatever index found them.
+  std::stable_sort(answer.rows.begin(), answer.rows.end(),
+                   [](const Row& a, const Row& b) { return a.contact.id < b.contact.id; });
+  Json json{{"candidates", answer.candidates}, {"filtered", answer.filtered}, {"contacts", Json::array()}};
+  for (const Row& row : answer.rows) {
+    const Contact& c = row.contact;
     json["contacts"].push_back({{"id", c.id},
                                 {"k_min", c.k_min},
                                 {"lambda", c.lambda},
@@ -37,57 +71,59 @@ Json to_json(const ContactSet& set, const Wrench& wrench) {
                                 {"center", vector_json(c.center)},
                                 {"point", vector_json(c.point)},
                                 {"normal", vector_json(c.normal)},
-                                {"depth", c.depth}});
+                                {"depth", c.depth},
+                                {"part", *row.part},
+                                {"confidence", row.confidence}});  // NaN is written as null
   }
-  json["force"] = vector_json(wrench.force);
-  json["torque"] = vector_json(wrench.torque);
+  json["force"] = vector_json(answer.felt.wrench.force);
+  json["torque"] = vector_json(answer.felt.wrench.torque);
+  json["confidence"] = answer.felt.confidence;
   return json;
 }
 
 /// The deepest contacts first, as many as fit a screen.
-void print_contacts(std::vector<Contact> contacts) {
+void print_contacts(std::vector<Row> rows) {
   constexpr std::size_t kShown = 20;
-  std::sort(contacts.begin(), contacts.end(),
-            [](const Contact& a, const Contact& b) { return a.k_min > b.k_min; });
-  if (contacts.empty()) return;
-  fmt::print("\n{:>10} {:>8} {:>8} {:>8} {:>9}  {:<30} {}\n", "id", "K_min", "lambda", "opacity", "depth mm",
-             "point m", "normal");
-  for (std::size_t i = 0; i < std::min(kShown, contacts.size()); ++i) {
-    const Contact& c = contacts[i];
-    fmt::print("{:>10} {:>8.5f} {:>8.5f} {:>8.3f} {:>9.3f}  {:<30} {:.3f} {:.3f} {:.3f}\n", c.id, c.k_min,
-               c.lambda, c.opacity, 1e3 * c.depth,
+  std::sort(rows.begin(), rows.end(),
+            [](const Row& a, const Row& b) { return a.contact.k_min > b.contact.k_min; });
+  if (rows.empty()) return;
+  fmt::print("\n{:>10} {:>8} {:>8} {:>8} {:>9} {:>10}  {:<30} {}\n", "id", "K_min", "lambda", "opacity",
+             "depth mm", "confidence", "point m", "normal");
+  for (std::size_t i = 0; i < std::min(kShown, rows.size()); ++i) {
+    const Contact& c = rows[i].contact;
+    fmt::print("{:>10} {:>8.5f} {:>8.5f} {:>8.3f} {:>9.3f} {:>10}  {:<30} {:.3f} {:.3f} {:.3f}\n", c.id,
+               c.k_min, c.lambda, c.opacity, 1e3 * c.depth,
+               std::isnan(rows[i].confidence) ? "-" : fmt::format("{:.3f}", rows[i].confidence),
                fmt::format("{:.5f} {:.5f} {:.5f}", c.point.x(), c.point.y(), c.point.z()), c.normal.x(),
                c.normal.y(), c.normal.z());
   }
-  if (contacts.size() > kShown) fmt::print("  ... and {} more; --json lists all\n", contacts.size() - kShown);
+  if (rows.size() > kShown) fmt::print("  ... and {} more; --json lists all\n", rows.size() - kShown);
 }
 
-void print_text(const ContactSet& set, const Wrench& wrench, const std::string& model,
-                const Options& options) {
-  fmt::print("{} candidates, {} after the spheres, {} in contact\n", set.candidates, set.filtered,
-             set.contacts.size());
+void print_text(const Answer& answer, const std::string& model, const Options& options) {
+  const Wrench& wrench = answer.felt.wrench;
+  fmt::print("{} candidates, {} after the spheres, {} in contact\n", answer.candidates, answer.filtered,
+             answer.rows.size());
   fmt::print("force  {:.4f} {:.4f} {:.4f} N, |F| = {:.4f} N ({})\n", wrench.force.x(), wrench.force.y(),
              wrench.force.z(), wrench.force.norm(), model);
   fmt::print("torque {:.5f} {:.5f} {:.5f} N m\n", wrench.torque.x(), wrench.torque.y(), wrench.torque.z());
-  print_contacts(set.contacts);
+  print_contacts(answer.rows);
   if (!options.common.quiet) notify("note: " + options.scene.frame_note());
 }
 
 void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   const auto query = options.query.build(options.scene, progress);
-  ContactSet set;
-  query->query(options.query.tool.at(options.pose), set);
-  const Wrench wrench =
-      options.force.build(*query, options.query.tool)->evaluate({options.pose, {}, 0.0, &set}).wrench;
+  const auto model = options.force.build(*query, options.query.tool, options.scene.path, progress);
+  const Answer answer = ask(options, *query, *model);
 
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
-    Json json = to_json(set, wrench);
+    Json json = to_json(answer);
     if (paper != nullptr) add_reach(*paper, options.query.tool, json);
     fmt::print("{}\n", json.dump(2));
   } else {
-    print_text(set, wrench, options.force.model_for(*query), options);
+    print_text(answer, options.force.model_for(*query), options);
     if (paper != nullptr) print_reach(*paper, options.query.tool);
   }
 }

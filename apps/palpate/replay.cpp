@@ -71,7 +71,8 @@ void print_text(const std::vector<RunRow>& rows) {
 }
 
 void run(const Options& options) {
-  check_output(options.out, {options.trajectory, options.scene.path, options.common.config});
+  check_output(options.out,
+               {options.trajectory, options.scene.path, options.force.materials, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const auto parallelism =
       options.threads > 0 ? static_cast<std::size_t>(options.threads)
@@ -80,7 +81,7 @@ void run(const Options& options) {
 
   const Trajectory trajectory = read_trajectory(options.trajectory);
   const auto query = options.query.build(options.scene, progress);
-  const auto model = options.force.build(*query, options.query.tool);
+  const auto model = options.force.build(*query, options.query.tool, options.scene.path, progress);
   const std::vector<RunRow> rows = play_back(*query, options.query.tool, *model, trajectory, progress);
   write_run(rows, options.out, progress);
 

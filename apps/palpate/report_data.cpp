@@ -9,12 +9,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <palpate/haptics/tool_query.h>
+
+#include "output.h"
 #include "version.h"
 
 namespace palpate::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxRows = 300'000;       // drawn; a browser stays fluent
 constexpr std::size_t kMaxContactRows = 3'000;  // queried again
@@ -181,7 +182,7 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
   ContactSet set;
   for (std::size_t k = 0; k < touching.size(); k += stride_for(touching.size(), kMaxContactRows)) {
     const std::size_t row = touching[k];
-    index.query(tool.at(run.rows[row].tool), set);
+    query(index, tool, run.rows[row].tool, set);
     ++result.rows_checked;
     if (set.contacts.size() != run.rows[row].colliding) ++result.rows_differing;
     for (const Contact& contact : set.contacts) result.points.push_back({row, contact});
@@ -195,16 +196,12 @@ std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool*
   const auto text = [](const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
   };
-  std::string tool_json = "null";
-  if (tool != nullptr)
-    tool_json = fmt::format("{{\"semi_axes\":[{},{},{}]}}", tool->semi_axes.x(), tool->semi_axes.y(),
-                            tool->semi_axes.z());
   std::string out = fmt::format(
       "{{\"title\":{},\"generator\":\"{}\",\"summary\":{},\"tool\":{},\"columns\":{},\"episodes\":{},"
       "\"contacts\":{},\"scene\":{}}}",
       text(std::filesystem::path(run.source).filename().string()), kVersion, text(summary_json(run, stride)),
-      tool_json, columns_json(run, stride), text(episodes_json(run, stride)),
-      contacts != nullptr ? contacts_json(*contacts, stride) : "null",
+      tool != nullptr ? text(tool_json(*tool)) : "null", columns_json(run, stride),
+      text(episodes_json(run, stride)), contacts != nullptr ? contacts_json(*contacts, stride) : "null",
       scene != nullptr ? scene_json(*scene) : "null");
   return escaped(out);
 }

@@ -5,7 +5,7 @@
 #include <palpate/base/error.h>
 #include <palpate/collision/open_index.h>
 #include <palpate/haptics/proxy_force.h>
-#include <palpate/haptics/tool.h>
+#include <palpate/haptics/tool_query.h>
 
 int main(int argc, char** argv) {
   if (argc != 5) {
@@ -20,8 +20,9 @@ int main(int argc, char** argv) {
     palpate::Pose pose;
     pose.position = {std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4])};
     palpate::ContactSet contacts;
-    opened.index.query(palpate::Tool{}.at(pose), contacts);
-    palpate::ProxyForce force(opened.index, palpate::Tool{});
+    const palpate::Tool tool;  // an ellipsoid of 20 x 20 x 40 mm
+    palpate::query(opened.index, tool, pose, contacts);
+    palpate::ProxyForce force(opened.index, tool);
     const palpate::Wrench wrench = force.evaluate({pose, {}, 0.0, &contacts}).wrench;
     std::cout << opened.report.kept << " Gaussians, " << contacts.contacts.size() << " in contact, force "
               << wrench.force.transpose() << " N\n";

@@ -44,6 +44,11 @@ def config(name, content, words):
         ["bad.toml", *([words] if isinstance(words, str) else words)], 1, {"bad.toml": content})
 
 
+def materials(name, content, words):
+    row("materials: " + name, ["query", "a.ply", "--pose", "0,0,0", "--materials", "bad.toml"],
+        ["bad.toml", *([words] if isinstance(words, str) else words)], 1, {"bad.toml": content})
+
+
 def option(args, words=None, command=("query", "a.ply", "--pose", "0,0,0")):
     row("option: " + " ".join(args)[:60], [*command, *args], words or args[0], 2)
 
@@ -282,6 +287,40 @@ config("escape sequences in a value", b'model = "\\u001b[31mred\\u009b"', ["line
 config("a file of 2 MiB", b"#" * (2 << 20), "bytes")
 config("bytes that are no UTF-8", b"sigma = 1 # \xff\xfe\n", "line 1")
 
+# --- materials ----------------------------------------------------------------------------------
+
+REGION = b"[[region]]\nfriction = 0.5\n"
+row("materials: missing", ["query", "a.ply", "--pose", "0,0,0", "--materials", "no.toml"], ["no.toml", "No such file"])
+row("materials: a folder", ["query", "a.ply", "--pose", "0,0,0", "--materials", "."], "folder")
+materials("empty", b"", "[[region]]")
+materials("not TOML", b"[[region]]\nfriction = ", "line 2")
+materials("binary", bytes(range(256)), "line ")
+materials("a configuration", b"sigma = 1", ["line 1", "'sigma'"])
+materials("a misspelt property", b"[[region]]\nfrictoin = 1", ["line 2", "'frictoin'", "friction"])
+materials("negative stiffness", b"[[region]]\nstiffness = -1", ["line 2", "'stiffness'", "-1"])
+materials("too much friction", b"[[region]]\nfriction = 1e3", ["line 2", "'friction'", "10"])
+materials("damping that is no number", b"[[region]]\ndamping = nan", ["line 2", "'damping'", "nan"])
+materials("no property", b'\n[[region]]\nname = "mat"', ["line 2", "stiffness, friction or damping"])
+materials("two shapes", REGION + b"ids = [1]\nsphere = {center = [0, 0, 0], radius = 1}", ["line 1", "one of box, sphere and ids"])
+materials("a box inside out", REGION + b"box = {min = [0, 0, 1], max = [1, 1, 0]}", ["line 3", "'min'"])
+materials("a box of one corner", REGION + b"box = {min = [0, 0, 1]}", ["line 3", "'max'"])
+materials("a sphere without a radius", REGION + b"sphere = {center = [0, 0, 0]}", ["line 3", "'radius'"])
+materials("a point of two numbers", REGION + b"sphere = {center = [0, 0], radius = 1}", ["line 3", "'center'", "3"])
+materials("a negative id", REGION + b"ids = [1, -1]", ["line 3", "'ids'", "-1"])
+materials("an id of 33 bits", REGION + b"ids = [4294967296]", ["line 3", "'ids'"])
+materials("a range inside out", REGION + b"ids = [[2, 1]]", ["line 3", "[2, 1]"])
+materials("300 regions", REGION * 300, "300 regions")
+materials("5 MiB", b"#" * (5 << 20), "bytes")
+materials("2,000,000 ids and a word", REGION + b"ids = [" + b"1," * 2_000_000 + b"one]", "line 3")
+materials("2,000,000 ids, the last negative", REGION + b"ids = [" + b"1," * 2_000_000 + b"-1]", ["line 3", "'ids'"])
+materials("1,000,000 brackets", REGION + b"ids = [" + b"[" * 1_000_000, "line 3")
+materials("escape sequences in a key", REGION + b'"\\u001b[31mred\\u009b" = 1', ["line 3", "red"])
+
+HARD = INRIA + ["stiffness", "friction"]
+for name, value in (("negative", -1.0), ("infinite", float("inf")), ("too large", 11.0)):
+    row(f"materials: {name} friction in a .ply", ["query", "bad.ply", "--pose", "0,0,0", "--no-index-file"],
+        ["bad.ply", "Gaussian 1", "'friction'"], 1, {"bad.ply": ply([splat() + [500, 0.5], splat() + [500, value]], HARD)})
+
 # --- outputs ------------------------------------------------------------------------------------
 
 for command in (["replay", "a.ply", "--trajectory", "path.csv"], ["report", "run.csv"], ["make-scene", "sphere", "--spacing", "0.02"]):
@@ -290,5 +329,7 @@ for command in (["replay", "a.ply", "--trajectory", "path.csv"], ["report", "run
     row(f"output: {command[0]} to a full disk", [*command, "--out", "/dev/full"], ["/dev/full", "No space left"])
 row("output: over the scene", ["replay", "a.ply", "--trajectory", "path.csv", "--out", "a.ply"], ["a.ply", "input"])
 row("output: over the trajectory", ["replay", "a.ply", "--trajectory", "path.csv", "--out", "path.csv"], ["path.csv", "input"])
+row("output: over the materials", ["replay", "a.ply", "--trajectory", "path.csv", "--materials", "m.toml", "--out", "m.toml"],
+    ["m.toml", "input"], 1, {"m.toml": REGION})
 row("output: over the run", ["report", "run.csv", "--out", "run.csv"], ["run.csv", "input"])
 row("output: hostile name", ["replay", "a.ply", "--trajectory", "path.csv", "--out", "no\x1b[31m\n/x\u009b.csv"], "No such file")

@@ -82,7 +82,7 @@ class Report(Case):
             self.assertEqual(rows.count(row), int(run["colliding"][row]))
         self.assertEqual(len(rows), sum(int(n) for n in run["colliding"]))
         self.assertEqual(len(document["scene"]["points"]), len(document["scene"]["colors"]))
-        self.assertEqual(document["tool"]["semi_axes"], [0.02, 0.02, 0.04])
+        self.assertEqual([part["semi_axes"] for part in document["tool"]], [[0.02, 0.02, 0.04]])
         for n in zip(*(document["contacts"][k] for k in ("nx", "ny", "nz"))):
             self.assertAlmostEqual(sum(c * c for c in n), 1, delta=0.01)
 

@@ -12,6 +12,7 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/playback.h>
 #include <palpate/haptics/density_force.h>
+#include <palpate/haptics/tool_query.h>
 #include <support/splats.h>
 
 namespace palpate::test {
@@ -85,7 +86,7 @@ TEST(PlayBack, TellsTheModelEveryPoseInOrder) {
   Trajectory path{at(0, {1, 0, 0}), at(0.5, {0.1, 0, 0}), at(0.75, {0.05, 0, 0})};
   path[1].user_force = Vector3d(1, 2, 3);
   Witness witness;
-  const auto rows = play_back(one_ball(), Tool{{0.02, 0.02, 0.02}}, witness, path);
+  const auto rows = play_back(one_ball(), Tool({0.02, 0.02, 0.02}), witness, path);
   EXPECT_EQ(witness.resets, 1);
   ASSERT_EQ(witness.inputs.size(), 3U);
   EXPECT_EQ(witness.inputs[0].dt, 0.0);
@@ -178,7 +179,7 @@ TEST(PlayBack, AgreesWithOneCallAPose) {
   const auto rows = play_back(index, {}, model, path);
   ContactSet set;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    index.query(Tool{}.at(path[i].pose), set);
+    query(index, Tool{}, path[i].pose, set);
     const TimedPose& before = path[i > 0 ? i - 1 : 0];
     const Wrench w =
         alone.evaluate({path[i].pose, velocity_between(before, path[i]), path[i].t - before.t, &set}).wrench;

@@ -12,6 +12,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/collision/scene_index.h>
+#include <palpate/haptics/tool_query.h>
 #include <palpate/scene/procedural.h>
 
 namespace palpate {
@@ -47,7 +48,7 @@ std::vector<std::size_t> contact_counts(const ContactQuery& query, const Tool& t
   std::vector<std::size_t> counts;
   ContactSet found;
   for (const TimedPose& timed : path) {
-    query.query(tool.at(timed.pose), found);
+    palpate::query(query, tool, timed.pose, found);
     counts.push_back(found.contacts.size());
   }
   return counts;
@@ -72,7 +73,7 @@ double gap(const AnalyticSurface& surface, const Tool& tool, const Pose& pose) {
   make_sphere(1.0)->sample(0.035, random, ball);
   double least = std::numeric_limits<double>::infinity();
   for (const SurfaceSample& s : ball) {
-    const Vector3d p = pose.position + pose.orientation * s.point.cwiseProduct(tool.semi_axes);
+    const Vector3d p = pose.position + pose.orientation * s.point.cwiseProduct(tool.parts()[0].semi_axes);
     least = std::min(least, surface.distance(p));
   }
   return least;
@@ -123,7 +124,7 @@ TEST_P(TouchPathOn, TouchesDistinctPlacesInReasonableTime) {
   for (std::size_t a = 0; a < found.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
       const Vector3d way = path[found[a].begin].pose.position - path[found[b].begin].pose.position;
-      EXPECT_GT(way.norm(), tool.semi_axes.minCoeff());
+      EXPECT_GT(way.norm(), tool.thinnest());
     }
   }
   EXPECT_GT(path.back().t, 12.0);
@@ -163,7 +164,7 @@ TEST_P(TouchPathOn, SlidesAtConstantDepthBelowFirstContact) {
       const auto solid_at = [&](double depth) {
         Pose pose = path[i].pose;
         pose.position += (depth - options.press) * axis(first);
-        index.query(tool.at(pose), contacts);
+        query(index, tool, pose, contacts);
         return contacts.contacts.size() >= kSolidContacts;
       };
       ASSERT_TRUE(solid_at(kTolerance)) << lateral;
@@ -244,7 +245,7 @@ TEST_F(TouchPath, TouchesAsOftenAsAsked) {
 TEST_F(TouchPath, ScalesWithSceneAndTool) {
   constexpr double kScale = 64.0;  // a power of two is exact
   const Touchable large_scene(sphere, kScale);
-  const Tool large_tool{kScale * tool.semi_axes};
+  const Tool large_tool(kScale * tool.parts()[0].semi_axes);
   const Trajectory small = touch_path(index, scene, tool, {});
   const Trajectory large = touch_path(large_scene.index, large_scene.kept, large_tool,
                                       {.press = kScale * 0.005, .slide = kScale * 0.05});
@@ -298,9 +299,9 @@ TEST(TouchPathOnPlane, StopsSlidingAtTheEdge) {
 TEST_F(TouchPath, ImpossibleRequestsAreRefused) {
   const Touchable nothing{GaussianScene{}};
   EXPECT_THROW(touch_path(nothing.index, nothing.kept, tool, {}), Error);
-  EXPECT_THROW(touch_path(index, scene, {Vector3d::Constant(0.0005)}, {}), Error)
+  EXPECT_THROW(touch_path(index, scene, Tool(Vector3d::Constant(0.0005)), {}), Error)
       << "slips between the splats";
-  EXPECT_THROW(touch_path(index, scene, {{0.02, 0.0, 0.02}}, {}), Error);
+  EXPECT_THROW(touch_path(index, scene, Tool({0.02, 0.0, 0.02}), {}), Error);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(touch_path(index, scene, tool, {.touches = 0}), Error);
   EXPECT_THROW(touch_path(index, scene, tool, {.touches = 1'000'000}), Error);

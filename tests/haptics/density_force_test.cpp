@@ -27,6 +27,8 @@ Contact contact(const Eigen::Vector3d& center, double k_min, double opacity) {
   return c;
 }
 
+std::vector<Contact> list(std::vector<Contact> all) { return all; }
+
 ContactSet contacts(std::vector<Contact> list) {
   ContactSet set;
   set.contacts = std::move(list);
@@ -61,7 +63,7 @@ constexpr double kClose = 1e-14;
 // alpha_raw = 0.3775406687981454 * 0.5 + 0.6224593312018546 * 0.9 = 0.7489837324807418.
 TEST(WeightedContact, IsTheSoftmaxOfKMin) {
   const WeightedContact w =
-      weighted_contact(contacts({contact({1, 2, 0}, 0.2, 0.5), contact({3, 0, 0}, 0.7, 0.9)}));
+      weighted_contact(list({contact({1, 2, 0}, 0.2, 0.5), contact({3, 0, 0}, 0.7, 0.9)}));
   EXPECT_NEAR(w.centroid.x(), 2.2449186624037091, kClose);
   EXPECT_NEAR(w.centroid.y(), 0.7550813375962909, kClose);
   EXPECT_EQ(w.centroid.z(), 0.0);
@@ -70,13 +72,13 @@ TEST(WeightedContact, IsTheSoftmaxOfKMin) {
 
 TEST(WeightedContact, OfEqualDepthIsTheMean) {
   const WeightedContact w = weighted_contact(
-      contacts({contact({0, 0, 0}, 0.4, 0.2), contact({3, 0, 0}, 0.4, 0.5), contact({0, 3, 3}, 0.4, 0.8)}));
+      list({contact({0, 0, 0}, 0.4, 0.2), contact({3, 0, 0}, 0.4, 0.5), contact({0, 3, 3}, 0.4, 0.8)}));
   EXPECT_NEAR((w.centroid - Eigen::Vector3d(1, 1, 1)).norm(), 0.0, kClose);
   EXPECT_NEAR(w.opacity, 0.5, kClose);
 }
 
 TEST(WeightedContact, OfOneIsItself) {
-  const WeightedContact w = weighted_contact(contacts({contact({1, 2, 3}, 0.01, 0.3)}));
+  const WeightedContact w = weighted_contact(list({contact({1, 2, 3}, 0.01, 0.3)}));
   EXPECT_EQ(w.centroid, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(w.opacity, 0.3);
 }
@@ -320,19 +322,40 @@ TEST(AllocationGuard, SeesWhatAllocates) {
   EXPECT_GE(guard.count(), 3U) << text;
 }
 
-TEST(Tool, IsAnEllipsoidAtItsPose) {
-  const Tool tool{{1, 2, 3}};
-  // A quarter turn about z: the x axis goes to y, the y axis to -x.
-  const double h = std::sqrt(0.5);
-  const Ellipsoid e = tool.at({{4, 5, 6}, Eigen::Quaterniond(h, 0, 0, h)});
-  EXPECT_EQ(e.center, Eigen::Vector3d(4, 5, 6));
-  EXPECT_NEAR((e.axes.col(0) - Eigen::Vector3d(0, 1, 0)).norm(), 0.0, 1e-15);
-  EXPECT_NEAR((e.axes.col(1) - Eigen::Vector3d(-2, 0, 0)).norm(), 0.0, 1e-15);
-  EXPECT_NEAR((e.axes.col(2) - Eigen::Vector3d(0, 0, 3)).norm(), 0.0, 1e-15);
-  EXPECT_NEAR((e.half_extents() - Eigen::Vector3d(2, 1, 3)).norm(), 0.0, 1e-15);
-  EXPECT_EQ(e.radius(), 3.0);
-  EXPECT_NEAR(e.support(Eigen::Vector3d(0.6, 0.8, 0)), std::sqrt(1.44 + 0.64), 1e-15);  // |(0.8, -1.2, 0)|
-  EXPECT_EQ(Tool{}.semi_axes, Eigen::Vector3d(0.02, 0.02, 0.04));
+TEST(DensityForce, PushesEveryPartOfATool) {
+  const Eigen::Quaterniond quarter(std::sqrt(0.5), 0, 0, std::sqrt(0.5));  // x to y
+  const Tool tool({{"left", {1, 1, 1}, {{-2, 0, 0}, Eigen::Quaterniond::Identity()}},
+                   {"right", {1, 1, 1}, {{2, 0, 0}, Eigen::Quaterniond::Identity()}}});
+  DensityForce model(tool, plain());
+  // Turned, the right part is at (0, 2, 0) and the left one at (0, -2, 0). One contact below the right part:
+  // k_base alpha = 2 * 0.5 upwards there, and a torque (0, 2, 0) x (0, 0, 1) = (2, 0, 0).
+  Contact below = contact({0, 2, -1}, 0.4, 0.5);
+  below.part = 1;
+  const ContactSet set = contacts({below});
+  ForceInput in = input(set);
+  in.tool.orientation = quarter;
+  const Wrench one = model.evaluate(in).wrench;
+  EXPECT_NEAR((one.force - Eigen::Vector3d(0, 0, 1)).norm(), 0.0, kClose);
+  EXPECT_NEAR((one.torque - Eigen::Vector3d(2, 0, 0)).norm(), 0.0, kClose);
+  // Below both: the forces add, the torques cancel.
+  const ContactSet both = contacts({contact({0, -2, -1}, 0.4, 0.5), below});
+  in.contacts = &both;
+  model.reset();
+  const Wrench two = model.evaluate(in).wrench;
+  EXPECT_NEAR((two.force - Eigen::Vector3d(0, 0, 2)).norm(), 0.0, kClose);
+  EXPECT_NEAR(two.torque.norm(), 0.0, kClose);
+}
+
+TEST(DensityForce, OfManyPartsIsClampedAsAWhole) {
+  DensityParameters p = plain();
+  p.f_max = 1.5;
+  const Tool tool({{"left", {1, 1, 1}, {{-2, 0, 0}, Eigen::Quaterniond::Identity()}},
+                   {"right", {1, 1, 1}, {{2, 0, 0}, Eigen::Quaterniond::Identity()}}});
+  DensityForce model(tool, p);
+  Contact right = contact({2, 0, -1}, 0.4, 0.5);
+  right.part = 1;
+  const ContactSet both = contacts({contact({-2, 0, -1}, 0.4, 0.5), right});
+  EXPECT_NEAR((model.evaluate(input(both)).wrench.force - Eigen::Vector3d(0, 0, 1.5)).norm(), 0.0, kClose);
 }
 
 }  // namespace

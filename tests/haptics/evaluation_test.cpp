@@ -191,7 +191,7 @@ TEST(Evaluation, KnowsWhereALongToolTouches) {
     }
   };
   EvaluationSetup longer = setup("plane");
-  longer.tool = Tool{{0.02, 0.01, 0.03}};
+  longer.tool = Tool(Vector3d(0.02, 0.01, 0.03));
   longer.model = [](const SceneIndex&, const Tool&, double) { return std::make_unique<Plane>(); };
   const Evaluation e = evaluate(longer);
   EXPECT_NEAR(e.magnitude.p05, 1.0, 1e-9);

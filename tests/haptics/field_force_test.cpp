@@ -7,6 +7,7 @@
 
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/field_force.h>
+#include <palpate/haptics/tool_query.h>
 #include <palpate/scene/procedural.h>
 #include <support/allocation_guard.h>
 #include <support/random_scenes.h>
@@ -25,7 +26,7 @@ class Felt {
       : index_(scene, SceneFilter{}, Similarity{}), tool_(tool), model_(tool, {.stiffness = 1000.0}) {}
 
   const ContactSet& contacts(const Pose& pose) {
-    index_.query(tool_.at(pose), set_);
+    query(index_, tool_, pose, set_);
     return set_;
   }
   double potential(const Pose& pose) { return model_.potential(input(pose)); }
@@ -100,7 +101,7 @@ struct Loop {
 
 TEST(FieldForce, DoesNoWorkAroundAClosedPath) {
   Random random(902);
-  Felt felt(test::scene_of(test::sphere_of_splats(random, 20000)), Tool{{0.06, 0.05, 0.08}});
+  Felt felt(test::scene_of(test::sphere_of_splats(random, 20000)), Tool({0.06, 0.05, 0.08}));
   for (int i = 0; i < 5; ++i) {
     const auto some = [&](double size) { return Vector3d(size * random.direction()); };
     const Loop loop{{1.03 * random.direction(), random.rotation()},
@@ -130,7 +131,7 @@ TEST(FieldForce, DoesNoWorkAroundAClosedPath) {
 
 TEST(FieldForce, IsZeroWithoutContactAndBeginsSmoothly) {
   const auto surface = make_surface("plane");
-  Felt felt(make_scene(*surface, {}), Tool{{0.02, 0.02, 0.02}});
+  Felt felt(make_scene(*surface, {}), Tool({0.02, 0.02, 0.02}));
   double last = 0.0;
   bool touched = false;
   for (double z = 0.025; z > 0.010; z -= 1e-5) {
@@ -168,7 +169,7 @@ TEST(FieldForce, StiffnessIsInNewtonsAMetreHoweverDenselyTheSceneWasTrained) {
 }
 
 TEST(FieldForce, HasNoForceWhereCentresCoincide) {
-  Felt felt(test::scene_of({test::splat({0, 0, 0}, {0.01, 0.01, 0.01})}), Tool{{0.02, 0.02, 0.02}});
+  Felt felt(test::scene_of({test::splat({0, 0, 0}, {0.01, 0.01, 0.01})}), Tool({0.02, 0.02, 0.02}));
   const Wrench wrench = felt.wrench({});
   EXPECT_EQ(wrench.force, Vector3d(0, 0, 0));
   EXPECT_EQ(wrench.torque, Vector3d(0, 0, 0));
@@ -177,11 +178,11 @@ TEST(FieldForce, HasNoForceWhereCentresCoincide) {
 TEST(FieldForce, TakesNothingFromTheHeap) {
   Random random(904);
   const SceneIndex index(test::scene_of(test::sphere_of_splats(random, 2000)), SceneFilter{}, Similarity{});
-  const Tool tool{{0.1, 0.1, 0.1}};
+  const Tool tool({0.1, 0.1, 0.1});
   ForceInput input;
   input.tool.position = {0, 0, 1.05};
   ContactSet set;
-  index.query(tool.at(input.tool), set);
+  query(index, tool, input.tool, set);
   input.contacts = &set;
   ASSERT_FALSE(set.contacts.empty());
   FieldForce model(tool);

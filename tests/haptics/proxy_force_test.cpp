@@ -226,7 +226,7 @@ TEST(ProxyForce, StaysOutOfACorner) {
 TEST(ProxyForce, TurnsALongToolAlongAWall) {
   const auto surface = make_surface("plane");
   const SceneIndex index(make_scene(*surface, {}), SceneFilter{}, Similarity{});
-  ProxyForce model(index, Tool{{0.02, 0.02, 0.04}}, {.stiffness = kStiffness});
+  ProxyForce model(index, Tool({0.02, 0.02, 0.04}), {.stiffness = kStiffness});
   ContactSet none;
   ForceInput input;
   input.contacts = &none;

@@ -308,7 +308,7 @@ describe('report', () => {
       const { marker } = palpateReport.view;
       return { scale: marker.children[0].scale.toArray(), q: marker.quaternion.toArray() };
     }, row);
-    assert.deepEqual(scale, run.tool.semi_axes);
+    assert.deepEqual(scale, run.tool[0].semi_axes);
     ['qx', 'qy', 'qz', 'qw'].forEach((name, k) => close(q[k], run.columns[name][row], 1e-9, name));
   });
 

@@ -127,7 +127,7 @@ export function sphereRun({ rows = 24000, touches = 7, userForce = true, scenePo
       { label: 'Computing time, median', value: '38 \u00b5s' },
       { label: '99th percentile', value: '412 \u00b5s' },
     ],
-    tool: { semi_axes: [0.02, 0.02, reach] },
+    tool: [{ name: 'tool', semi_axes: [0.02, 0.02, reach], position: [0, 0, 0], orientation: [1, 0, 0, 0] }],
     columns,
     episodes,
     contacts,

@@ -59,6 +59,7 @@ Contact make_contact(const WhitenedTool& tool, const Ellipsoid& gaussian, const 
   contact.point = tool.ellipsoid.center - tool.ellipsoid.axes * y;
   contact.depth = tool.ellipsoid.support(contact.normal) + gaussian.support(contact.normal) -
                   contact.normal.dot(tool.ellipsoid.center - gaussian.center);
+  contact.extent = gaussian.axes.norm();
   return contact;
 }
 

@@ -17,10 +17,11 @@ namespace palpate {
 
 /// One Gaussian that the tool overlaps. Vectors in the world frame.
 struct Contact {
-  std::uint32_t id = 0;  ///< row of the Gaussian in the scene file
-  double k_min = 0.0;    ///< min K in (0, 1]: 0 at first touch, 1 when the centres coincide
-  double lambda = 0.0;   ///< where K is least, in [0, 1]
-  double opacity = 0.0;  ///< alpha in (0, 1]
+  std::uint32_t id = 0;    ///< row of the Gaussian in the scene file
+  std::uint32_t part = 0;  ///< which ellipsoid of the tool, where that has many; a query leaves it at 0
+  double k_min = 0.0;      ///< min K in (0, 1]: 0 at first touch, 1 when the centres coincide
+  double lambda = 0.0;     ///< where K is least, in [0, 1]
+  double opacity = 0.0;    ///< alpha in (0, 1]
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< of the Gaussian. Unit: [m].
   /// m(lambda) of paper eq. 5: a point inside both solids; where they touch, if they only touch.
   /// Unit: [m].
@@ -32,6 +33,9 @@ struct Contact {
   /// h_tool(n) + h_gaussian(n) - n . (c_tool - c_gaussian), h the support function. Exact at first
   /// touch and never less than the true separating translation. Unit: [m].
   double depth = 0.0;
+  /// How large the Gaussian is: the root of the sum of the squares of its semi-axes, in single precision.
+  /// Unit: [m].
+  double extent = 0.0;
 };
 
 /// All contacts of one pose, with the sizes of the stages that led to them. Their order is that of the index

@@ -26,11 +26,11 @@ bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFram
   const KFunction k(distance, l);
   const KMinimum minimum = minimize(k);
   if (!(minimum.k_min > 0.0)) return false;
-  Contact found =
-      make_contact(tool.world, {solid.center - solid.axes * distance, solid.axes * l}, k, minimum);
-  found.id = contact.id;
-  found.opacity = contact.opacity;
-  contact = found;
+  const Contact label = contact;
+  contact = make_contact(tool.world, {solid.center - solid.axes * distance, solid.axes * l}, k, minimum);
+  contact.id = label.id;
+  contact.opacity = label.opacity;
+  contact.extent = label.extent;
   return true;
 }
 

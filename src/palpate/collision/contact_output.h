@@ -2,6 +2,7 @@
 /// What of a contact does not come out of lanes.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -11,17 +12,19 @@
 
 namespace palpate {
 
-/// The contact of one Gaussian by the scalar code of k_function.h, but for id and opacity; false if it is
+/// The contact of one Gaussian by the scalar code of k_function.h, but for what its label has; false if it is
 /// apart.
 bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, Contact& contact);
 
 /// What of a contact is the Gaussian's own.
 struct GaussianLabel {
   std::uint32_t id;
+  float extent;  ///< see Contact::extent. Unit: [captured units].
   double opacity;
 
   static GaussianLabel of(const GaussianBlock& block, std::size_t lane) {
-    return {block.id[lane],
+    const auto length = [&](std::size_t axis) { return block.length_high[axis][lane]; };
+    return {block.id[lane], std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2)),
             static_cast<double>(block.opacity_high[lane]) + static_cast<double>(block.opacity_low[lane])};
   }
 };

@@ -58,7 +58,9 @@ HWY_INLINE std::size_t write_contacts(const WhitenedPairs<T>& pairs, std::span<c
     Contact& contact = contacts[end];
     const GaussianLabel gaussian = label(pair);
     contact.id = gaussian.id;
+    contact.part = 0;
     contact.opacity = gaussian.opacity;
+    contact.extent = tool.scale * static_cast<double>(gaussian.extent);
     if (!pairs.sure[pair]) {
       end += scalar_contact(blocks[slot[pair].block()], slot[pair].lane(), tool, contact) ? 1 : 0;
       continue;

@@ -1,8 +1,13 @@
 #include <palpate/collision/scene_index.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
+#include <vector>
 
+#include <palpate/base/quantile.h>
 #include <palpate/collision/contact_kernel.h>
+#include <palpate/collision/contact_output.h>
 #include <palpate/collision/index_storage.h>
 #include <palpate/collision/record_collector.h>
 
@@ -31,6 +36,20 @@ void SceneIndex::query(const Ellipsoid& tool, ContactSet& result) const {
 
 void SceneIndex::query(const Ellipsoid& tool, Precision precision, ContactSet& result) const {
   find_contacts(view_, ToolFrame(tool, frame_), precision, result);
+}
+
+double SceneIndex::usual_extent() const {
+  constexpr std::size_t kBlocks = 1024;
+  const std::size_t stride = std::max<std::size_t>(1, view_.blocks.size() / kBlocks);
+  std::vector<double> extents;
+  for (std::size_t i = 0; i < view_.blocks.size(); i += stride) {
+    const GaussianBlock& block = view_.blocks[i];
+    for (std::size_t lane = 0; lane < kIndexWidth; ++lane) {
+      if (!std::isnan(block.position[0][lane]))
+        extents.push_back(static_cast<double>(GaussianLabel::of(block, lane).extent));
+    }
+  }
+  return extents.empty() ? 0.0 : frame_.scale * quantile(extents, 0.5);
 }
 
 std::size_t SceneIndex::bytes() const { return view_.nodes.size_bytes() + view_.blocks.size_bytes(); }

@@ -50,6 +50,10 @@ class SceneIndex final : public ContactQuery {
   /// Gaussians that can be touched.
   std::size_t size() const { return view_.gaussians; }
 
+  /// The median of Contact::extent over a sample of the Gaussians; 0 if there are none. Reads at most a
+  /// megabyte of the index. Unit: [m].
+  double usual_extent() const;
+
   /// Bytes of memory, or of the file, that the index takes.
   std::size_t bytes() const;
 

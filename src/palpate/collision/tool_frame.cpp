@@ -27,7 +27,8 @@ CapturedFrame::CapturedFrame(const Similarity& world_from_scene, const Eigen::Ve
 ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
     : world(tool),
       W(world.W * frame.world_from_captured),
-      center(frame.captured_from_world * (tool.center - frame.origin)) {
+      center(frame.captured_from_world * (tool.center - frame.origin)),
+      scale(frame.scale) {
   const Eigen::Matrix3d axes = frame.captured_from_world * tool.axes;
   const Eigen::Vector3d half = axes.rowwise().norm();
   const double size = (tool.center.norm() + frame.size) / frame.scale;

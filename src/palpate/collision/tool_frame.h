@@ -72,6 +72,7 @@ struct ToolFrame {
   WhitenedTool world;      ///< of the tool itself
   Eigen::Matrix3d W;       ///< captured frame to whitened: world.W s R_g. Unit: [1/captured unit].
   Eigen::Vector3d center;  ///< captured frame
+  double scale;            ///< of the registration. Unit: [m per captured unit].
 
   // In single precision, for finding candidates.
   Eigen::Vector3f low, high;    ///< box of the tool, rounded outwards, never infinite

@@ -6,6 +6,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <palpate/haptics/tool_query.h>
+
 namespace palpate {
 namespace {
 
@@ -36,7 +38,7 @@ std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, Force
     const std::size_t n = std::min(kBlock, trajectory.size() - first);
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
       const auto start = Clock::now();
-      query.query(tool.at(trajectory[first + k].pose), contacts[k]);
+      palpate::query(query, tool, trajectory[first + k].pose, contacts[k]);
       rows[first + k].compute_us = microseconds_since(start);
     });
     for (std::size_t i = first; i < first + n; ++i) {

@@ -13,6 +13,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/haptics/tool_query.h>
 #include <palpate/scene/lint.h>
 #include <palpate/scene/random.h>
 
@@ -114,15 +115,14 @@ struct Touch {
 /// Asks whether the tool touches.
 class Prober {
  public:
-  Prober(const ContactQuery& query, const Tool& tool)
-      : query_(query), tool_(tool), unit_(tool.semi_axes.minCoeff()) {}
+  Prober(const ContactQuery& query, const Tool& tool) : query_(query), tool_(tool), unit_(tool.thinnest()) {}
 
-  /// The tool's smallest semi-axis. Unit: [m].
+  /// The tool's shortest semi-axis. Unit: [m].
   double unit() const { return unit_; }
   const Tool& tool() const { return tool_; }
 
   const std::vector<Contact>& contacts(const Pose& pose) {
-    query_.query(tool_.at(pose), found_);
+    palpate::query(query_, tool_, pose, found_);
     return found_.contacts;
   }
 
@@ -235,7 +235,8 @@ class Search {
 
   std::optional<Touch> touch_along(const Ellipsoid& target, const Vector3d& direction) {
     Approach line{target.center, direction, pointing_along(direction)};
-    const double expected = -(prober_.tool().at(line.at(0.0)).support(direction) + target.support(direction));
+    const Vector3d ahead = line.at(0.0).orientation.conjugate() * direction;
+    const double expected = -(prober_.tool().support(ahead) + target.support(direction));
     const double reach = kPlaceError * prober_.unit();
     const auto contact = prober_.first_contact(line, expected - reach, expected + reach);
     if (!contact || *contact <= expected - reach) return std::nullopt;
@@ -473,7 +474,7 @@ void check(const EllipsoidScene& scene, const Tool& tool, const TouchPathOptions
     throw Error("touch path: slide {} m: must be finite and not negative", options.slide);
   if (!(options.rate > 0.0 && options.rate <= kMaxRate))
     throw Error("touch path: rate {} Hz: must be positive and at most {}", options.rate, kMaxRate);
-  if (!(tool.semi_axes.minCoeff() > 0.0 && tool.semi_axes.allFinite()))
+  if (!(tool.thinnest() > 0.0 && std::isfinite(tool.radius())))
     throw Error("touch path: the semi-axes of the tool must be positive and finite");
   if (scene.size() == 0)
     throw Error("touch path: the scene is empty; keep more Gaussians (a lower opacity threshold)");
@@ -503,7 +504,7 @@ Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, co
                       const TouchPathOptions& options) {
   check(scene, tool, options);
   const Eigen::AlignedBox3d bounds = robust_bounds(scene);
-  const double clearance = kTravelClearance * tool.semi_axes.maxCoeff();
+  const double clearance = kTravelClearance * tool.longest();
   const Sphere sphere{bounds.center(), 0.5 * bounds.diagonal().norm() + clearance};
   Prober prober(query, tool);
   const std::vector<Touch> touches = Search(prober, scene, sphere, bounds, options).touches();

@@ -13,6 +13,11 @@ struct Pose {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< Unit norm, body to world.
 };
 
+/// The pose in the world of what has the pose `b` in the frame of a body at `a`.
+inline Pose operator*(const Pose& a, const Pose& b) {
+  return {a.orientation * b.position + a.position, a.orientation * b.orientation};
+}
+
 /// Velocity of a body: of its origin and about it, both expressed in the world frame.
 struct Twist {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< Unit: [m/s].

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 namespace palpate {
 namespace {
 
@@ -18,28 +16,24 @@ double length_of(const Motion& motion, double gyration) {
   return std::hypot(motion.translation.norm(), gyration * motion.rotation.norm());
 }
 
-ConstrainedMotion constrained_motion(const Motion& wanted, std::span<const SurfacePatch> planes,
-                                     const Eigen::Vector3d& handle, double gyration) {
-  ConstrainedMotion result{wanted, false};
-  Motion& motion = result.motion;
-  std::array<double, SurfacePatches::kMost> push{};  // multipliers. Unit: [m].
+Motion constrained_motion(const Motion& wanted, std::span<MotionConstraint> planes, double gyration) {
+  Motion motion = wanted;
   const double inverse_inertia = 1.0 / (gyration * gyration);
+  for (MotionConstraint& plane : planes) plane.push = 0.0;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double change = 0.0;
-    for (std::size_t k = 0; k < planes.size(); ++k) {
-      const Eigen::Vector3d& n = planes[k].normal;
-      const Eigen::Vector3d lever = (planes[k].foot - handle).cross(n);
-      const double gap = planes[k].gap + n.dot(motion.translation) + lever.dot(motion.rotation);
-      const double step = std::max(-push[k], -gap / (1.0 + inverse_inertia * lever.squaredNorm()));
-      push[k] += step;
-      motion.translation += step * n;
-      motion.rotation += (inverse_inertia * step) * lever;
+    for (MotionConstraint& plane : planes) {
+      const double missing = -(plane.gap + plane.along(motion) + plane.compliance * plane.push);
+      const double give = 1.0 + inverse_inertia * plane.lever.squaredNorm() + plane.compliance;
+      const double step = std::max(-plane.push, missing / give);
+      plane.push += step;
+      motion.translation += step * plane.normal;
+      motion.rotation += (inverse_inertia * step) * plane.lever;
       change = std::max(change, std::abs(step));
     }
     if (change < kSmall) break;
   }
-  for (std::size_t k = 0; k < planes.size(); ++k) result.held = result.held || push[k] > 0.0;
-  return result;
+  return motion;
 }
 
 }  // namespace palpate

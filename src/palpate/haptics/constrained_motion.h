@@ -2,13 +2,10 @@
 /// The rigid motion nearest to a wanted one that does not enter any of a few planes.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 
 #include <Eigen/Core>
-
-#include <palpate/haptics/surface_fit.h>
 
 namespace palpate {
 
@@ -22,20 +19,28 @@ struct Motion {
 /// \param gyration how far a turn by one radian moves the body, as a whole. Unit: [m].
 double length_of(const Motion& motion, double gyration);
 
-/// The result of constrained_motion().
-struct ConstrainedMotion {
-  Motion motion;
-  bool held = false;  ///< some plane holds the body back
+/// A plane in front of a point of the body.
+struct MotionConstraint {
+  Eigen::Vector3d normal;  ///< unit, away from the plane. World frame.
+  Eigen::Vector3d lever;   ///< (point - handle) x normal. Unit: [m].
+  double gap;              ///< from the plane to the point along the normal; negative inside. Unit: [m].
+  /// How far it gives way, as a share of how hard it is pushed: 0 for a wall, 1 for one that is passed half.
+  double compliance = 0.0;
+  double push = 0.0;  ///< what it takes from the motion; set by constrained_motion(). Unit: [m].
+
+  /// How far a motion takes the point along the normal. Unit: [m].
+  double along(const Motion& motion) const {
+    return normal.dot(motion.translation) + lever.dot(motion.rotation);
+  }
 };
 
 /// The motion nearest to `wanted`, by length_of(), with
 ///
-///     gap_k + n_k . (translation + rotation x (foot_k - handle)) >= 0      for all planes k:
+///     gap_k + n_k . (translation + rotation x (point_k - handle)) + compliance_k push_k >= 0      for all k
 ///
-/// Gauss' principle of least constraint as in Ortega, Redon and Coquillart (2007), solved for its multipliers
-/// by projected Gauss-Seidel sweeps; exact for a single plane. Planes that contradict each other get the
-/// least violation.
-ConstrainedMotion constrained_motion(const Motion& wanted, std::span<const SurfacePatch> planes,
-                                     const Eigen::Vector3d& handle, double gyration);
+/// and pushes that are not negative: Gauss' principle of least constraint as in Ortega, Redon and Coquillart
+/// (2007), solved for its multipliers by projected Gauss-Seidel sweeps; exact for a single plane. Planes that
+/// contradict each other get the least violation.
+Motion constrained_motion(const Motion& wanted, std::span<MotionConstraint> planes, double gyration);
 
 }  // namespace palpate

@@ -131,7 +131,7 @@ class Edge {
 
 EdgeResponse edge_response(const EvaluationSetup& setup) {
   const auto surface = make_surface("box");
-  const double r = thickness_of(setup.tool), depth = 0.5 * r;
+  const double r = setup.tool.thinnest(), depth = 0.5 * r;
   const Edge edge(r);
   std::vector<double> off;
   double worst = 0.0, where = kNone;

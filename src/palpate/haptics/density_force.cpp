@@ -11,11 +11,11 @@ double blend(double dt, double tau) { return tau > 0.0 ? -std::expm1(-dt / tau) 
 
 }  // namespace
 
-WeightedContact weighted_contact(const ContactSet& set) {
-  const double k_max = set.k_max();
-  double total = 0.0;
+WeightedContact weighted_contact(std::span<const Contact> contacts) {
+  double k_max = 0.0, total = 0.0;
+  for (const Contact& c : contacts) k_max = std::max(k_max, c.k_min);
   WeightedContact sum{Eigen::Vector3d::Zero(), 0.0};
-  for (const Contact& c : set.contacts) {
+  for (const Contact& c : contacts) {
     const double w = std::exp(c.k_min - k_max);
     total += w;
     sum.centroid += w * c.center;
@@ -24,33 +24,55 @@ WeightedContact weighted_contact(const ContactSet& set) {
   return {sum.centroid / total, sum.opacity / total};
 }
 
-void DensityForce::reset() { *this = DensityForce(parameters_); }
+void DensityForce::reset() { std::fill(parts_.begin(), parts_.end(), Part{}); }
+
+Eigen::Vector3d DensityForce::force_on(Part& part, const Eigen::Vector3d& center,
+                                       const Eigen::Vector3d& velocity, std::span<const Contact> contacts,
+                                       double dt) const {
+  part.velocity += (part.moving ? blend(dt, parameters_.tau_velocity) : 1.0) * (velocity - part.velocity);
+  part.moving = true;
+  if (contacts.empty()) {
+    part.in_contact = false;
+    return Eigen::Vector3d::Zero();
+  }
+  const WeightedContact now = weighted_contact(contacts);
+  const Eigen::Vector3d inward = (now.centroid - center).stableNormalized();  // zero stays zero
+  if (part.in_contact) {
+    part.inward =
+        (part.inward + blend(dt, parameters_.tau_direction) * (inward - part.inward)).stableNormalized();
+    part.alpha += blend(dt, parameters_.tau_opacity) * (now.opacity - part.alpha);
+  } else {
+    part.inward = inward;
+    part.alpha = now.opacity;
+    part.in_contact = true;
+  }
+  const Eigen::Vector3d outward = -part.inward;
+  const double n = static_cast<double>(contacts.size());
+  const double elastic = parameters_.k_base * part.alpha * n;                // eqs. 9-10
+  const double damping = -parameters_.damping * outward.dot(part.velocity);  // eq. 10
+  return std::clamp(elastic + damping, 0.0, parameters_.f_max) * outward;    // eq. 11
+}
 
 ForceOutput DensityForce::evaluate(const ForceInput& input) {
-  velocity_ +=
-      (moving_ ? blend(input.dt, parameters_.tau_velocity) : 1.0) * (input.velocity.linear - velocity_);
-  moving_ = true;
-
-  const std::size_t n = input.contacts->contacts.size();
-  if (n == 0) {
-    in_contact_ = false;
-    return {Wrench{}, input.tool};
+  Wrench wrench;
+  std::span<const Contact> rest(input.contacts->contacts);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const auto other = [k](const Contact& c) { return c.part != k; };
+    const auto size = static_cast<std::size_t>(std::find_if(rest.begin(), rest.end(), other) - rest.begin());
+    const Eigen::Vector3d lever = input.tool.orientation * tool_.parts()[k].pose.position;
+    const Eigen::Vector3d force =
+        force_on(parts_[k], input.tool.position + lever,
+                 input.velocity.linear + input.velocity.angular.cross(lever), rest.first(size), input.dt);
+    wrench.force += force;
+    wrench.torque += lever.cross(force);
+    rest = rest.subspan(size);
   }
-  const WeightedContact now = weighted_contact(*input.contacts);
-  const Eigen::Vector3d inward = (now.centroid - input.tool.position).stableNormalized();  // zero stays zero
-  if (in_contact_) {
-    inward_ = (inward_ + blend(input.dt, parameters_.tau_direction) * (inward - inward_)).stableNormalized();
-    alpha_ += blend(input.dt, parameters_.tau_opacity) * (now.opacity - alpha_);
-  } else {
-    inward_ = inward;
-    alpha_ = now.opacity;
-    in_contact_ = true;
+  const double excess = wrench.force.norm() / parameters_.f_max;
+  if (excess > 1.0) {
+    wrench.force /= excess;
+    wrench.torque /= excess;
   }
-  const Eigen::Vector3d outward = -inward_;
-  const double elastic = parameters_.k_base * alpha_ * static_cast<double>(n);     // eqs. 9-10
-  const double damping = -parameters_.damping * outward.dot(velocity_);            // eq. 10
-  const double magnitude = std::clamp(elastic + damping, 0.0, parameters_.f_max);  // eq. 11
-  return {{magnitude * outward, Eigen::Vector3d::Zero()}, input.tool};
+  return {wrench, input.tool};
 }
 
 }  // namespace palpate

@@ -2,9 +2,13 @@
 /// The paper's density-based volumetric penalty force (III-C, eqs. 7-11).
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include <palpate/haptics/force_model.h>
+#include <palpate/haptics/tool.h>
 
 namespace palpate {
 
@@ -29,23 +33,38 @@ struct DensityParameters {
 ///  - |F| = clamp(k_eff N - D v_n, 0, F_max) along the outward normal, v_n the filtered velocity
 ///    along it (eqs. 10-11): moving in (v_n < 0) adds to the push, and nothing ever pulls.
 ///  - The averages start at the first instant of a contact and are forgotten at its end; without
-///    contact the force is exactly zero. There is no torque.
+///    contact the force is exactly zero. The ellipsoid gets no torque.
+///
+/// The paper's tool is one ellipsoid. One of many gets such a force for every part, at the part's centre;
+/// their sum is clamped to F_max once more, and their torque is about the handle.
 ///
 /// It is the paper's, faults included; docs/force-models.md lists them with measurements.
 class DensityForce final : public ForceModel {
  public:
-  explicit DensityForce(const DensityParameters& parameters = {}) : parameters_(parameters) {}
+  explicit DensityForce(const DensityParameters& parameters = {}) : DensityForce(Tool{}, parameters) {}
+  DensityForce(const Tool& tool, const DensityParameters& parameters)
+      : tool_(tool), parameters_(parameters), parts_(tool.parts().size()) {}
 
   void reset() override;
   ForceOutput evaluate(const ForceInput& input) override;
 
  private:
+  /// What is remembered of one ellipsoid.
+  struct Part {
+    bool in_contact = false;
+    bool moving = false;                                 ///< velocity holds a value
+    Eigen::Vector3d inward = Eigen::Vector3d::Zero();    ///< smoothed unit direction into the object
+    double alpha = 0.0;                                  ///< smoothed weighted opacity
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< filtered. Unit: [m/s].
+  };
+
+  /// The force on a part at `center` that moves at `velocity` and has these contacts.
+  Eigen::Vector3d force_on(Part& part, const Eigen::Vector3d& center, const Eigen::Vector3d& velocity,
+                           std::span<const Contact> contacts, double dt) const;
+
+  Tool tool_;
   DensityParameters parameters_;
-  bool in_contact_ = false;
-  bool moving_ = false;                                 ///< velocity_ holds a value
-  Eigen::Vector3d inward_ = Eigen::Vector3d::Zero();    ///< smoothed unit direction into the object
-  double alpha_ = 0.0;                                  ///< smoothed weighted opacity
-  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< filtered. Unit: [m/s].
+  std::vector<Part> parts_;
 };
 
 /// Eqs. 7-8 for one set of contacts: softmax-weighted centroid and opacity.
@@ -54,7 +73,7 @@ struct WeightedContact {
   double opacity;            ///< alpha_raw
 };
 
-/// \pre set.contacts is not empty.
-WeightedContact weighted_contact(const ContactSet& set);
+/// \pre contacts is not empty.
+WeightedContact weighted_contact(std::span<const Contact> contacts);
 
 }  // namespace palpate

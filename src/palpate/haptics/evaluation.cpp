@@ -11,7 +11,7 @@ namespace {
 /// Where the surface is smooth enough, in its sampling of this seed. \throws Error if that is nowhere.
 std::vector<SurfaceSample> smooth_places(const AnalyticSurface& surface, const Tool& tool, Random& random) {
   constexpr double kSpacing = 0.01;
-  const double radius = radius_of(tool);
+  const double radius = tool.radius();
   std::vector<SurfaceSample> smooth;
   for (const auto& [place, part] : surface.samples(kSpacing, random)) {
     if (tool_fits(surface, place, tool) && is_smooth(surface, place, 1.5 * radius)) smooth.push_back(place);

@@ -27,9 +27,9 @@ using ForceModelMaker =
 
 /// What is felt, with what, and how much of it.
 struct EvaluationSetup {
-  std::string shape;        ///< of procedural_shapes()
-  ProceduralOptions scene;  ///< its noise is what the model has to cope with
-  Tool tool{Eigen::Vector3d::Constant(0.02)};
+  std::string shape;                           ///< of procedural_shapes()
+  ProceduralOptions scene;                     ///< its noise is what the model has to cope with
+  Tool tool{Eigen::Vector3d::Constant(0.02)};  ///< one ellipsoid
   ForceModelMaker model;
   double stiffness = 0.0;    ///< that the model promises; 0 if none. Unit: [N/m].
   double friction = 0.0;     ///< Coulomb's coefficient where friction is measured; 0 if the model has none

@@ -7,16 +7,18 @@ namespace palpate {
 
 using Eigen::Vector3d;
 
-double thickness_of(const Tool& tool) { return tool.semi_axes.minCoeff(); }
-double radius_of(const Tool& tool) { return tool.at({}).radius(); }
-Tool ball(double radius) { return {Vector3d::Constant(radius)}; }
+Tool ball(double radius) { return Tool(Vector3d::Constant(radius)); }
 
-double reach(const Tool& tool, const Vector3d& n) { return tool.at({}).support(n); }
+double reach(const Tool& tool, const Vector3d& n) { return tool.support(-n); }
 
 Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double depth) {
-  const Ellipsoid solid = tool.at({});
-  const Vector3d along = solid.axes.transpose() * place.normal;
-  const Vector3d foot = -(solid.axes * (along / along.norm()));  // from the centre
+  Vector3d foot = Vector3d::Zero();
+  for (const ToolPart& part : tool.parts()) {
+    const Ellipsoid solid = part.at({});
+    const Vector3d along = solid.axes.transpose() * place.normal;
+    const Vector3d lowest = solid.center - solid.axes * (along / along.norm());
+    if (&part == tool.parts().data() || lowest.dot(place.normal) < foot.dot(place.normal)) foot = lowest;
+  }
   return place.point - depth * place.normal - foot;
 }
 
@@ -35,12 +37,12 @@ ForceOutput Hand::at(const Vector3d& position) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const Pose pose{position, Eigen::Quaterniond::Identity()};
-  tracker_.query(tool_.at(pose), contacts_);
+  if (model_->wants_contacts()) tracker_.query(pose, contacts_);
   Twist velocity;
   if (moving_) velocity.linear = (position - last_) / kTick;
   ForceOutput felt = model_->evaluate({pose, velocity, moving_ ? kTick : 0.0, &contacts_});
   const double us = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-  if (!contacts_.contacts.empty()) ticks_.push_back(us);
+  if (felt.wrench.force.squaredNorm() > 0.0) ticks_.push_back(us);
   last_ = position;
   moving_ = true;
   return felt;
@@ -61,7 +63,7 @@ SurfaceSample next_place(const AnalyticSurface& surface, const SurfaceSample& pl
 
 bool tool_fits(const AnalyticSurface& surface, const SurfaceSample& place, const Tool& tool) {
   constexpr double kRounding = 1e-4;  // [m]
-  const double radius = radius_of(tool);
+  const double radius = tool.radius();
   return surface.distance(place.point + (radius + kRounding) * place.normal) >= radius;
 }
 

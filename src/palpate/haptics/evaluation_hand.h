@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include <palpate/collision/contact_tracker.h>
 #include <palpate/haptics/evaluation.h>
+#include <palpate/haptics/tool_query.h>
 
 namespace palpate {
 
@@ -18,9 +18,6 @@ constexpr double kHandStep = kHandSpeed * kTick;  // [m]
 /// Ticks on a way. Unit: [m].
 inline int ticks_on(double way) { return static_cast<int>(std::ceil(way / kHandStep)); }
 
-/// The tool's thinnest semi-axis, and how far any of it is from its centre. Unit: [m].
-double thickness_of(const Tool& tool);
-double radius_of(const Tool& tool);
 Tool ball(double radius);
 
 /// Where the tool's centre is when its point that is first to touch is `depth` below `place`. The tool is
@@ -37,7 +34,7 @@ SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup
 class Hand {
  public:
   Hand(const SceneIndex& index, const Tool& tool, const ForceModelMaker& model, double friction = 0.0)
-      : tool_(tool), tracker_(index), model_(model(index, tool, friction)) {}
+      : tool_(tool), tracker_(index, tool), model_(model(index, tool, friction)) {}
 
   /// As if nothing had been touched.
   void reset();
@@ -67,7 +64,7 @@ class Hand {
 
  private:
   Tool tool_;
-  ContactTracker tracker_;
+  ToolTracker tracker_;
   std::unique_ptr<ForceModel> model_;
   ContactSet contacts_;
   bool moving_ = false;

@@ -30,10 +30,10 @@ Pushes::Aim Pushes::aim(const Tool& tool, const std::vector<SurfaceSample>& plac
     const NearestPoint end = surface_.project(place.point + kBeyond * reach(tool, place.normal) * along);
     const SurfaceSample last{end.point, end.normal, end.normal.unitOrthogonal(), place.spacing};
     const bool same_side = end.normal.dot(along) < 0.0;
-    if (same_side && is_inland(surface_, last, 2.0 * radius_of(tool))) return {place, along};
+    if (same_side && is_inland(surface_, last, 2.0 * tool.radius())) return {place, along};
   }
   throw Error("{}: nowhere is it large enough for a tool of {} mm to be pushed through", surface_.name(),
-              1e3 * radius_of(tool));
+              1e3 * tool.radius());
 }
 
 bool Pushes::is_through(const ForceOutput& felt, const Vector3d& position, const Aim& aim,
@@ -56,7 +56,7 @@ void Pushes::somewhere(Hand& hand, const std::vector<SurfaceSample>& places) {
   bool through = false;
   hand.reset();
   hand.move(begin, end, speed, [&](const ForceOutput& felt, double s) {
-    through = through || is_through(felt, begin + s * chosen.along, chosen, thickness_of(hand.tool()));
+    through = through || is_through(felt, begin + s * chosen.along, chosen, hand.tool().thinnest());
   });
   ++pushes_;
   through_ += through ? 1 : 0;

@@ -20,7 +20,7 @@ double degrees_between(const Vector3d& a, const Vector3d& b) {
 
 CurveBins over_depth(const Tool& tool) {
   constexpr std::size_t kBins = 30;
-  return {0.0, kDeepest * thickness_of(tool), kBins};
+  return {0.0, kDeepest * tool.thinnest(), kBins};
 }
 
 }  // namespace

@@ -9,35 +9,34 @@ namespace palpate {
 
 /// Parameters of FieldForce.
 struct FieldParameters {
-  /// Against a surface that is densely covered, of a tool as thick everywhere as its thinnest semi-axis; less
-  /// along a longer one. Unit: [N/m]. >= 0
-  double stiffness = 500.0;
+  double stiffness = 500.0;  ///< against a surface that is densely covered. Unit: [N/m]. >= 0
 };
 
 /// How deep a tool is in what it touches, from the contacts of its pose alone:
 ///
-///     e_i = 1 - sqrt(1 - K_i)                          how far both solids would have to shrink, as a
-///     factor, to
-///                                                      only touch: 0 at first touch, 1 where centres
-///                                                      coincide
-///     D   = c a_min (sum alpha_i e_i^(p+1)) / (sum alpha_i e_i^p),    p = 3, c = (p + 2) / (p + 1)
+///     e_i = 1 - sqrt(1 - K_i)           how far both solids would have to shrink, as a factor, to only
+///     touch: 0
+///                                       at first touch, 1 where centres coincide
+///     L_i = sqrt((r^T B r + s^2 a^2) / (r^T r + s^2)),    r = c_part - c_i
+///                                       how far the part of the tool reaches towards the Gaussian
+///     D   = c (sum alpha_i (e_i L_i)^(p+1)) / (sum alpha_i (e_i L_i)^p),    p = 3, c = (p + 2) / (p + 1)
 ///
-/// The quotient is a mean in which the deepest count most, so that D depends on where the surface is and not
-/// on how many Gaussians it is made of. A Gaussian that comes or goes has e_i = 0 and no weight. Where a
-/// sphere is pressed into a plane of points, their e_i are spread evenly from 0 to that of the deepest, of
-/// which the quotient is 1/c: D is then the depth.
+/// with B the part's shape matrix, a its shortest semi-axis and s = a / 4, which keeps L smooth where centres
+/// meet; of a ball L is the radius. The quotient is a mean in which the deepest count most, so that D depends
+/// on where the surface is and not on how many Gaussians it is made of. A Gaussian that comes or goes has e_i
+/// = 0 and no weight. Where a sphere is pressed into a plane of points, their e_i are spread evenly from 0 to
+/// that of the deepest, of which the quotient is 1/c: D is then the depth.
 ///
 /// Everything in it is a smooth function of the pose, but for the Gaussians whose centre is the tool's.
 struct FieldDepth {
   double depth = 0.0;                                  ///< D. Unit: [m].
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< dD / d(tool position), world frame
-  /// dD / d(tool orientation): by the rotation vector of a turn about the tool centre, world frame. Unit:
-  /// [m].
+  /// dD / d(tool orientation): by the rotation vector of a turn about the handle, world frame. Unit: [m].
   Eigen::Vector3d turning = Eigen::Vector3d::Zero();
 };
 
-/// \param a_min shortest semi-axis of the tool. Unit: [m].
-FieldDepth field_depth(const ContactSet& contacts, const Eigen::Vector3d& tool_center, double a_min);
+/// \param contacts of `tool` at `pose`, part by part as query() finds them
+FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose& pose);
 
 /// The conservative model: with U = k D^2 / 2, force = -dU/dx and torque = -dU/dtheta, exactly. No work is
 /// done around a closed path; stiffness does not depend on how densely the scene was trained; there is no
@@ -50,7 +49,7 @@ class FieldForce final : public ForceModel {
  public:
   /// \pre contacts passed to evaluate() are those of `tool`, in double precision.
   explicit FieldForce(const Tool& tool, const FieldParameters& parameters = {})
-      : a_min_(tool.semi_axes.minCoeff()), parameters_(parameters) {}
+      : tool_(tool), parameters_(parameters) {}
 
   void reset() override {}
   ForceOutput evaluate(const ForceInput& input) override;
@@ -59,7 +58,7 @@ class FieldForce final : public ForceModel {
   double potential(const ForceInput& input) const;
 
  private:
-  double a_min_;  ///< Unit: [m].
+  Tool tool_;
   FieldParameters parameters_;
 };
 

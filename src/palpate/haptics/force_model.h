@@ -9,17 +9,21 @@ namespace palpate {
 
 /// What a force model is told at one instant. Every number is finite.
 struct ForceInput {
-  Pose tool;                             ///< world frame
-  Twist velocity;                        ///< of the tool, unfiltered, world frame
-  double dt = 0.0;                       ///< time since the last call; 0 if there was none. Unit: [s].
-  const ContactSet* contacts = nullptr;  ///< of this pose; not null
+  Pose tool;        ///< world frame
+  Twist velocity;   ///< of the tool, unfiltered, world frame
+  double dt = 0.0;  ///< time since the last call; 0 if there was none. Unit: [s].
+  /// Of all parts of the tool at this pose; null if the model does not want them.
+  const ContactSet* contacts = nullptr;
 };
 
 /// What a force model answers.
 struct ForceOutput {
-  Wrench wrench;  ///< on the tool
-  Pose
-      proxy;  ///< where the tool would be if it could not enter anything; the tool's where the model has none
+  Wrench wrench;  ///< on the tool, torque about its handle
+  /// Where the tool would be if it could not enter anything; the tool's pose where the model has none.
+  Pose proxy;
+  /// How far there is a surface where the tool is held, in [0, 1]; see SurfacePatch. 1 where nothing holds it
+  /// and where the model has none.
+  double confidence = 1.0;
 };
 
 /// Turns contacts into a wrench on the tool. A model may keep state between calls (filters), so an
@@ -27,6 +31,9 @@ struct ForceOutput {
 class ForceModel {
  public:
   virtual ~ForceModel() = default;
+
+  /// False if the model looks for contacts by itself.
+  virtual bool wants_contacts() const { return true; }
 
   /// Forgets all state, as if no call had been made.
   virtual void reset() = 0;

@@ -2,12 +2,16 @@
 /// The constraint-based force: a proxy of the tool that stays on the surface.
 #pragma once
 
+#include <deque>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include <palpate/collision/contact_tracker.h>
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/constrained_motion.h>
 #include <palpate/haptics/force_model.h>
+#include <palpate/haptics/material.h>
 #include <palpate/haptics/surface_fit.h>
 #include <palpate/haptics/tool.h>
 
@@ -19,6 +23,8 @@ struct ProxyParameters {
   double friction = 0.0;     ///< Coulomb's coefficient. >= 0
   /// SurfaceKernel::detail; kDetailOfTool of the tool's thinnest semi-axis if unset. Unit: [m]. > 0
   std::optional<double> detail = {};
+  /// What the scene is made of, over the numbers above; null or empty: of one stuff all over.
+  std::shared_ptr<const MaterialMap> materials = {};
 
   /// A tool cannot tell much that is smaller than itself. This much of it keeps the direction of the force on
   /// splats a third of the tool's radius apart, displaced by a quarter of that, within four degrees, 95 times
@@ -26,54 +32,99 @@ struct ProxyParameters {
   static constexpr double kDetailOfTool = 0.6;
 };
 
+/// The kernel that the surface is felt with by a part of the tool, in a scene of usual_extent() `extent`.
+SurfaceKernel kernel_of(const ToolPart& part, const ProxyParameters& parameters, double extent);
+
+/// A part that is larger by the kernel's reach on all sides.
+ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel);
+
 /// A god-object (Zilles and Salisbury 1995), in six degrees of freedom (Ortega, Redon and Coquillart 2007),
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
 /// points):
 ///
-///  1. the contacts of the proxy, enlarged by SurfaceKernel::reach, make SurfacePatches;
+///  1. of every part of the proxy the contacts, enlarged by SurfaceKernel::reach, make SurfacePatches;
 ///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion()), at most half of
 ///  the
-///     reach at once, so that nothing is passed unseen however fast the tool is; with friction, it stays
-///     behind by no more than friction times what presses it on;
+///     reach at once, so that nothing is passed unseen however fast the tool is. A patch of confidence c
+///     gives way, so that it is felt with c times the stiffness and does not hide what is behind it. With
+///     friction, the proxy stays behind by no more than friction times what presses it on;
 ///  3. again, until it hardly moves, at most kMostSteps times, or kMostFreeSteps out of contact and at first,
-///  where
-///     the tool may begin inside something;
+///     where the tool may begin inside something;
 ///  4. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g the tool's radius of
-///  gyration. Zero
-///     where nothing holds the proxy back.
+///     gyration. Zero where nothing holds the proxy back. With damping b, the force changes by -b times the
+///     tool's velocity along it, by no more than there is.
+///
+/// k, friction and damping are those of what holds the proxy: means over the Gaussians that the surface is
+/// made of there, and over the patches, by how hard they are pushed.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
 /// its memory: an object serves one tool on one thread. Takes nothing from the heap after construction,
-/// unless there are more than kRoom contacts at once.
+/// unless a part has more than kRoom contacts at once.
 class ProxyForce final : public ForceModel {
  public:
   /// `index` must outlive it.
   ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters = {});
 
   void reset() override;
+  /// It looks for contacts where the proxy is.
+  bool wants_contacts() const override { return false; }
   ForceOutput evaluate(const ForceInput& input) override;
-
-  std::span<const SurfacePatch> patches() const { return patches_.patches(); }
 
   static constexpr int kMostSteps = 4;       ///< in contact
   static constexpr int kMostFreeSteps = 32;  ///< out of contact, where a step costs little
   static constexpr std::size_t kRoom = 4096;
 
  private:
+  struct Part {
+    Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel)
+        : solid(part), larger(enlarged(part, kernel)), tracker(index, Precision::kSingle), patches(kernel) {}
+
+    ToolPart solid, larger;  ///< it, and enlarged by the reach
+    ContactTracker tracker;
+    SurfacePatches patches;
+  };
+
+  /// What something is made of, nothing left open.
+  struct Properties {
+    double stiffness, friction, damping;
+  };
+
+  /// What the proxy must not enter, and what that is made of.
+  struct Obstacles {
+    std::vector<MotionConstraint> planes;
+    std::vector<Properties> properties;
+  };
+
+  /// Of what holds the proxy, weighted by how hard it is pushed.
+  struct Hold {
+    double push = 0.0;  ///< in all; 0 if nothing does. Unit: [m].
+    double confidence = 1.0;
+    Properties properties{};
+  };
+
   /// Moves the proxy one step towards `target`. \returns how far. Unit: [m].
   double step(const Pose& target);
-  Motion with_friction(const Motion& wanted, const Motion& free) const;
+  /// The patches of all parts as obstacles.
+  void find_obstacles();
+  /// Of the contacts that are in contacts_ and surface_, those that make up `patch`.
+  Properties properties_at(const SurfacePatch& patch, const SurfaceKernel& kernel) const;
+  Hold hold() const;
+  Motion with_friction(const Motion& wanted, const Motion& free);
+  /// What the push is multiplied with so that it damps the motion, too.
+  double damped(const Eigen::Vector3d& push) const;
 
-  Tool tool_;
   ProxyParameters parameters_;
-  SurfaceKernel kernel_;
-  double gyration_;  ///< Unit: [m].
-  ContactTracker tracker_;
+  double gyration_;         ///< Unit: [m].
+  double radius_;           ///< of the tool about its handle. Unit: [m].
+  double step_;             ///< the farthest that a point moves at once. Unit: [m].
+  std::deque<Part> parts_;  ///< that cannot be moved
   ContactSet contacts_;
-  SurfacePatches patches_;
+  SurfaceContacts surface_;
+  Obstacles obstacles_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
-  bool held_ = false;  ///< by a patch, in the last step
-  Pose proxy_;         ///< world frame
+  Hold hold_;   ///< in the last step
+  Pose proxy_;  ///< world frame
 };
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -9,13 +10,6 @@
 namespace palpate {
 namespace {
 
-/// A contact has its whole weight from this K_min on; below, it fades.
-constexpr double kFullOverlap = 0.3;
-/// A contact belongs to a patch wholly if their normals are within 53 degrees, and not at all from 78 degrees
-/// on: at two deviations of the kernel normals differ by some 45 degrees, and by 90 across a corner of a box.
-constexpr double kOtherPatch = 0.2, kSamePatch = 0.6;
-/// Square of where the kernel (1 - r^2 / end)^3 ends, in deviations: its own is one.
-constexpr double kKernelEnd = 10.0;
 /// Slope and curvature are held back as by this many contacts, at one deviation, that say there is none:
 /// nothing to a well covered surface, all to a single Gaussian, whose own normal then counts.
 constexpr double kSlopePrior = 0.5, kCurvaturePrior = 1.0;
@@ -23,100 +17,104 @@ constexpr double kSlopePrior = 0.5, kCurvaturePrior = 1.0;
 /// tick ago.
 constexpr int kFirstRounds = 4;
 /// Contacts that no patch explains make one of their own if one of them has this K_min.
-constexpr double kUnexplained = 0.15;
+constexpr float kUnexplained = 0.15F;
 /// Patches are one if their normals are within 25 degrees.
 constexpr double kOnePatch = 0.9;
+/// A surface is whole where this many Gaussians, on average, lie over each other. Splats are trained to
+/// overlap: a hundredth of a capture's surfaces have fewer, a floater that is half as large as the detail has
+/// as many.
+constexpr double kCovered = 0.25;
+/// What lets less than a tenth of the light through is as hard as what lets none through.
+constexpr double kOpaque = 0.9;
 
-/// 0 for x <= 0, 1 for x >= 1, smooth between.
-double smooth_step(double x) {
-  const double t = std::clamp(x, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
+/// The point of the solid's surface that is farthest along -n.
+Eigen::Vector3d foot_of(const Ellipsoid& solid, const Eigen::Vector3d& n) {
+  const Eigen::Vector3d along = solid.axes.transpose() * n;
+  return solid.center - solid.axes * (along / along.norm());
 }
 
-/// How much a contact of normal `n` belongs to a patch.
-double belongs(const SurfacePatch& patch, const Eigen::Vector3d& n) {
-  return smooth_step((n.dot(patch.normal) - kOtherPatch) / (kSamePatch - kOtherPatch));
+/// Height, slopes and mean curvature.
+Eigen::Vector4d solve(const SurfaceMoments& moments) {
+  const auto& m = moments.normal_matrix;
+  Eigen::Matrix4f matrix;
+  matrix << m[0], m[1], m[2], m[3],  //
+      m[1], m[4], m[5], m[6],        //
+      m[2], m[5], m[7], m[8],        //
+      m[3], m[6], m[8], m[9];
+  Eigen::Matrix4d held = matrix.cast<double>();
+  held.diagonal() +=
+      static_cast<double>(moments.heaviest) * Eigen::Vector4d(0.0, kSlopePrior, kSlopePrior, kCurvaturePrior);
+  const auto& b = moments.right;
+  return held.ldlt().solve(Eigen::Vector4f(b[0], b[1], b[2], b[3]).cast<double>());
 }
 
-/// The point of the tool's surface that is farthest along -n.
-Eigen::Vector3d foot_of(const Ellipsoid& tool, const Eigen::Vector3d& n) {
-  const Eigen::Vector3d along = tool.axes.transpose() * n;
-  return tool.center - tool.axes * (along / along.norm());
+/// The contact that no patch explains, if it is a deep one.
+std::optional<std::size_t> unexplained(const SurfaceContacts& contacts) {
+  std::optional<std::size_t> found;
+  float most = kUnexplained;
+  const float* const overlap = contacts.lane(SurfaceContacts::kOverlap);
+  const float* const explained = contacts.lane(SurfaceContacts::kExplained);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const float left = overlap[i] * (1.0F - explained[i]);
+    if (left > most) {
+      most = left;
+      found = i;
+    }
+  }
+  return found;
 }
 
 }  // namespace
 
-SurfaceKernel SurfaceKernel::for_tool(double a_min, double detail) {
-  return {detail, std::hypot(a_min, 2.0 * detail) - a_min};
+double confidence_of(const SurfaceMoments& moments) {
+  const double layers = moments.layers;
+  if (!(layers > 0.0)) return 0.0;
+  const double covered = std::min(1.0, layers / kCovered);
+  const double each = std::min(1.0, moments.opacity / layers);
+  const double hidden = 1.0 - std::pow(1.0 - each, std::max(1.0, layers));
+  return covered * covered * (3.0 - 2.0 * covered) * std::min(1.0, hidden / kOpaque);
 }
 
-bool SurfacePatches::fit(std::span<const Contact> contacts, const Ellipsoid& tool, int rounds,
+bool SurfacePatches::fit(SurfaceContacts& contacts, const Ellipsoid& solid, int rounds,
                          SurfacePatch& patch) const {
   for (int round = 0; round < rounds; ++round) {
-    const Eigen::Vector3d n = patch.normal, foot = foot_of(tool, n);
+    const Eigen::Vector3d n = patch.normal, foot = foot_of(solid, n);
     const Eigen::Vector3d u = n.unitOrthogonal(), v = n.cross(u);
-    Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
-    double most = 0.0, sum = 0.0;
-    for (const Contact& c : contacts) {
-      const double same = belongs(patch, c.normal);
-      if (same == 0.0) continue;
-      const Eigen::Vector3d q = (c.point - foot) / kernel_.detail;
-      const double x = q.dot(u), y = q.dot(v), z = q.dot(n), squared = x * x + y * y;
-      if (squared >= kKernelEnd) continue;
-      const double near = 1.0 - squared / kKernelEnd;
-      const double w = c.opacity * smooth_step(c.k_min / kFullOverlap) * near * near * near * same;
-      const Eigen::Vector4d basis(1.0, x, y, squared);
-      normal_matrix += (w * basis) * basis.transpose();
-      right += (w * z) * basis;
-      most = std::max(most, w);
-      sum += w;
-    }
-    if (!(most > 1e-9)) return false;
-    normal_matrix.diagonal() += most * Eigen::Vector4d(0.0, kSlopePrior, kSlopePrior, kCurvaturePrior);
-    const Eigen::Vector4d fitted = normal_matrix.ldlt().solve(right);
+    const SurfaceFrame frame{((foot - solid.center) / kernel_.detail).cast<float>(), u.cast<float>(),
+                             v.cast<float>(), n.cast<float>()};
+    const SurfaceMoments moments = surface_moments(contacts, frame);
+    if (!(moments.heaviest > 1e-9F)) return false;
+    const Eigen::Vector4d fitted = solve(moments);
     const Eigen::Vector3d surface = foot + kernel_.detail * fitted[0] * n;
     patch.normal = (n - fitted[1] * u - fitted[2] * v).normalized();
-    patch.foot = foot_of(tool, patch.normal);
+    patch.foot = foot_of(solid, patch.normal);
     patch.gap = patch.normal.dot(patch.foot - surface);
-    patch.support = sum;
+    patch.confidence = confidence_of(moments);
   }
   return true;
 }
 
-void SurfacePatches::keep_if_new(const SurfacePatch& patch) {
+bool SurfacePatches::keep_if_new(const SurfacePatch& patch) {
   for (const SurfacePatch& other : patches()) {
-    if (other.normal.dot(patch.normal) > kOnePatch) return;
+    if (other.normal.dot(patch.normal) > kOnePatch) return false;
   }
   patches_[size_++] = patch;
+  return true;
 }
 
-void SurfacePatches::update(std::span<const Contact> contacts, const Ellipsoid& tool) {
+void SurfacePatches::update(SurfaceContacts& contacts, const Ellipsoid& solid) {
   const std::size_t before = size_;
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
-    if (fit(contacts, tool, 1, patch)) keep_if_new(patch);
+    if (fit(contacts, solid, 1, patch)) keep_if_new(patch);
   }
   while (size_ < kMost) {
-    const Contact* seed = nullptr;
-    double largest = kUnexplained;
-    for (const Contact& c : contacts) {
-      double explained = 0.0;
-      for (const SurfacePatch& patch : patches()) explained = std::max(explained, belongs(patch, c.normal));
-      const double left = c.k_min * (1.0 - explained);
-      if (left > largest) {
-        largest = left;
-        seed = &c;
-      }
-    }
-    if (seed == nullptr) return;
+    const auto seed = unexplained(contacts);
+    if (!seed) return;
     SurfacePatch patch;
-    patch.normal = seed->normal;
-    if (!fit(contacts, tool, kFirstRounds, patch)) return;
-    const std::size_t known = size_;
-    keep_if_new(patch);
-    if (size_ == known) return;
+    patch.normal = contacts.normal(*seed);
+    if (!fit(contacts, solid, kFirstRounds, patch) || !keep_if_new(patch)) return;
   }
 }
 

@@ -2,18 +2,54 @@
 /// What the hand holds.
 #pragma once
 
+#include <span>
+#include <string>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include <palpate/geometry/ellipsoid.h>
 
 namespace palpate {
 
-/// A tool of one ellipsoid, centred on the tool frame with its axes along the frame's.
-struct Tool {
-  Eigen::Vector3d semi_axes{0.02, 0.02, 0.04};  ///< Unit: [m]. Positive.
+/// One ellipsoid of a tool.
+struct ToolPart {
+  std::string name;           ///< for people
+  Eigen::Vector3d semi_axes;  ///< Unit: [m]. Positive.
+  Pose pose = {};             ///< of its centre and axes in the tool frame
 
-  /// The tool's solid at `pose`.
-  Ellipsoid at(const Pose& pose) const { return Ellipsoid::from_semi_axes(pose, semi_axes); }
+  /// Its solid where the tool is at `tool`.
+  Ellipsoid at(const Pose& tool) const { return Ellipsoid::from_semi_axes(tool * pose, semi_axes); }
+};
+
+/// A rigid body of one or more ellipsoids, which may overlap. The origin of its frame is the handle: the
+/// point whose pose a device reports, and about which torque is taken.
+class Tool {
+ public:
+  /// The default tool, 20 x 20 x 40 mm.
+  Tool() : Tool(Eigen::Vector3d(0.02, 0.02, 0.04)) {}
+  /// One ellipsoid, centred on the handle with its axes along the frame's. \pre positive and finite
+  explicit Tool(const Eigen::Vector3d& semi_axes);
+  /// \pre not empty; semi-axes positive, all of it finite
+  explicit Tool(std::vector<ToolPart> parts);
+
+  std::span<const ToolPart> parts() const { return parts_; }
+
+  /// The shortest semi-axis of all parts. Unit: [m].
+  double thinnest() const;
+  /// The longest semi-axis of all parts. Unit: [m].
+  double longest() const;
+  /// Of the sphere around the handle that all parts are in. Unit: [m].
+  double radius() const;
+  /// Mean radius of gyration about the handle of the parts as solids of one density: how far a turn by a
+  /// radian moves the tool, as a whole. Unit: [m].
+  double gyration() const;
+  /// Half the extent along the unit vector `n`, of a tool at the origin: the farthest that a point of it is.
+  /// Unit: [m].
+  double support(const Eigen::Vector3d& n) const;
+
+ private:
+  std::vector<ToolPart> parts_;
 };
 
 }  // namespace palpate

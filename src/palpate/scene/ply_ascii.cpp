@@ -5,13 +5,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <palpate/base/error.h>
 #include <palpate/scene/line_reader.h>
-#include <palpate/scene/origin_survey.h>
-#include <palpate/scene/ply_scene.h>
+#include <palpate/scene/ply_rows.h>
 
 namespace palpate {
 namespace {
@@ -36,10 +34,9 @@ std::optional<double> take_number(std::string_view& line) {
   return value;
 }
 
-/// The rows of `vertex` in an ASCII file, one after the other.
-class AsciiRows {
+/// Gives rows of doubles, one by one.
+class AsciiRows final : public PlyRows {
  public:
-  /// In front of the first row. \param ply is kept by reference.
   explicit AsciiRows(const PlyScene& ply)
       : ply_(ply), lines_(ply.file, ply.header.data_offset), values_(ply.vertex().properties.size()) {
     skip(0, ply.vertex_index);
@@ -51,8 +48,24 @@ class AsciiRows {
     }
   }
 
-  /// The next row as a block of doubles, valid until the next call.
-  RowBlock next() {
+  PlyDecoder decoder() const override {
+    PlyElement row = ply_.vertex();
+    for (PlyProperty& property : row.properties) property.type = PlyType::kFloat64;
+    return {row, kNativeOrder};
+  }
+
+  void next(std::size_t n, const RowReader::Decode& decode) override {
+    for (std::size_t k = 0; k < n; ++k) decode(next_row(), k);
+  }
+
+  std::uint64_t finish() override {
+    skip(ply_.vertex_index + 1, ply_.header.elements.size());
+    return lines_.bytes_left();
+  }
+
+ private:
+  /// Valid until the next call.
+  RowBlock next_row() {
     const PlyElement& vertex = ply_.vertex();
     std::string_view line = need_line(vertex, row_);
     for (std::size_t p = 0; p < values_.size(); ++p) {
@@ -72,13 +85,6 @@ class AsciiRows {
     return {reinterpret_cast<const char*>(values_.data()), values_.size() * sizeof(double), 1};
   }
 
-  /// Behind the last row: walks over the other elements; returns the bytes left.
-  std::uint64_t finish() {
-    skip(ply_.vertex_index + 1, ply_.header.elements.size());
-    return lines_.bytes_left();
-  }
-
- private:
   std::string_view need_line(const PlyElement& element, std::uint64_t row) {
     const auto line = lines_.next();
     if (!line) {
@@ -102,50 +108,8 @@ class AsciiRows {
   std::uint64_t row_ = 0;
 };
 
-/// Decodes what AsciiRows::next() returns.
-PlyDecoder decoder_of_doubles(PlyElement vertex) {
-  for (PlyProperty& property : vertex.properties) property.type = PlyType::kFloat64;
-  return {vertex, kNativeOrder};
-}
-
-/// The origin of wide positions, for which all rows are read.
-Eigen::Vector3d find_origin(const PlyScene& ply, const Progress& progress) {
-  const std::uint64_t count = ply.vertex().count;
-  const PlyDecoder decoder = decoder_of_doubles(ply.vertex());
-  AsciiRows rows(ply);
-  OriginSurvey survey(count);
-  for (std::uint64_t k = 0; k < count; ++k) {
-    survey.add(k, decoder.position(rows.next().bytes));
-    if ((k + 1) % SceneReader::kChunk == 0 || k + 1 == count)
-      report(progress, kSurveyStage, static_cast<double>(k + 1) / static_cast<double>(count));
-  }
-  return survey.origin();
-}
-
-class AsciiPlyReader final : public SceneReader {
- public:
-  AsciiPlyReader(PlyScene ply, GaussianScene description, const Progress& progress)
-      : SceneReader(std::move(description), ply.vertex().count, progress), ply_(std::move(ply)) {}
-
- private:
-  void read(std::uint64_t /*first*/, GaussianScene& chunk) override {
-    decoder_.size_optional(chunk);
-    for (std::size_t k = 0; k < chunk.size(); ++k) decoder_.decode(rows_.next(), chunk, k);
-  }
-
-  std::uint64_t read_end() override { return rows_.finish(); }
-
-  PlyScene ply_;
-  PlyDecoder decoder_ = decoder_of_doubles(ply_.vertex());
-  AsciiRows rows_{ply_};
-};
-
 }  // namespace
 
-std::unique_ptr<SceneReader> open_ascii_ply(PlyScene ply, const Progress& progress) {
-  GaussianScene description = ply.describe();
-  if (ply.layout.wide_positions) description.origin = find_origin(ply, progress);
-  return std::make_unique<AsciiPlyReader>(std::move(ply), std::move(description), progress);
-}
+std::unique_ptr<PlyRows> open_ascii_rows(const PlyScene& ply) { return std::make_unique<AsciiRows>(ply); }
 
 }  // namespace palpate

@@ -1,12 +1,8 @@
-#include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 
 #include <palpate/base/error.h>
-#include <palpate/scene/origin_survey.h>
-#include <palpate/scene/ply_scene.h>
-#include <palpate/scene/row_reader.h>
+#include <palpate/scene/ply_rows.h>
 
 namespace palpate {
 namespace {
@@ -89,58 +85,33 @@ std::uint64_t find_rows(const PlyScene& ply) {
   return offset;
 }
 
-/// The origin of wide positions, for which all rows are read. `offset` is where they begin.
-Eigen::Vector3d find_origin(const PlyScene& ply, std::uint64_t offset, const Progress& progress) {
-  const std::uint64_t count = ply.vertex().count;
-  const PlyDecoder decoder(ply.vertex(), byte_order(ply.header));
-  RowReader rows(ply.file, offset, *ply.vertex().stride());
-  OriginSurvey survey(count);
-  for (std::uint64_t first = 0; first < count; first += SceneReader::kChunk) {
-    const std::size_t n = std::min<std::uint64_t>(SceneReader::kChunk, count - first);
-    rows.read(first, n, [&](const RowBlock& block, std::size_t at) {
-      for (std::size_t k = 0; k < block.count; ++k) {
-        survey.add(first + at + k, decoder.position(block.row(k)));
-      }
-    });
-    report(progress, kSurveyStage, static_cast<double>(first + n) / static_cast<double>(count));
-  }
-  return survey.origin();
-}
-
-class BinaryPlyReader final : public SceneReader {
+class BinaryRows final : public PlyRows {
  public:
-  BinaryPlyReader(PlyScene ply, GaussianScene description, std::uint64_t offset, const Progress& progress)
-      : SceneReader(std::move(description), ply.vertex().count, progress),
-        ply_(std::move(ply)),
-        end_(offset + count() * *ply_.vertex().stride()),
-        decoder_(ply_.vertex(), byte_order(ply_.header)),
-        rows_(ply_.file, offset, *ply_.vertex().stride()) {}
+  explicit BinaryRows(const PlyScene& ply)
+      : ply_(ply), offset_(find_rows(ply)), reader_(ply.file, offset_, *ply.vertex().stride()) {}
+
+  PlyDecoder decoder() const override { return {ply_.vertex(), byte_order(ply_.header)}; }
+
+  void next(std::size_t n, const RowReader::Decode& decode) override {
+    reader_.read(done_, n, decode);
+    done_ += n;
+  }
+
+  std::uint64_t finish() override {
+    const std::uint64_t end = offset_ + ply_.vertex().count * *ply_.vertex().stride();
+    const ElementSkipper skipper(ply_.file, ply_.header);
+    return ply_.file.size() - skipper.skip(ply_.vertex_index + 1, ply_.header.elements.size(), end);
+  }
 
  private:
-  void read(std::uint64_t first, GaussianScene& chunk) override {
-    decoder_.size_optional(chunk);
-    rows_.read(first, chunk.size(),
-               [&](const RowBlock& block, std::size_t at) { decoder_.decode(block, chunk, at); });
-  }
-
-  std::uint64_t read_end() override {
-    const ElementSkipper skipper(ply_.file, ply_.header);
-    return ply_.file.size() - skipper.skip(ply_.vertex_index + 1, ply_.header.elements.size(), end_);
-  }
-
-  PlyScene ply_;
-  std::uint64_t end_;  ///< byte after the last row
-  PlyDecoder decoder_;
-  RowReader rows_;
+  const PlyScene& ply_;
+  std::uint64_t offset_;  ///< of the first row
+  RowReader reader_;
+  std::uint64_t done_ = 0;  ///< rows
 };
 
 }  // namespace
 
-std::unique_ptr<SceneReader> open_binary_ply(PlyScene ply, const Progress& progress) {
-  const std::uint64_t offset = find_rows(ply);
-  GaussianScene description = ply.describe();
-  if (ply.layout.wide_positions) description.origin = find_origin(ply, offset, progress);
-  return std::make_unique<BinaryPlyReader>(std::move(ply), std::move(description), offset, progress);
-}
+std::unique_ptr<PlyRows> open_binary_rows(const PlyScene& ply) { return std::make_unique<BinaryRows>(ply); }
 
 }  // namespace palpate

@@ -15,6 +15,8 @@ PlyField operator+(PlyField field, int k) {
   return static_cast<PlyField>(static_cast<std::size_t>(field) + static_cast<std::size_t>(k));
 }
 
+PlyField field_of(std::size_t material) { return kFirstMaterial + static_cast<int>(material); }
+
 }  // namespace
 
 PlyDecoder::PlyDecoder(const PlyElement& vertex, ByteOrder order) : order_(order) {
@@ -68,6 +70,19 @@ void PlyDecoder::decode(const RowBlock& rows, GaussianScene& chunk, std::size_t 
   for (int i = 0; i < 4; ++i) read(kRot0 + i, [&](std::size_t k) -> float& { return chunk.rotation[k][i]; });
   read(kOpacity, [&](std::size_t k) -> float& { return chunk.opacity[k]; });
   if (has(kFilter)) read(kFilter, [&](std::size_t k) -> float& { return chunk.filter_3d[k]; });
+}
+
+void PlyDecoder::size(PlyMaterials& materials, std::size_t rows) const {
+  for (std::size_t p = 0; p < kMaterialPropertyCount; ++p)
+    if (has(field_of(p))) materials.values[p].resize(rows);
+}
+
+void PlyDecoder::decode(const RowBlock& rows, PlyMaterials& materials, std::size_t at) const {
+  for (std::size_t p = 0; p < kMaterialPropertyCount; ++p) {
+    if (!has(field_of(p))) continue;
+    float* const values = materials.values[p].data() + at;
+    for_each(field_of(p), rows, [&](std::size_t k, double value) { values[k] = static_cast<float>(value); });
+  }
 }
 
 Eigen::Vector3d PlyDecoder::position(const char* row) const {

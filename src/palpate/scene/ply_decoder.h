@@ -12,6 +12,7 @@
 #include <palpate/scene/gaussian_scene.h>
 #include <palpate/scene/ply_header.h>
 #include <palpate/scene/ply_layout.h>
+#include <palpate/scene/ply_materials.h>
 #include <palpate/scene/row_reader.h>
 
 namespace palpate {
@@ -29,6 +30,11 @@ class PlyDecoder {
   /// Puts the rows into the Gaussians `at`, at + 1, ... of `chunk`, but for their ids. Positions become
   /// relative to chunk.origin. Values wider than single precision are rounded to it.
   void decode(const RowBlock& rows, GaussianScene& chunk, std::size_t at) const;
+
+  /// Sizes the arrays of `materials` that the file has something for.
+  void size(PlyMaterials& materials, std::size_t rows) const;
+  /// Puts the rows into `materials`, from row `at` on.
+  void decode(const RowBlock& rows, PlyMaterials& materials, std::size_t at) const;
 
   /// The position in one row, as the file has it.
   Eigen::Vector3d position(const char* row) const;

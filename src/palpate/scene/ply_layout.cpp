@@ -74,6 +74,8 @@ PlyLayout check_layout(const std::string& path, const PlyElement& vertex) {
   layout.sh_degree = find_sh_degree(path, vertex);
   layout.variant = has(vertex, kFilter) ? "Mip-Splatting" : has(vertex, kScale2) ? "INRIA" : "2DGS";
   layout.wide_positions = is_wide(vertex, kX) || is_wide(vertex, kY) || is_wide(vertex, kZ);
+  for (const MaterialPropertyFormat& property : kMaterialProperties)
+    if (vertex.find(property.name)) layout.materials.push_back(property.name);
   return layout;
 }
 

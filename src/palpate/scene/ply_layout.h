@@ -5,7 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
+#include <palpate/scene/material_properties.h>
 #include <palpate/scene/ply_header.h>
 
 namespace palpate {
@@ -27,18 +29,36 @@ enum PlyField : std::size_t {
   kRed,
   kGreen,
   kBlue,
-  kPlyFieldCount
+  kFirstMaterial,  ///< and the others, by MaterialProperty
+  kPlyFieldCount = kFirstMaterial + kMaterialPropertyCount
 };
 
 /// Their names, by PlyField.
 inline constexpr std::array<const char*, kPlyFieldCount> kPlyFieldNames{
-    "x",     "y",     "z",       "scale_0",   "scale_1", "scale_2", "rot_0", "rot_1",
-    "rot_2", "rot_3", "opacity", "filter_3D", "f_dc_0",  "f_dc_1",  "f_dc_2"};
+    "x",
+    "y",
+    "z",
+    "scale_0",
+    "scale_1",
+    "scale_2",
+    "rot_0",
+    "rot_1",
+    "rot_2",
+    "rot_3",
+    "opacity",
+    "filter_3D",
+    "f_dc_0",
+    "f_dc_1",
+    "f_dc_2",
+    kMaterialProperties[kMaterialStiffness].name,
+    kMaterialProperties[kMaterialFriction].name,
+    kMaterialProperties[kMaterialDamping].name};
 
 struct PlyLayout {
   std::string variant;  ///< "INRIA", "2DGS" or "Mip-Splatting"
   int sh_degree = 0;
-  bool wide_positions = false;  ///< a position may not fit single precision
+  bool wide_positions = false;         ///< a position may not fit single precision
+  std::vector<const char*> materials;  ///< the names of the material properties that are there
 };
 
 /// Checks that `vertex` has the properties of a Gaussian splatting scene, see ply_reader.h.

@@ -1,50 +1,58 @@
 #include <palpate/scene/ply_reader.h>
 
-#include <limits>
+#include <algorithm>
 #include <utility>
 
-#include <palpate/base/error.h>
-#include <palpate/scene/ply_layout.h>
+#include <palpate/scene/origin_survey.h>
+#include <palpate/scene/ply_rows.h>
 #include <palpate/scene/ply_scene.h>
 
 namespace palpate {
 namespace {
 
-/// The index of the element `vertex`.
-std::size_t find_vertex(const InputFile& file, const PlyHeader& header) {
-  for (std::size_t i = 0; i < header.elements.size(); ++i) {
-    const PlyElement& element = header.elements[i];
-    if (element.name != "vertex") continue;
-    if (element.count == 0)
-      throw Error("{}: holds no Gaussians ('element vertex 0'); train or export it again", file.path());
-    if (element.count > std::numeric_limits<std::uint32_t>::max()) {
-      throw Error(
-          "{}: claims {} Gaussians, more than 32-bit ids can count; the header is wrong or the file must be "
-          "split",
-          file.path(), element.count);
-    }
-    return i;
+/// The origin of wide positions, for which all rows are read.
+Eigen::Vector3d find_origin(const PlyScene& ply, const Progress& progress) {
+  const std::uint64_t count = ply.vertex().count;
+  const auto rows = open_rows(ply);
+  const PlyDecoder decoder = rows->decoder();
+  OriginSurvey survey(count);
+  for (std::uint64_t first = 0; first < count; first += SceneReader::kChunk) {
+    const std::size_t n = std::min<std::uint64_t>(SceneReader::kChunk, count - first);
+    rows->next(n, [&](const RowBlock& block, std::size_t at) {
+      for (std::size_t k = 0; k < block.count; ++k)
+        survey.add(first + at + k, decoder.position(block.row(k)));
+    });
+    report(progress, kSurveyStage, static_cast<double>(first + n) / static_cast<double>(count));
   }
-  throw Error("{}: has no element 'vertex'; it is not a Gaussian splatting scene", file.path());
+  return survey.origin();
 }
+
+class PlyReader final : public SceneReader {
+ public:
+  PlyReader(PlyScene ply, GaussianScene description, const Progress& progress)
+      : SceneReader(std::move(description), ply.vertex().count, progress), ply_(std::move(ply)) {}
+
+ private:
+  void read(std::uint64_t /*first*/, GaussianScene& chunk) override {
+    decoder_.size_optional(chunk);
+    rows_->next(chunk.size(),
+                [&](const RowBlock& block, std::size_t at) { decoder_.decode(block, chunk, at); });
+  }
+
+  std::uint64_t read_end() override { return rows_->finish(); }
+
+  PlyScene ply_;
+  std::unique_ptr<PlyRows> rows_ = open_rows(ply_);
+  PlyDecoder decoder_ = rows_->decoder();
+};
 
 }  // namespace
 
-GaussianScene PlyScene::describe() const {
-  GaussianScene scene;
-  scene.source = file.path();
-  scene.sh_degree = layout.sh_degree;
-  scene.format =
-      fmt::format("{} .ply, {}, SH degree {}", layout.variant, to_string(header.encoding), scene.sh_degree);
-  return scene;
-}
-
 std::unique_ptr<SceneReader> open_ply(InputFile file, const Progress& progress) {
-  PlyHeader header = read_ply_header(file);
-  const std::size_t vertex = find_vertex(file, header);
-  PlyLayout layout = check_layout(file.path(), header.elements[vertex]);
-  const auto open = header.encoding == PlyEncoding::kAscii ? open_ascii_ply : open_binary_ply;
-  return open({std::move(file), std::move(header), vertex, std::move(layout)}, progress);
+  PlyScene ply = read_ply_scene(std::move(file));
+  GaussianScene description = ply.describe();
+  if (ply.layout.wide_positions) description.origin = find_origin(ply, progress);
+  return std::make_unique<PlyReader>(std::move(ply), std::move(description), progress);
 }
 
 GaussianScene read_ply(InputFile file, const Progress& progress) {

@@ -21,6 +21,8 @@ namespace palpate {
 ///     filter_3D                Mip-Splatting's 3D filter, applied by GaussianScene::gaussian()
 ///     f_dc_0 .. f_dc_2         SH constant term, for colour
 ///     f_rest_0 ..              higher SH: counted, not kept; the count must be that of a degree
+///     stiffness friction
+///     damping                  what it is made of; left to read_ply_materials()
 ///     anything else            ignored (nx ny nz among them)
 ///
 /// Other elements are skipped, before and after; bytes after the data are counted. Values wider

@@ -1,17 +1,13 @@
 /// \file
-/// A .ply whose header is that of a Gaussian splatting scene, and the readers of its data.
+/// A .ply whose header is that of a Gaussian splatting scene.
 #pragma once
 
-#include <cstdint>
-#include <memory>
+#include <cstddef>
 
 #include <palpate/base/file.h>
-#include <palpate/base/progress.h>
 #include <palpate/scene/gaussian_scene.h>
-#include <palpate/scene/ply_decoder.h>
 #include <palpate/scene/ply_header.h>
 #include <palpate/scene/ply_layout.h>
-#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 
@@ -27,9 +23,7 @@ struct PlyScene {
   GaussianScene describe() const;
 };
 
-/// Checks everything that can be checked without reading the Gaussians, unless positions are wide.
-/// \throws Error for data before `vertex` that are broken, or too little data for its rows.
-std::unique_ptr<SceneReader> open_binary_ply(PlyScene ply, const Progress& progress);
-std::unique_ptr<SceneReader> open_ascii_ply(PlyScene ply, const Progress& progress);
+/// Reads the header. \throws Error if it is broken or not that of a scene of at least one Gaussian.
+PlyScene read_ply_scene(InputFile file);
 
 }  // namespace palpate

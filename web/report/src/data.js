@@ -142,7 +142,7 @@ export function parseRun(text) {
     title: textOr(json?.title, 'Run'),
     generator: textOr(json?.generator, ''),
     summary: parseSummary(json?.summary),
-    semiAxes: vector3(json?.tool?.semi_axes),
+    tool: toolParts(json?.tool),
     rows,
     col,
     x,
@@ -154,6 +154,18 @@ export function parseRun(text) {
     hasUserForce: userForceColumns.some((name) => hasValue(col[name])),
     hasTorque: torqueColumns.some((name) => hasNonZero(col[name])),
   };
+}
+
+/// The ellipsoids of the tool in its own frame: semi-axes, position, and orientation as x, y, z, w. Null if the
+/// tool is not known.
+function toolParts(json) {
+  if (!Array.isArray(json)) return null;
+  const parts = json.map((part) => {
+    const [w, ...xyz] = part?.orientation ?? [];
+    const orientation = [...xyz, w].every(isNumber) && xyz.length === 3 ? [...xyz, w] : null;
+    return { semiAxes: vector3(part?.semi_axes), position: vector3(part?.position), orientation };
+  });
+  return parts.every((p) => p.semiAxes && p.position && p.orientation) && parts.length > 0 ? parts : null;
 }
 
 /// [x, y, z] of the tool centre in a row, or null.

@@ -200,16 +200,22 @@ function unitSphereRings() {
   return new Float32Array(vertices);
 }
 
-/// The tool as a wireframe ellipsoid with a dot at its centre, over everything else: it must be
+/// The tool as wireframe ellipsoids with a dot at its handle, over everything else: it must be
 /// seen inside the surface it touches, and from afar.
-export function toolMarker(semiAxes) {
+export function toolMarker(parts) {
   const onTop = { depthTest: false, depthWrite: false, transparent: true };
-  const rings = new LineSegments(geometryOf(unitSphereRings(), null, false),
-    themed(new LineBasicMaterial({ ...onTop, opacity: 0.85 }), '--tool'));
-  rings.scale.set(...semiAxes);
+  const sphere = geometryOf(unitSphereRings(), null, false);
+  const material = themed(new LineBasicMaterial({ ...onTop, opacity: 0.85 }), '--tool');
+  const rings = parts.map(({ semiAxes, position, orientation }) => {
+    const ellipsoid = new LineSegments(sphere, material);
+    ellipsoid.scale.set(...semiAxes);
+    ellipsoid.position.set(...position);
+    ellipsoid.quaternion.set(...orientation);
+    return ellipsoid;
+  });
   const dot = new Points(geometryOf(new Float32Array(3), null, false),
     themed(pointsMaterial({ ...onTop, size: 8, sizeAttenuation: false }), '--tool'));
-  const marker = new Group().add(rings, dot);
+  const marker = new Group().add(...rings, dot);
   marker.traverse((part) => { part.renderOrder = 10; });
   return marker;
 }

@@ -81,6 +81,11 @@ function createLabels(host, run) {
   };
 }
 
+// How far the tool reaches from its handle.
+function toolReach(parts) {
+  return Math.max(...parts.map(({ semiAxes, position }) => Math.hypot(...position) + Math.max(...semiAxes)));
+}
+
 class View {
   available = true;
   #scene = new Scene();
@@ -113,10 +118,10 @@ class View {
       const position = toolPosition(run, row);
       if (position) { rows.push(row); positions.push(position); }
     }
-    Object.assign(this, frame(run, positions, run.semiAxes ? Math.max(...run.semiAxes) : 0));
+    Object.assign(this, frame(run, positions, run.tool ? toolReach(run.tool) : 0));
     this.extent = diagonal(this.box) || 1;
     this.gridStep = niceFloor(this.extent / 6);
-    const axes = run.semiAxes ?? Array(3).fill(markerShare * this.extent);
+    const ball = { semiAxes: Array(3).fill(markerShare * this.extent), position: [0, 0, 0], orientation: [0, 0, 0, 1] };
     const { contacts } = run;
     this.layers = {
       Scene: run.scene && sceneCloud(run.scene, this.extent, 1 / halfHeight),
@@ -124,7 +129,7 @@ class View {
       Contacts: contacts.length > 0 ? contactPoints(contacts) : null,
       Normals: contactNormals(contacts, normalShare * this.extent),
     };
-    this.marker = toolMarker(axes);
+    this.marker = toolMarker(run.tool ?? [ball]);
     const grid = floorGrid(this.box, this.gridStep, this.box.min[2]);
     this.#scene.add(grid, this.marker, ...Object.values(this.layers).filter(Boolean));
   }

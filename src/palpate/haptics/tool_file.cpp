@@ -1,0 +1,48 @@
+#include <palpate/haptics/tool_file.h>
+
+#include <utility>
+
+#include <palpate/base/error.h>
+#include <palpate/base/toml_file.h>
+
+namespace palpate {
+namespace {
+
+Eigen::Quaterniond orientation_of(const TomlValue& value) {
+  const auto q = value.numbers<4>();
+  const Eigen::Quaterniond orientation(q[0], q[1], q[2], q[3]);
+  if (!(orientation.norm() > 1e-6 && orientation.norm() < 1e6))
+    throw value.must_be("a quaternion qw, qx, qy, qz that is not zero");
+  return orientation.normalized();
+}
+
+ToolPart part_of(TomlTable table) {
+  ToolPart part;
+  part.name = table.at("name").text();
+  const auto a = table.at("semi_axes").numbers<3>(kMinToolAxis, kMaxToolAxis);
+  part.semi_axes = {a[0], a[1], a[2]};
+  if (const auto position = table.find("position")) {
+    const auto p = position->numbers<3>(-kMaxToolAxis, kMaxToolAxis);
+    part.pose.position = {p[0], p[1], p[2]};
+  }
+  if (const auto orientation = table.find("orientation"))
+    part.pose.orientation = orientation_of(*orientation);
+  table.refuse_others();
+  return part;
+}
+
+}  // namespace
+
+Tool read_tool(const std::string& path) {
+  const TomlFile file(path);
+  TomlTable root = file.root();
+  const TomlValue ellipsoids = root.at("ellipsoid");
+  root.refuse_others();
+  std::vector<ToolPart> parts;
+  for (const TomlTable& table : ellipsoids.tables()) parts.push_back(part_of(table));
+  if (parts.empty() || parts.size() > kMaxToolParts)
+    throw Error("{}: has {} ellipsoids; a tool has 1 to {}", path, parts.size(), kMaxToolParts);
+  return Tool(std::move(parts));
+}
+
+}  // namespace palpate

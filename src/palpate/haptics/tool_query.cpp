@@ -1,0 +1,46 @@
+#include <palpate/haptics/tool_query.h>
+
+#include <palpate/base/append.h>
+
+namespace palpate {
+namespace {
+
+/// `ask(part, solid, result)` has the contacts of one part.
+template <class Ask>
+void query_parts(const Tool& tool, const Pose& pose, const Ask& ask, ContactSet& of_part,
+                 ContactSet& result) {
+  const auto parts = tool.parts();
+  ask(0, parts[0].at(pose), result);
+  for (std::uint32_t k = 1; k < parts.size(); ++k) {
+    ask(k, parts[k].at(pose), of_part);
+    for (Contact& contact : of_part.contacts) contact.part = k;
+    result.candidates += of_part.candidates;
+    result.filtered += of_part.filtered;
+    append(result.contacts, of_part.contacts);
+  }
+}
+
+}  // namespace
+
+void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, ContactSet& result) {
+  ContactSet of_part;
+  const auto ask = [&](std::size_t, const Ellipsoid& solid, ContactSet& found) {
+    contacts.query(solid, found);
+  };
+  query_parts(tool, pose, ask, of_part, result);
+}
+
+ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision, std::size_t room)
+    : tool_(tool) {
+  for (std::size_t k = 0; k < tool.parts().size(); ++k) trackers_.emplace_back(index, precision);
+  of_part_.contacts.reserve(room);
+}
+
+void ToolTracker::query(const Pose& pose, ContactSet& result) {
+  const auto ask = [&](std::size_t part, const Ellipsoid& solid, ContactSet& found) {
+    trackers_[part].query(solid, found);
+  };
+  query_parts(tool_, pose, ask, of_part_, result);
+}
+
+}  // namespace palpate

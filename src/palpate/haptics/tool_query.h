@@ -1,0 +1,33 @@
+/// \file
+/// The contacts of a tool of many ellipsoids.
+#pragma once
+
+#include <deque>
+
+#include <palpate/collision/contact_tracker.h>
+#include <palpate/haptics/tool.h>
+
+namespace palpate {
+
+/// Replaces `result` by the contacts of all parts of `tool` at `pose`, part by part (Contact::part); counts
+/// are sums. A Gaussian that two parts touch is there twice. Takes memory from the heap if there are many
+/// parts.
+void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, ContactSet& result);
+
+/// The same for a tool that moves little from tick to tick; see ContactTracker.
+class ToolTracker {
+ public:
+  /// `index` must outlive it. Makes room for `room` contacts; more take memory from the heap.
+  ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision = Precision::kDouble,
+              std::size_t room = 4096);
+
+  /// As query(), of the tool at `pose`.
+  void query(const Pose& pose, ContactSet& result);
+
+ private:
+  Tool tool_;
+  std::deque<ContactTracker> trackers_;  ///< one a part; they cannot be moved
+  ContactSet of_part_;
+};
+
+}  // namespace palpate
