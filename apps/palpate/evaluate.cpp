@@ -1,11 +1,11 @@
 // palpate evaluate: force models against surfaces that are known exactly.
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,9 +13,10 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
-#include <palpate/haptics/evaluation.h>
 
 #include "command.h"
+#include "evaluate_page.h"
+#include "evaluate_table.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -34,105 +35,13 @@ struct Options {
   double tilt_degrees = 10.0;
   int scenes = 2;
   int places = 40;
+  int pushes = 100;
   std::uint64_t seed = 1;
-  std::string csv;
+  std::string csv, html, svg;
 };
 
-/// One line of the table.
-struct Row {
-  std::string shape, model;
-  double spacing;
-  Evaluation figures;
-};
-
-/// A figure of a row: its name in CSV and JSON, its heading, how it is printed, and what it is.
-struct Column {
-  const char* name;
-  const char* heading;
-  const char* format;
-  double (*value)(const Evaluation&);
-};
-
-constexpr double kToMm = 1e3;
-
-const std::vector<Column>& columns() {
-  using E = Evaluation;
-  static const std::vector<Column> all{
-      {"direction_p50_deg", "dir p50", "{:.1f}", [](const E& e) { return e.direction.p50; }},
-      {"direction_p95_deg", "p95", "{:.1f}", [](const E& e) { return e.direction.p95; }},
-      {"direction_p99_deg", "p99", "{:.1f}", [](const E& e) { return e.direction.p99; }},
-      {"magnitude_p05", "F/kd p5", "{:.2f}", [](const E& e) { return e.magnitude.p05; }},
-      {"magnitude_p50", "p50", "{:.2f}", [](const E& e) { return e.magnitude.p50; }},
-      {"magnitude_p95", "p95", "{:.2f}", [](const E& e) { return e.magnitude.p95; }},
-      {"onset_p50_mm", "onset mm", "{:.2f}", [](const E& e) { return kToMm * e.onset.p50; }},
-      {"ripple_p50", "ripple p50", "{:.3f}", [](const E& e) { return e.ripple.p50; }},
-      {"ripple_p95", "p95", "{:.3f}", [](const E& e) { return e.ripple.p95; }},
-      {"jump_max_n", "jump N", "{:.3f}", [](const E& e) { return e.jump.max; }},
-      {"loop_p50", "loop p50", "{:.1e}", [](const E& e) { return e.loop.p50; }},
-      {"loop_max", "max", "{:.1e}", [](const E& e) { return e.loop.max; }},
-      {"silent", "silent", "{:.0f}", [](const E& e) { return static_cast<double>(e.silent); }},
-      {"flipped", "flipped", "{:.0f}", [](const E& e) { return static_cast<double>(e.flipped); }},
-      {"pushes", "pushes", "{:.0f}", [](const E& e) { return static_cast<double>(e.pushes); }},
-      {"through", "through", "{:.0f}", [](const E& e) { return static_cast<double>(e.through); }},
-      {"tick_p50_us", "tick us p50", "{:.1f}", [](const E& e) { return e.tick.p50; }},
-      {"tick_p99_us", "p99", "{:.1f}", [](const E& e) { return e.tick.p99; }}};
-  return all;
-}
-
-/// The text of a figure, or a dash where there is none.
-std::string text_of(const Column& column, const Evaluation& figures) {
-  const double value = column.value(figures);
-  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
-}
-
-/// Of a column of the table, in characters.
-std::size_t width_of(const Column& column) {
-  constexpr std::size_t kNarrowest = 7;
-  return std::max(kNarrowest, std::string_view(column.heading).size());
-}
-
-void print_text(const std::vector<Row>& rows) {
-  fmt::print("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
-  for (const Column& c : columns()) fmt::print(" {:>{}}", c.heading, width_of(c));
-  fmt::print("\n");
-  for (const Row& row : rows) {
-    fmt::print("{:<9} {:>4.1f} mm {:<8}", row.shape, kToMm * row.spacing, row.model);
-    for (const Column& c : columns()) fmt::print(" {:>{}}", text_of(c, row.figures), width_of(c));
-    fmt::print("\n");
-  }
-}
-
-Json to_json(const std::vector<Row>& rows) {
-  Json json = Json::array();
-  for (const Row& row : rows) {
-    Json one{{"shape", row.shape}, {"spacing_m", row.spacing}, {"model", row.model}};
-    for (const Column& c : columns()) {
-      const double value = c.value(row.figures);
-      one[c.name] = std::isnan(value) ? Json() : Json(value);
-    }
-    json.push_back(std::move(one));
-  }
-  return json;
-}
-
-void write_csv(const std::vector<Row>& rows, const std::string& path) {
-  std::string text = "shape,spacing_m,model";
-  for (const Column& c : columns()) text += fmt::format(",{}", c.name);
-  text += '\n';
-  for (const Row& row : rows) {
-    text += fmt::format("{},{},{}", row.shape, row.spacing, row.model);
-    for (const Column& c : columns()) {
-      const double value = c.value(row.figures);
-      text += std::isnan(value) ? "," : fmt::format(",{}", value);
-    }
-    text += '\n';
-  }
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
-Row evaluate_one(const Options& options, const std::string& shape, double spacing, const std::string& model) {
+EvaluationSetup setup_of(const Options& options, const std::string& shape, double spacing,
+                         const std::string& model) {
   EvaluationSetup setup;
   setup.shape = shape;
   setup.scene.seed = options.seed;
@@ -141,68 +50,174 @@ Row evaluate_one(const Options& options, const std::string& shape, double spacin
   setup.scene.tilt = options.tilt_degrees * std::numbers::pi / 180.0;
   setup.scenes = static_cast<std::size_t>(options.scenes);
   setup.places = static_cast<std::size_t>(options.places);
+  setup.pushes = static_cast<std::size_t>(options.pushes);
   setup.seed = options.seed;
   setup.tool = options.query.tool;
   if (model != "density") setup.stiffness = options.force.proxy.stiffness;
+  if (model == "proxy") setup.friction = options.force.proxy.friction;
   ForceOptions force = options.force;
   force.model = model;
-  setup.model = [&force, &setup](const SceneIndex& index) { return force.build(index, setup.tool); };
-  return {shape, model, spacing, evaluate(setup)};
+  setup.model = [force](const SceneIndex& index, const Tool& tool, double friction) {
+    ForceOptions rubbing = force;
+    rubbing.proxy.friction = friction;
+    return rubbing.build(index, tool);
+  };
+  return setup;
+}
+
+EvaluationRow measure(const EvaluationSetup& setup, const std::string& model, const Progress& progress) {
+  EvaluationRow row{setup.shape, model, *setup.scene.spacing, evaluate(setup, progress)};
+  if (setup.friction > 0.0) row.friction_at = friction_response(setup, {0.1, 0.2, 0.3, 0.5, 0.8});
+  if (setup.shape == "box") row.edge = edge_response(setup);
+  if (setup.shape != "step") return row;
+  row.step = step_response(setup);
+  EvaluationSetup clean = setup;
+  clean.scene.noise = clean.scene.tilt = 0.0;
+  row.clean_step = step_response(clean);
+  return row;
+}
+
+/// Holds the forces of every row against those at the first spacing.
+void compare_densities(std::vector<EvaluationRow>& rows, double first_spacing) {
+  for (EvaluationRow& row : rows) {
+    if (row.spacing == first_spacing) continue;
+    for (const EvaluationRow& first : rows) {
+      if (first.shape == row.shape && first.model == row.model && first.spacing == first_spacing)
+        row.denser = force_ratio(row.figures, first.figures);
+    }
+  }
+}
+
+std::vector<EvaluationRow> measure_all(const Options& options) {
+  const Progress progress = terminal_progress(options.common.quiet);
+  const auto total =
+      static_cast<double>(options.shapes.size() * options.spacings.size() * options.models.size());
+  std::vector<EvaluationRow> rows;
+  const Progress of_row = [&](std::string_view stage, double fraction) {
+    report(progress, stage, (static_cast<double>(rows.size()) + 0.999 * fraction) / total);
+  };
+  for (const std::string& shape : options.shapes) {
+    for (const double spacing : options.spacings) {
+      for (const std::string& model : options.models)
+        rows.push_back(measure(setup_of(options, shape, spacing, model), model, of_row));
+    }
+  }
+  report(progress, "evaluating", 1.0);
+  compare_densities(rows, options.spacings.front());
+  return rows;
+}
+
+std::string tool_text(const Tool& tool) {
+  if (tool.parts().size() > 1) return fmt::format("A tool of {} ellipsoids", tool.parts().size());
+  const Eigen::Vector3d mm = 1e3 * tool.parts().front().semi_axes;
+  return fmt::format("A tool of {:.3g} x {:.3g} x {:.3g} mm (semi-axes)", mm.x(), mm.y(), mm.z());
+}
+
+std::string setup_text(const Options& options) {
+  return fmt::format(
+      "{} feels surfaces whose truth is known, made of "
+      "Gaussians that are displaced by {:.3g} mm and tilted by {:.3g} degrees (standard deviations). {} "
+      "scenes of each, seeds from {}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
+      tool_text(options.query.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
+      options.places, options.pushes, options.force.proxy.stiffness);
+}
+
+/// A file that is opened before the work, so that it is not in vain, and written after it; or none.
+class Result {
+ public:
+  explicit Result(const std::string& path) : path_(path) {
+    if (!path.empty()) file_.emplace(path);
+  }
+
+  void write(const std::string& bytes, std::vector<std::string>& written) {
+    if (!file_) return;
+    file_->write(bytes);
+    file_->commit();
+    written.push_back(path_);
+  }
+
+ private:
+  std::string path_;
+  std::optional<OutputFile> file_;
+};
+
+void write_figures(const std::vector<Plot>& figures, const std::string& folder,
+                   std::vector<std::string>& written) {
+  for (const Plot& plot : figures) {
+    const auto path = std::filesystem::path(folder) / fmt::format("evaluate-{}.svg", plot.name);
+    write_file(path.string(), plot_document(plot));
+    written.push_back(path.string());
+  }
 }
 
 void run(const Options& options) {
   check_output(options.csv, {options.common.config}, "--csv");
-  const Progress progress = terminal_progress(options.common.quiet);
-  const std::size_t total = options.shapes.size() * options.spacings.size() * options.models.size();
-  std::vector<Row> rows;
-  for (const std::string& shape : options.shapes) {
-    for (const double spacing : options.spacings) {
-      for (const std::string& model : options.models) {
-        rows.push_back(evaluate_one(options, shape, spacing, model));
-        report(progress, "evaluating", static_cast<double>(rows.size()) / static_cast<double>(total));
-      }
-    }
-  }
-  if (!options.csv.empty()) write_csv(rows, options.csv);
+  check_output(options.html, {options.common.config, options.csv}, "--html");
+  if (!options.svg.empty() && !std::filesystem::is_directory(options.svg))
+    throw Error("{}: --svg is not a folder", options.svg);
+  Result csv(options.csv), html(options.html);
+  const std::vector<EvaluationRow> rows = measure_all(options);
+  const std::vector<Plot> figures = evaluation_figures(rows, options.force.proxy.stiffness);
+  std::vector<std::string> written;
+  csv.write(evaluation_csv(rows), written);
+  html.write(evaluation_page(rows, figures, setup_text(options)), written);
+  if (!options.svg.empty()) write_figures(figures, options.svg, written);
   if (options.common.json) {
-    fmt::print("{}\n", to_json(rows).dump(2));
-  } else {
-    print_text(rows);
-    if (!options.csv.empty()) fmt::print("wrote {}\n", printable(options.csv));
+    fmt::print("{}\n", evaluation_json(rows).dump(2));
+    return;
   }
+  print_tables(rows);
+  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+}
+
+void declare_what(CLI::App& app, Options& options) {
+  const auto known = procedural_shapes();
+  app.add_option("--shapes", options.shapes, "surfaces to feel, as make-scene names them")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(known.begin(), known.end())))
+      ->capture_default_str();
+  app.add_option("--models", options.models, "force models to compare")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"proxy", "field", "density"}))
+      ->capture_default_str();
+  app.add_option("--spacings", options.spacings, "mean distances of neighbours, m")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-4, 0.1))
+      ->capture_default_str();
+  add_number(app, "--noise", options.noise, 0.0, 0.1, "m", "sd of the displacement along the normal");
+  add_number(app, "--tilt", options.tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
+}
+
+void declare_how_much(CLI::App& app, Options& options) {
+  constexpr int kMost = 100'000;
+  app.add_option("--scenes", options.scenes, "made of each, with one seed after the other")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--places", options.places, "where each is pressed and slid along, in all")
+      ->check(CLI::Range(1, kMost))
+      ->capture_default_str();
+  app.add_option("--pushes", options.pushes, "to the other side of each, every tenth at 2 m/s")
+      ->check(CLI::Range(0, kMost))
+      ->capture_default_str();
+  add_seed(app, options.seed, "of the first scene, and of the places");
 }
 
 }  // namespace
 
 Command declare_evaluate(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("evaluate", "Force models against the analytic truth: a table");
+  CLI::App* app =
+      parent.add_subcommand("evaluate", "Force models against the analytic truth: tables and figures");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common, "print the table as JSON");
-  const auto known = procedural_shapes();
-  app->add_option("--shapes", options->shapes, "surfaces to feel, as make-scene names them")
-      ->delimiter(',')
-      ->check(CLI::IsMember(std::vector<std::string>(known.begin(), known.end())))
-      ->capture_default_str();
-  app->add_option("--models", options->models, "force models to compare")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"proxy", "field", "density"}))
-      ->capture_default_str();
-  app->add_option("--spacings", options->spacings, "mean distances of neighbours, m")
-      ->delimiter(',')
-      ->check(CLI::Range(1e-4, 0.1))
-      ->capture_default_str();
-  add_number(*app, "--noise", options->noise, 0.0, 0.1, "m", "sd of the displacement along the normal");
-  add_number(*app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
-  app->add_option("--scenes", options->scenes, "made of each, with one seed after the other")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->add_option("--places", options->places, "where each is touched, in all")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  add_seed(*app, options->seed, "of the first scene, and of the places");
-  app->add_option("--csv", options->csv, "the table as CSV")->type_name("T.csv");
+  declare_common(*app, options->common, "print the tables as JSON");
+  declare_what(*app, *options);
+  declare_how_much(*app, *options);
+  app->add_option("--csv", options->csv, "all figures as CSV, a line a row")->type_name("T.csv");
+  app->add_option("--html", options->html, "tables and figures as one self-contained page")
+      ->type_name("P.html");
+  app->add_option("--svg", options->svg, "a folder, for the figures of the page as files")->type_name("DIR");
   options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
   options->query.declare_tool(*app);
+  options->force.proxy.friction = 0.3;  // measured in slides and rests of its own
   options->force.declare_parameters(*app);
   return {app, [=] { run(*options); }};
 }

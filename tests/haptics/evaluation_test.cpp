@@ -16,40 +16,59 @@ using Eigen::Vector3d;
 
 constexpr double kRadius = 0.02, kStiffness = 800.0;
 
-/// A spring, `sign` times out of the true surface, for a ball.
+/// A spring out of the true surface, for a ball, and what may be wrong with it.
+struct Knowledge {
+  double sign = 1.0;       ///< of the force
+  bool two_sided = false;  ///< out of a sheet the nearest way
+  double friction = 0.0;   ///< its own, whatever is asked for
+  double creep = 0.0;      ///< of the proxy. Unit: [m] a tick.
+};
+
 class Knowing final : public ForceModel {
  public:
-  Knowing(const std::string& shape, double sign) : surface_(make_surface(shape)), sign_(sign) {}
+  Knowing(const std::string& shape, const Knowledge& knowledge)
+      : surface_(make_surface(shape)), knows_(knowledge) {}
 
-  void reset() override {}
+  void reset() override { crept_ = 0.0; }
   ForceOutput evaluate(const ForceInput& input) override {
     const NearestPoint nearest = surface_->project(input.tool.position);
-    const double depth = kRadius - nearest.distance;
+    const double above = (input.tool.position - nearest.point).dot(nearest.normal);
+    const bool other_side = knows_.two_sided && above < 0.0;
+    const Vector3d out = other_side ? Vector3d(-nearest.normal) : nearest.normal;
+    const double depth = kRadius - (knows_.two_sided ? std::abs(above) : above);
     if (!(depth > 0.0)) return {Wrench{}, input.tool};
+    crept_ += knows_.creep;
     Pose proxy = input.tool;
-    if (sign_ > 0.0) proxy.position += depth * nearest.normal;
-    return {{sign_ * kStiffness * depth * nearest.normal, Vector3d::Zero()}, proxy};
+    if (knows_.sign > 0.0) proxy.position += depth * out + crept_ * out.unitOrthogonal();
+    const Vector3d& v = input.velocity.linear;
+    const Vector3d tangential = v - v.dot(out) * out;
+    const Vector3d drag = knows_.friction * tangential.stableNormalized();
+    return {{knows_.sign * kStiffness * depth * (out - drag), Vector3d::Zero()}, proxy};
   }
 
  private:
   std::unique_ptr<AnalyticSurface> surface_;
-  double sign_;
+  Knowledge knows_;
+  double crept_ = 0.0;
 };
 
-EvaluationSetup setup(const std::string& shape, double sign) {
+EvaluationSetup setup(const std::string& shape, const Knowledge& knowledge = {}) {
   EvaluationSetup setup;
   setup.shape = shape;
   setup.scene.spacing = 0.01;
   setup.stiffness = kStiffness;
   setup.places = 10;
-  setup.model = [=](const SceneIndex&) { return std::make_unique<Knowing>(shape, sign); };
+  setup.pushes = 10;
+  setup.model = [=](const SceneIndex&, const Tool&, double) {
+    return std::make_unique<Knowing>(shape, knowledge);
+  };
   return setup;
 }
 
 class Yardstick : public testing::TestWithParam<const char*> {};
 
 TEST_P(Yardstick, FindsNoFaultWithTheTruth) {
-  const Evaluation e = evaluate(setup(GetParam(), 1.0));
+  const Evaluation e = evaluate(setup(GetParam()));
   EXPECT_LE(e.direction.max, 1e-4);
   EXPECT_NEAR(e.magnitude.p05, 1.0, 1e-9);
   EXPECT_NEAR(e.magnitude.max, 1.0, 1e-9);
@@ -58,24 +77,153 @@ TEST_P(Yardstick, FindsNoFaultWithTheTruth) {
   EXPECT_GE(e.onset.p05, 0.0);
   EXPECT_LE(e.onset.max, 1.01e-4);  // a tick's way
   EXPECT_LE(e.ripple.max, 1e-6);
+  for (const CurvePoint& p : e.force_at)
+    EXPECT_NEAR(p.value.p50, kStiffness * p.at, kStiffness * 1.01e-4) << p.at;
+  for (const double force : e.held) EXPECT_NEAR(force, kStiffness * 0.5 * kRadius, 1e-9);
+  EXPECT_EQ(e.held.size(), 10U);
   EXPECT_EQ(e.pushes, 10U);
   EXPECT_EQ(e.through, 0U);
   EXPECT_LE(e.loop.max, 1e-6);
 }
 
 TEST_P(Yardstick, SeesAForceThatPullsIn) {
-  const Evaluation e = evaluate(setup(GetParam(), -1.0));
+  const Evaluation e = evaluate(setup(GetParam(), {.sign = -1.0}));
   EXPECT_NEAR(e.direction.p05, 180.0, 1e-3);
   EXPECT_GT(e.flipped, 1000U);
   EXPECT_EQ(e.through, e.pushes);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Yardstick, testing::Values("sphere", "cylinder", "torus", "box"));
+INSTANTIATE_TEST_SUITE_P(Shapes, Yardstick,
+                         testing::Values("sphere", "cylinder", "torus", "box", "plane", "shell", "step"));
+
+// A place near the rim of the open half sphere: what is pushed far aslant there goes around it, and is not
+// through.
+TEST(Pushes, KeepAwayFromTheBorderOfASheet) {
+  for (const char* sheet : {"plane", "shell"}) {
+    EvaluationSetup many = setup(sheet);
+    many.places = 1;
+    many.pushes = 2000;
+    many.seed = 3;
+    many.model = [=](const SceneIndex&, const Tool&, double) {
+      return std::make_unique<Knowing>(sheet, Knowledge{});
+    };
+    const Evaluation e = evaluate(many);
+    EXPECT_EQ(e.pushes, 2000U);
+    EXPECT_EQ(e.fast, 200U);
+    EXPECT_EQ(e.through, 0U);
+  }
+}
+
+TEST(Pushes, SeesASheetThatLetsThrough) {
+  for (const char* sheet : {"plane", "shell", "step"}) {
+    const Evaluation e = evaluate(setup(sheet, {.two_sided = true}));
+    EXPECT_EQ(e.through, e.pushes);
+    EXPECT_EQ(e.fast_through, e.fast);
+  }
+}
+
+// A model that feels nothing is no wall.
+TEST(Pushes, SeesThatNothingIsInTheWay) {
+  class Nothing final : public ForceModel {
+    void reset() override {}
+    ForceOutput evaluate(const ForceInput& input) override { return {Wrench{}, input.tool}; }
+  };
+  EvaluationSetup nothing = setup("sphere");
+  nothing.model = [](const SceneIndex&, const Tool&, double) { return std::make_unique<Nothing>(); };
+  const Evaluation e = evaluate(nothing);
+  EXPECT_EQ(e.through, e.pushes);
+  EXPECT_TRUE(std::isnan(e.onset.p50));
+  EXPECT_GT(e.silent, 0U);
+}
+
+TEST(Pushes, NeedASheetThatIsLargeEnough) {
+  EvaluationSetup large = setup("shell");
+  large.tool = Tool{Vector3d::Constant(0.06)};
+  EXPECT_THROW(evaluate(large), Error);
+}
+
+class Friction : public testing::TestWithParam<const char*> {};
+
+TEST_P(Friction, IsThatOfTheModelAndNotTheOneAskedFor) {
+  EvaluationSetup rubbed = setup(GetParam(), {.friction = 0.4});
+  rubbed.friction = 0.3;
+  const Evaluation e = evaluate(rubbed);
+  EXPECT_NEAR(e.friction.p05, 0.4, 2e-3);  // curved, a tick's way is not quite a tangent
+  EXPECT_NEAR(e.friction.max, 0.4, 2e-3);
+  EXPECT_NEAR(e.creep.max, 0.0, 1e-12);
+}
+
+TEST_P(Friction, SeesAProxyThatCreeps) {
+  EvaluationSetup creeping = setup(GetParam(), {.creep = 1e-7});
+  creeping.friction = 0.3;
+  creeping.places = 2;
+  EXPECT_NEAR(evaluate(creeping).creep.max, 1e-3, 1e-9);  // 10,000 ticks
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Friction, testing::Values("plane", "sphere", "torus"));
+
+TEST(Friction, IsMeasuredForEveryCoefficientAskedFor) {
+  EvaluationSetup rubbed = setup("plane");
+  rubbed.model = [](const SceneIndex&, const Tool&, double friction) {
+    return std::make_unique<Knowing>("plane", Knowledge{.friction = 0.5 * friction});
+  };
+  const Curve curve = friction_response(rubbed, {0.2, 0.6});
+  ASSERT_EQ(curve.size(), 2U);
+  EXPECT_EQ(curve[1].at, 0.6);
+  EXPECT_NEAR(curve[0].value.p50, 0.1, 1e-6);
+  EXPECT_NEAR(curve[1].value.max, 0.3, 1e-6);
+}
+
+TEST(Friction, IsNotMeasuredWhereThereIsNone) {
+  const Evaluation e = evaluate(setup("plane"));
+  EXPECT_TRUE(std::isnan(e.friction.p50));
+  EXPECT_TRUE(std::isnan(e.creep.max));
+}
+
+// Its lowest point, not its centre and not its longest axis, tells how deep a long tool is.
+TEST(Evaluation, KnowsWhereALongToolTouches) {
+  class Plane final : public ForceModel {
+    void reset() override {}
+    ForceOutput evaluate(const ForceInput& input) override {
+      const double depth = 0.03 - input.tool.position.z();
+      if (!(depth > 0.0)) return {Wrench{}, input.tool};
+      return {{kStiffness * depth * Vector3d::UnitZ(), Vector3d::Zero()}, input.tool};
+    }
+  };
+  EvaluationSetup longer = setup("plane");
+  longer.tool = Tool(Vector3d(0.02, 0.01, 0.03));
+  longer.model = [](const SceneIndex&, const Tool&, double) { return std::make_unique<Plane>(); };
+  const Evaluation e = evaluate(longer);
+  EXPECT_NEAR(e.magnitude.p05, 1.0, 1e-9);
+  EXPECT_NEAR(e.magnitude.max, 1.0, 1e-9);
+}
+
+TEST(ForceRatio, IsOneForAModelThatDoesNotCountAndTheRatioOfCountsForOneThatDoes) {
+  EvaluationSetup coarse = setup("plane"), fine = coarse;
+  fine.scene.spacing = 0.005;
+  EXPECT_DOUBLE_EQ(force_ratio(evaluate(fine), evaluate(coarse)).p50, 1.0);
+
+  class Counting final : public ForceModel {
+   public:
+    explicit Counting(std::size_t count) : count_(static_cast<double>(count)) {}
+    void reset() override {}
+    ForceOutput evaluate(const ForceInput& input) override {
+      return {{1e-3 * count_ * Vector3d::UnitZ(), Vector3d::Zero()}, input.tool};
+    }
+
+   private:
+    double count_;
+  };
+  coarse.model = fine.model = [](const SceneIndex& index, const Tool&, double) {
+    return std::make_unique<Counting>(index.size());
+  };
+  EXPECT_NEAR(force_ratio(evaluate(fine), evaluate(coarse)).p50, 4.0, 1e-9);  // 40 x 40 and 80 x 80
+}
 
 TEST(Evaluation, IsTheSameEveryTimeAndAnotherForAnotherSeed) {
-  EvaluationSetup one = setup("sphere", 1.0);
-  one.model = [](const SceneIndex& index) {
-    return std::make_unique<ProxyForce>(index, Tool{Vector3d::Constant(kRadius)});
+  EvaluationSetup one = setup("sphere");
+  one.model = [](const SceneIndex& index, const Tool& tool, double) {
+    return std::make_unique<ProxyForce>(index, tool);
   };
   one.scene.noise = 0.001;
   const Evaluation first = evaluate(one), again = evaluate(one);
@@ -86,22 +234,9 @@ TEST(Evaluation, IsTheSameEveryTimeAndAnotherForAnotherSeed) {
 }
 
 TEST(Evaluation, RefusesAToolThatFitsNowhere) {
-  EvaluationSetup large = setup("torus", 1.0);
+  EvaluationSetup large = setup("torus");
   large.tool = Tool{Vector3d::Constant(2.0)};
   EXPECT_THROW(evaluate(large), Error);
-}
-
-// A ball of 5 mm over a step of 3 mm that is sampled every 3 mm: what the default detail must leave of it.
-TEST(StepResponse, AStepIsStillAStep) {
-  ProceduralOptions scene;
-  scene.spacing = 0.003;
-  const Tool tool{Vector3d::Constant(0.005)};
-  const StepResponse response = step_response(
-      [&](const SceneIndex& index) { return std::make_unique<ProxyForce>(index, tool); }, tool, scene, 5, 1);
-  EXPECT_EQ(response.height, 0.003);
-  EXPECT_GE(response.felt.p05, 0.0024);
-  EXPECT_LE(response.felt.max, 0.0036);
-  EXPECT_LE(response.rise_over.max, 0.015);
 }
 
 }  // namespace

@@ -7,17 +7,23 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include <palpate/base/progress.h>
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/force_model.h>
+#include <palpate/haptics/spread.h>
 #include <palpate/haptics/tool.h>
 #include <palpate/scene/procedural.h>
 
 namespace palpate {
 
-/// A model that feels the scene of an index; the index outlives it.
-using ForceModelMaker = std::function<std::unique_ptr<ForceModel>(const SceneIndex&)>;
+/// A model that feels the scene of an index with a tool; the index outlives it. It has this friction, if it
+/// has any.
+using ForceModelMaker =
+    std::function<std::unique_ptr<ForceModel>(const SceneIndex&, const Tool&, double friction)>;
 
 /// What is felt, with what, and how much of it.
 struct EvaluationSetup {
@@ -26,18 +32,16 @@ struct EvaluationSetup {
   Tool tool{Eigen::Vector3d::Constant(0.02)};  ///< one ellipsoid
   ForceModelMaker model;
   double stiffness = 0.0;    ///< that the model promises; 0 if none. Unit: [N/m].
+  double friction = 0.0;     ///< Coulomb's coefficient where friction is measured; 0 if the model has none
   std::size_t scenes = 1;    ///< that are made of the shape, with one seed after the other; > 0
-  std::size_t places = 100;  ///< where the surface is pressed, slid along and pushed through, in all; > 0
+  std::size_t places = 100;  ///< where the surface is pressed and slid along, in all; > 0
+  std::size_t pushes = 100;  ///< to the other side of the surface, in all
   std::uint64_t seed = 1;    ///< of the places
 };
 
-/// Quantiles; NaN if there was nothing to take them of.
-struct Spread {
-  double p05, p50, p95, p99, max;
-};
-
-/// What was measured, at a tick of 1 ms. Places are those of the surface where it is smooth for a tool's
-/// radius around and the tool fits.
+/// What was measured, at a tick of 1 ms and without friction unless it says otherwise. Places are those of
+/// the surface where it is smooth for a tool's radius around and the tool fits; how deep the tool is in the
+/// surface is told by its point that is first to touch.
 struct Evaluation {
   /// Of presses straight in at 0.1 m/s, from outside to 1.5 tool radii, where they are deeper than 4 mm:
   Spread direction;         ///< angle of the force from the true normal. Unit: [deg].
@@ -45,19 +49,35 @@ struct Evaluation {
   std::size_t silent = 0;   ///< ticks without force
   std::size_t flipped = 0;  ///< ticks with a force that pulls in
   Spread onset;             ///< how deep the first force is felt; negative: above the surface. Unit: [m].
+  /// Over depth [m], from 0:
+  Curve direction_at;  ///< where there is a force. Unit: [deg].
+  Curve force_at;      ///< |F|. Unit: [N].
 
   /// Of slides at 0.1 m/s over 30 mm, half a tool radius deep:
-  Spread ripple;  ///< standard deviation of |F| over its mean, a slide
-  Spread jump;    ///< largest change of the force from tick to tick, a slide. Unit: [N].
+  Spread ripple;                       ///< standard deviation of |F| over its mean, a slide
+  Spread jump;                         ///< largest change of the force from tick to tick, a slide. Unit: [N].
+  std::vector<Eigen::Vector2d> slide;  ///< the first of them: way [m] and |F| [N]
+  double slide_depth = 0.0;            ///< of that one. Unit: [m].
+
+  /// |F| at each place with the tool at rest, half a tool radius deep: the same poses for every scene of a
+  /// shape and every model. Unit: [N].
+  std::vector<double> held;
 
   /// Of pushes aslant by up to 30 degrees, to three tool radii beyond the surface, at 0.1 to 1 m/s and every
   /// tenth at 2 m/s: those that came out on the other side. A model with a proxy does if that gets inside or
-  /// behind, another if its force pulls along.
+  /// behind; another if its force pulls along, or is none behind the surface. On a sheet they keep so far
+  /// from its border that the nearest way out is never around it.
   std::size_t pushes = 0, through = 0;
+  std::size_t fast = 0, fast_through = 0;  ///< of them at 2 m/s
 
   /// Of circles of a quarter of the tool's radius in the surface, as deep as that: |work done on the hand
   /// around| over the largest (stiffness depth^2 / 2); NaN if no stiffness was promised.
   Spread loop;
+
+  /// With EvaluationSetup::friction; NaN without:
+  Spread friction;  ///< of slides as above, drag along over force against the true normal, means of a slide
+  Spread creep;  ///< how far the proxy goes in 10 s where the tool, aside by half of what would make it slip,
+                 ///< rests. Unit: [m].
 
   Spread tick;  ///< time of contacts and force, in contact. Unit: [us].
 };
@@ -66,16 +86,12 @@ struct Evaluation {
 /// \throws Error if the shape is unknown or has no place that is smooth enough.
 Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress = {});
 
-/// How a step of known height is felt across.
-struct StepResponse {
-  double height;     ///< true. Unit: [m].
-  Spread felt;       ///< the largest rise of the proxy within `travel`, a crossing. Unit: [m].
-  double travel;     ///< Unit: [m].
-  Spread rise_over;  ///< way in which it goes from a tenth to nine tenths of what it rises in all. Unit: [m].
-};
+/// |F| on one scene over |F| on another at the same poses, where both are felt. \pre both are of the same
+/// shape, tool, places and seed.
+Spread force_ratio(const Evaluation& one, const Evaluation& other);
 
-/// The sheet `step` of make_surface(), crossed at 0.1 m/s by a ball.
-StepResponse step_response(const ForceModelMaker& model, const Tool& tool, const ProceduralOptions& scene,
-                           std::size_t crossings, std::uint64_t seed);
+/// Friction as Evaluation::friction has it, over each of `coefficients` that the model is asked to have; in
+/// one scene, at ten places.
+Curve friction_response(const EvaluationSetup& setup, const std::vector<double>& coefficients);
 
 }  // namespace palpate

@@ -1,0 +1,289 @@
+#include "evaluate_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "markup.h"
+
+namespace palpate::cli {
+namespace {
+
+using Rows = std::vector<EvaluationRow>;
+using Style = PlotSeries::Style;
+
+constexpr double kToMm = 1e3;
+
+/// The values of `member` in the order in which they first occur.
+template <class Member>
+auto distinct(const Rows& rows, Member member) {
+  std::vector<std::decay_t<decltype(rows.front().*member)>> values;
+  for (const EvaluationRow& row : rows) {
+    if (std::find(values.begin(), values.end(), row.*member) == values.end()) values.push_back(row.*member);
+  }
+  return values;
+}
+
+template <class Values, class Value>
+int index_of(const Values& values, const Value& value) {
+  return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
+}
+
+/// Draws a row's figures: the same model in the same colour everywhere.
+class Figures {
+ public:
+  Figures(const Rows& rows, double stiffness)
+      : rows_(rows),
+        stiffness_(stiffness),
+        shapes_(distinct(rows, &EvaluationRow::shape)),
+        models_(distinct(rows, &EvaluationRow::model)),
+        spacings_(distinct(rows, &EvaluationRow::spacing)) {}
+
+  Plot direction() const {
+    Plot plot{
+        "direction", "Direction of the force", shown() + "; median, and up to 95 of 100", depth_axis(), {},
+        {}};
+    plot.y = {"angle from the true normal, degrees", true, {}, 180.0, {}};
+    for_shown([&](const EvaluationRow& row, PlotSeries& line) {
+      for (const CurvePoint& p : row.figures.direction_at)
+        line.points.emplace_back(kToMm * p.at, p.value.p50, p.value.p50, p.value.p95);
+      plot.series.push_back(std::move(line));
+    });
+    return plot;
+  }
+
+  Plot force() const {
+    Plot plot{"force", "Size of the force", shown() + "; median, and 5 to 95 of 100", depth_axis(), {}, {}};
+    plot.y = {"force, N", false, 0.0, {}, {}};
+    PlotSeries true_line = truth("stiffness x depth");
+    for_shown([&](const EvaluationRow& row, PlotSeries& line) {
+      for (const CurvePoint& p : row.figures.force_at) {
+        line.points.emplace_back(kToMm * p.at, p.value.p50, p.value.p05, p.value.p95);
+        if (plot.series.empty()) true_line.points.emplace_back(kToMm * p.at, stiffness_ * p.at);
+      }
+      plot.series.push_back(std::move(line));
+    });
+    plot.series.push_back(std::move(true_line));
+    return plot;
+  }
+
+  Plot slide() const {
+    Plot plot{"slide", "Sliding", "", {"way, mm", false, 0.0, {}, {}}, {"force, N", false, 0.0, {}, {}}, {}};
+    PlotSeries true_line = truth("stiffness x depth");
+    for_shown([&](const EvaluationRow& row, PlotSeries& line) {
+      const double depth = row.figures.slide_depth;
+      plot.subtitle = fmt::format("{}; one slide at 0.1 m/s, {:.3g} mm deep", shown(), kToMm * depth);
+      for (const Eigen::Vector2d& p : row.figures.slide) {
+        line.points.emplace_back(kToMm * p.x(), p.y());
+        if (plot.series.empty()) true_line.points.emplace_back(kToMm * p.x(), stiffness_ * depth);
+      }
+      plot.series.push_back(std::move(line));
+    });
+    plot.series.push_back(std::move(true_line));
+    return plot;
+  }
+
+  Plot step() const {
+    constexpr double kShown = 20.0;  // [mm]
+    Plot plot{"step",
+              "A step of 3 mm",
+              "crossed by a ball of 5 mm, no noise; median, and 5 to 95 of 100",
+              {"way from the step, mm", false, -kShown, kShown, {}},
+              {"height of the proxy's centre, mm", false, {}, {}, {}},
+              {}};
+    for (const EvaluationRow& row : rows_) {
+      if (row.clean_step) draw_crossing(plot, row, row.clean_step->path, kShown);
+    }
+    PlotSeries true_line = truth("truth");
+    constexpr int kPoints = 160;
+    for (int k = 0; k <= kPoints; ++k) {
+      const double way = kShown * (2.0 * k / kPoints - 1.0);
+      true_line.points.emplace_back(way, kToMm * step_truth(way / kToMm));
+    }
+    plot.series.push_back(std::move(true_line));
+    return plot;
+  }
+
+  Plot edge() const {
+    constexpr double kShown = 40.0;  // [mm]
+    Plot plot{"edge",
+              "An edge of 90 degrees",
+              "crossed half a radius deep; median, and 5 to 95 of 100",
+              {"way from the middle of the turn, mm", false, -kShown, kShown, {}},
+              {"proxy above where a ball rolls, mm", false, {}, {}, {}},
+              {}};
+    for (const EvaluationRow& row : rows_) {
+      if (row.edge) draw_crossing(plot, row, row.edge->error, kShown);
+    }
+    plot.series.push_back(level("truth", -kShown, kShown, 0.0));
+    return plot;
+  }
+
+  Plot friction() const {
+    Plot plot{"friction",
+              "Friction",
+              fmt::format("in slides, {:.3g} mm; median, and 5 to 95 of 100", kToMm * spacings_.front()),
+              {"coefficient set", false, 0.0, {}, {}},
+              {"measured over set", false, {}, {}, {}},
+              {}};
+    double most = 0.0;
+    for (const EvaluationRow& row : rows_) {
+      if (row.spacing != spacings_.front() || row.friction_at.empty()) continue;
+      if (plot.series.size() == PlotSeries::kColors) break;  // more could not be told apart
+      const int color = static_cast<int>(plot.series.size());
+      PlotSeries dots{fmt::format("{}, {}", row.model, row.shape), Style::kDots, color, {}};
+      for (const auto& [set, measured] : row.friction_at) {
+        dots.points.emplace_back(set, measured.p50 / set, measured.p05 / set, measured.p95 / set);
+        most = std::max(most, set);
+      }
+      plot.series.push_back(std::move(dots));
+    }
+    set_apart(plot, 0.015 * most);
+    plot.series.push_back(level("as set", 0.0, 1.05 * most, 1.0));
+    return plot;
+  }
+
+  Plot densities() const {
+    Plot plot{"densities",
+              "Two densities",
+              fmt::format("force at the same poses on {:.3g} mm over that on {:.3g} mm",
+                          kToMm * spacings_.back(), kToMm * spacings_.front()),
+              shape_axis(),
+              {"ratio of forces", true, {}, {}, {}},
+              {}};
+    for (const std::string& model : models_) {
+      PlotSeries dots{model, Style::kDots, color_of(model), {}};
+      for (const EvaluationRow& row : rows_) {
+        if (row.model != model || row.spacing != spacings_.back() || !row.denser) continue;
+        dots.points.emplace_back(index_of(shapes_, row.shape), row.denser->p50, row.denser->p05,
+                                 row.denser->p95);
+      }
+      plot.series.push_back(std::move(dots));
+    }
+    set_apart(plot, 0.16);
+    plot.series.push_back(level("no matter how dense", -0.5, static_cast<double>(shapes_.size()) - 0.5, 1.0));
+    return plot;
+  }
+
+ private:
+  std::string shown() const {
+    return fmt::format("{}, {:.3g} mm", shapes_.front(), kToMm * spacings_.front());
+  }
+
+  static PlotAxis depth_axis() { return {"true depth, mm", false, 0.0, {}, {}}; }
+  PlotAxis shape_axis() const { return {"", false, {}, {}, shapes_}; }
+
+  static PlotSeries truth(const std::string& name) { return {name, Style::kLine, PlotSeries::kTruth, {}}; }
+  static PlotSeries level(const std::string& name, double from, double to, double value) {
+    return {name, Style::kLine, PlotSeries::kTruth, {{from, value}, {to, value}}};
+  }
+
+  int color_of(const std::string& model) const { return index_of(models_, model) % PlotSeries::kColors; }
+
+  /// A line of its own for every model and spacing, of what is within `shown` mm.
+  void draw_crossing(Plot& plot, const EvaluationRow& row, const Curve& curve, double shown) const {
+    if (curve.empty()) return;
+    // The first in its model's colour, the others in colours that no model has, as long as there are some.
+    const int color = (PlotSeries::kColors + color_of(row.model) - static_cast<int>(plot.series.size())) %
+                      PlotSeries::kColors;
+    PlotSeries line{fmt::format("{}, {:.3g} mm", row.model, kToMm * row.spacing), Style::kLine, color, {}};
+    for (const CurvePoint& p : curve) {
+      if (std::abs(kToMm * p.at) <= shown)
+        line.points.emplace_back(kToMm * p.at, kToMm * p.value.p50, kToMm * p.value.p05, kToMm * p.value.p95);
+    }
+    plot.series.push_back(std::move(line));
+  }
+
+  /// Calls `visit(row, series)` for each model on what is shown.
+  template <class Visit>
+  void for_shown(const Visit& visit) const {
+    for (const EvaluationRow& row : rows_) {
+      if (row.shape != shapes_.front() || row.spacing != spacings_.front()) continue;
+      PlotSeries line{row.model, Style::kLine, color_of(row.model), {}};
+      visit(row, line);
+    }
+  }
+
+  /// Dots at one place stand beside each other.
+  static void set_apart(Plot& plot, double distance) {
+    const double middle = 0.5 * (static_cast<double>(plot.series.size()) - 1.0);
+    for (std::size_t i = 0; i < plot.series.size(); ++i) {
+      for (PlotPoint& p : plot.series[i].points) p.x += distance * (static_cast<double>(i) - middle);
+    }
+  }
+
+  const Rows& rows_;
+  double stiffness_;
+  std::vector<std::string> shapes_, models_;
+  std::vector<double> spacings_;
+};
+
+constexpr const char* kPageStyle = R"(
+:root{color-scheme:light dark;--page:#f4f5f7;--card:#fff;--ink:#1b2430;--muted:#576373;--border:#dde1e7}
+@media(prefers-color-scheme:dark){:root{--page:#0e1217;--card:#161b22;--ink:#e4e9f0;--muted:#98a5b5;--border:#2a323d}}
+*{box-sizing:border-box}
+body{margin:0 auto;padding:20px clamp(10px,2vw,28px);max-width:1280px;background:var(--page);color:var(--ink);
+font:14px/1.45 system-ui,-apple-system,'Segoe UI',Roboto,sans-serif}
+h1{font-size:22px;line-height:1.25;margin:0 0 4px}h2{font-size:16px;margin:26px 0 4px}
+p{margin:0 0 10px;color:var(--muted);max-width:80ch}
+figure,.table{margin:0;background:var(--card);border:1px solid var(--border);border-radius:10px;overflow:hidden}
+.figures{display:grid;gap:12px;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));margin:16px 0}
+figure svg{display:block;width:100%;height:auto}
+.table{overflow-x:auto}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;white-space:nowrap;width:100%}
+th,td{padding:4px 10px;text-align:right}th{color:var(--muted);font-weight:600}
+th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:var(--card)}
+th:nth-child(3),td:nth-child(3){text-align:left}
+tr.new td{border-top:1px solid var(--border)}
+)";
+
+std::string table_of(const EvaluationSection& section, const Rows& rows) {
+  std::string html =
+      "<div class='table' tabindex='0'><table>\n<tr><th>shape</th><th>spacing</th><th>model</th>";
+  for (const EvaluationColumn& c : section.columns)
+    html += fmt::format("<th>{}</th>", markup_escaped(c.heading));
+  html += "</tr>\n";
+  std::string last;
+  for (const EvaluationRow& row : rows) {
+    if (!section.has(row)) continue;
+    html +=
+        fmt::format("<tr{}><td>{}</td><td>{:.3g} mm</td><td>{}</td>", row.shape == last ? "" : " class='new'",
+                    markup_escaped(row.shape), kToMm * row.spacing, markup_escaped(row.model));
+    for (const EvaluationColumn& c : section.columns)
+      html += fmt::format("<td>{}</td>", markup_escaped(text_of(c, row)));
+    html += "</tr>\n";
+    last = row.shape;
+  }
+  return html + "</table></div>\n";
+}
+
+}  // namespace
+
+std::vector<Plot> evaluation_figures(const Rows& rows, double stiffness) {
+  const Figures figures(rows, stiffness);
+  return {figures.direction(), figures.force(),    figures.slide(),    figures.step(),
+          figures.edge(),      figures.friction(), figures.densities()};
+}
+
+std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, const std::string& setup) {
+  std::string html =
+      "<!doctype html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
+      "<meta name='viewport' content='width=device-width, initial-scale=1'>\n"
+      "<title>How true the force models are</title>\n";
+  html += fmt::format("<style>{}{}</style>\n</head>\n<body>\n", kPageStyle, plot_style());
+  html += fmt::format("<h1>How true the force models are</h1>\n<p>{}</p>\n<div class='figures'>\n",
+                      markup_escaped(setup));
+  for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
+  html += "</div>\n";
+  for (const EvaluationSection& section : evaluation_sections()) {
+    if (std::none_of(rows.begin(), rows.end(), [&](const EvaluationRow& r) { return section.has(r); }))
+      continue;
+    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", markup_escaped(section.title),
+                        markup_escaped(section.note), table_of(section, rows));
+  }
+  return html + "</body>\n</html>\n";
+}
+
+}  // namespace palpate::cli

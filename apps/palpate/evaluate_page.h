@@ -1,0 +1,21 @@
+/// \file
+/// What `palpate evaluate` has measured, as figures and as a page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "evaluate_table.h"
+#include "plot.h"
+
+namespace palpate::cli {
+
+/// Shown are the first shape and spacing, where there is a choice. \pre rows is not empty.
+/// \param stiffness that proxy and field promise. Unit: [N/m].
+std::vector<Plot> evaluation_figures(const std::vector<EvaluationRow>& rows, double stiffness);
+
+/// A whole page that needs no network. `setup` says in a sentence what was done.
+std::string evaluation_page(const std::vector<EvaluationRow>& rows, const std::vector<Plot>& figures,
+                            const std::string& setup);
+
+}  // namespace palpate::cli

@@ -1,0 +1,209 @@
+#include "evaluate_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace palpate::cli {
+namespace {
+
+using Row = EvaluationRow;
+using Column = EvaluationColumn;
+using Section = EvaluationSection;
+
+constexpr double kToMm = 1e3, kToUm = 1e6;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+constexpr const char *kMm = "{:.2f}", *kShare = "{:.3f}", *kCount = "{:.0f}", *kUs = "{:.1f}";
+
+Section pressed() {
+  return {
+      "Pressed in",
+      "Angle of the force from the true normal, degrees; |F| over stiffness times true depth;\n"
+      "depth at which it begins, mm; ticks without force, and with one that pulls in.",
+      {{"direction_p50_deg", "dir p50", "{:.1f}", [](const Row& r) { return r.figures.direction.p50; }},
+       {"direction_p95_deg", "p95", "{:.1f}", [](const Row& r) { return r.figures.direction.p95; }},
+       {"direction_p99_deg", "p99", "{:.1f}", [](const Row& r) { return r.figures.direction.p99; }},
+       {"magnitude_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p05; }},
+       {"magnitude_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p50; }},
+       {"magnitude_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p95; }},
+       {"onset_p50_mm", "onset", kMm, [](const Row& r) { return kToMm * r.figures.onset.p50; }},
+       {"silent", "silent", kCount, [](const Row& r) { return static_cast<double>(r.figures.silent); }},
+       {"flipped", "flipped", kCount, [](const Row& r) { return static_cast<double>(r.figures.flipped); }}}};
+}
+
+Section moved() {
+  return {
+      "Slid along, around a circle, and pushed through",
+      "Standard deviation of |F| over its mean; largest change of the force in 1 ms, N; work around a\n"
+      "circle over the energy of the spring; pushes that came out on the other side, of all and of\n"
+      "those at 2 m/s.",
+      {{"ripple_p50", "ripple", kShare, [](const Row& r) { return r.figures.ripple.p50; }},
+       {"ripple_p95", "p95", kShare, [](const Row& r) { return r.figures.ripple.p95; }},
+       {"jump_max_n", "jump", kShare, [](const Row& r) { return r.figures.jump.max; }},
+       {"loop_p50", "loop", "{:.1e}", [](const Row& r) { return r.figures.loop.p50; }},
+       {"loop_max", "max", "{:.1e}", [](const Row& r) { return r.figures.loop.max; }},
+       {"pushes", "pushes", kCount, [](const Row& r) { return static_cast<double>(r.figures.pushes); }},
+       {"through", "through", kCount, [](const Row& r) { return static_cast<double>(r.figures.through); }},
+       {"fast", "fast", kCount, [](const Row& r) { return static_cast<double>(r.figures.fast); }},
+       {"fast_through", "through", kCount,
+        [](const Row& r) { return static_cast<double>(r.figures.fast_through); }}}};
+}
+
+Section rubbed() {
+  return {"Friction",
+          "Drag over normal force while sliding, a slide; the farthest that the proxy creeps in 10 s of\n"
+          "rest, um.",
+          {{"friction_p05", "p5", kShare, [](const Row& r) { return r.figures.friction.p05; }},
+           {"friction_p50", "p50", kShare, [](const Row& r) { return r.figures.friction.p50; }},
+           {"friction_p95", "p95", kShare, [](const Row& r) { return r.figures.friction.p95; }},
+           {"creep_max_um", "creep", "{:.3f}", [](const Row& r) { return kToUm * r.figures.creep.max; }}}};
+}
+
+Section denser() {
+  return {
+      "Two densities",
+      "|F| over that at the first spacing, at the same poses.",
+      {{"force_ratio_p05", "F/F p5", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p05 : kNone; }},
+       {"force_ratio_p50", "p50", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p50 : kNone; }},
+       {"force_ratio_p95", "p95", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p95 : kNone; }}}};
+}
+
+double step_mm(const std::optional<StepResponse>& step, double Spread::*quantile) {
+  return step ? kToMm * (step->felt.*quantile) : kNone;
+}
+
+Section stepped() {
+  return {"A step of 3 mm crossed by a ball of 5 mm",
+          "The largest rise within 15 mm, mm, without noise, and the way over which it comes; and with\n"
+          "noise.",
+          {{"step_p05_mm", "rise p5", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p05); }},
+           {"step_p50_mm", "p50", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p50); }},
+           {"step_p95_mm", "p95", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p95); }},
+           {"step_over_p50_mm", "over", kMm,
+            [](const Row& r) { return r.clean_step ? kToMm * r.clean_step->rise_over.p50 : kNone; }},
+           {"noisy_step_p05_mm", "noisy p5", kMm, [](const Row& r) { return step_mm(r.step, &Spread::p05); }},
+           {"noisy_step_p50_mm", "p50", kMm, [](const Row& r) { return step_mm(r.step, &Spread::p50); }},
+           {"noisy_step_p95_mm", "p95", kMm, [](const Row& r) { return step_mm(r.step, &Spread::p95); }}}};
+}
+
+Section edged() {
+  return {
+      "An edge of 90 degrees crossed",
+      "The farthest that the proxy is from where a ball rolls, mm, and where that is, on the way of the\n"
+      "ball's centre from the middle of its turn.",
+      {{"edge_off_p50_mm", "off p50", kMm,
+        [](const Row& r) { return r.edge ? kToMm * r.edge->off.p50 : kNone; }},
+       {"edge_off_p95_mm", "p95", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->off.p95 : kNone; }},
+       {"edge_off_max_mm", "max", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->off.max : kNone; }},
+       {"edge_where_mm", "where", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->where : kNone; }}}};
+}
+
+Section timed() {
+  return {"A tick",
+          "Time of contacts and force, in contact, us.",
+          {{"tick_p50_us", "p50", kUs, [](const Row& r) { return r.figures.tick.p50; }},
+           {"tick_p99_us", "p99", kUs, [](const Row& r) { return r.figures.tick.p99; }},
+           {"tick_p99.9_us", "p99.9", kUs, [](const Row& r) { return r.figures.tick.p999; }}}};
+}
+
+/// Of a column of the table, in characters.
+std::size_t width_of(const Column& column) {
+  constexpr std::size_t kNarrowest = 7;
+  return std::max(kNarrowest, std::string_view(column.heading).size());
+}
+
+/// [[at, p05, p50, p95], ...]
+Json curve_json(const Curve& curve) {
+  Json json = Json::array();
+  for (const CurvePoint& p : curve) json.push_back({p.at, p.value.p05, p.value.p50, p.value.p95});
+  return json;
+}
+
+Json curves_json(const Row& row) {
+  Json slide = Json::array();
+  for (const Eigen::Vector2d& p : row.figures.slide) slide.push_back({p.x(), p.y()});
+  Json json{{"direction_deg", curve_json(row.figures.direction_at)},
+            {"force_n", curve_json(row.figures.force_at)},
+            {"slide_n", std::move(slide)}};
+  if (!row.friction_at.empty()) json["friction"] = curve_json(row.friction_at);
+  if (row.step) json["noisy_step_m"] = curve_json(row.step->path);
+  if (row.clean_step) json["step_m"] = curve_json(row.clean_step->path);
+  if (row.edge) json["edge_m"] = curve_json(row.edge->error);
+  return json;
+}
+
+}  // namespace
+
+bool EvaluationSection::has(const EvaluationRow& row) const {
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](const Column& c) { return !std::isnan(c.value(row)); });
+}
+
+const std::vector<EvaluationSection>& evaluation_sections() {
+  static const std::vector<Section> all{pressed(), moved(), rubbed(), denser(), stepped(), edged(), timed()};
+  return all;
+}
+
+std::string text_of(const EvaluationColumn& column, const EvaluationRow& row) {
+  const double value = column.value(row);
+  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
+}
+
+void print_tables(const std::vector<EvaluationRow>& rows) {
+  bool first = true;
+  for (const Section& section : evaluation_sections()) {
+    if (std::none_of(rows.begin(), rows.end(), [&](const Row& r) { return section.has(r); })) continue;
+    fmt::print("{}{}\n{}\n\n", first ? "" : "\n", section.title, section.note);
+    first = false;
+    fmt::print("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
+    for (const Column& c : section.columns) fmt::print(" {:>{}}", c.heading, width_of(c));
+    fmt::print("\n");
+    for (const Row& row : rows) {
+      if (!section.has(row)) continue;
+      fmt::print("{:<9} {:>4.1f} mm {:<8}", row.shape, kToMm * row.spacing, row.model);
+      for (const Column& c : section.columns) fmt::print(" {:>{}}", text_of(c, row), width_of(c));
+      fmt::print("\n");
+    }
+  }
+}
+
+Json evaluation_json(const std::vector<EvaluationRow>& rows) {
+  Json json = Json::array();
+  for (const Row& row : rows) {
+    Json one{{"shape", row.shape}, {"spacing_m", row.spacing}, {"model", row.model}};
+    for (const Section& section : evaluation_sections()) {
+      for (const Column& c : section.columns) {
+        const double value = c.value(row);
+        one[c.name] = std::isnan(value) ? Json() : Json(value);
+      }
+    }
+    one["curves"] = curves_json(row);
+    json.push_back(std::move(one));
+  }
+  return json;
+}
+
+std::string evaluation_csv(const std::vector<EvaluationRow>& rows) {
+  std::string text = "shape,spacing_m,model";
+  for (const Section& section : evaluation_sections()) {
+    for (const Column& c : section.columns) text += fmt::format(",{}", c.name);
+  }
+  text += '\n';
+  for (const Row& row : rows) {
+    text += fmt::format("{},{},{}", row.shape, row.spacing, row.model);
+    for (const Section& section : evaluation_sections()) {
+      for (const Column& c : section.columns) {
+        const double value = c.value(row);
+        text += std::isnan(value) ? "," : fmt::format(",{}", value);
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,59 @@
+/// \file
+/// What `palpate evaluate` has measured, as tables, CSV and JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <palpate/haptics/crossings.h>
+#include <palpate/haptics/evaluation.h>
+
+#include "output.h"
+
+namespace palpate::cli {
+
+/// One model on one shape at one spacing.
+struct EvaluationRow {
+  std::string shape, model;
+  double spacing;  ///< Unit: [m].
+  Evaluation figures;
+  std::optional<StepResponse> step = {};        ///< where the shape is `step`
+  std::optional<StepResponse> clean_step = {};  ///< the same without noise
+  std::optional<EdgeResponse> edge = {};        ///< where it is `box`
+  Curve friction_at = {};                       ///< over the coefficient; empty if the model has none
+  std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; not there itself
+};
+
+/// A figure of a row.
+struct EvaluationColumn {
+  const char* name;     ///< in CSV and JSON
+  const char* heading;  ///< in a table
+  const char* format;
+  double (*value)(const EvaluationRow&);  ///< NaN if there is none
+};
+
+/// A table of some columns for people, with the rows that have something in it.
+struct EvaluationSection {
+  const char* title;
+  const char* note;  ///< what the figures are, in a few lines
+  std::vector<EvaluationColumn> columns;
+
+  bool has(const EvaluationRow& row) const;
+};
+
+/// All columns, in order.
+const std::vector<EvaluationSection>& evaluation_sections();
+
+/// The text of a figure, or a dash where there is none.
+std::string text_of(const EvaluationColumn& column, const EvaluationRow& row);
+
+void print_tables(const std::vector<EvaluationRow>& rows);
+
+/// One object a row, with the columns, and the curves of what was measured along a way.
+Json evaluation_json(const std::vector<EvaluationRow>& rows);
+
+/// One line a row.
+std::string evaluation_csv(const std::vector<EvaluationRow>& rows);
+
+}  // namespace palpate::cli

@@ -1,0 +1,43 @@
+/// \file
+/// What many measurements of one thing come to.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace palpate {
+
+/// Quantiles; NaN if there was nothing to take them of.
+struct Spread {
+  double p05, p50, p95, p99, p999, max;
+};
+
+Spread spread_of(std::vector<double> values);
+
+/// One place of a curve that was measured many times.
+struct CurvePoint {
+  double at;
+  Spread value;
+};
+
+/// In rising order of `at`. Places where nothing was measured are left out.
+using Curve = std::vector<CurvePoint>;
+
+/// Gathers a curve in bins of equal width; what is outside is dropped.
+class CurveBins {
+ public:
+  /// \pre low < high, count > 0.
+  CurveBins(double low, double high, std::size_t count)
+      : low_(low), width_((high - low) / static_cast<double>(count)), bins_(count) {}
+
+  void add(double at, double value);
+
+  /// Each bin at its middle.
+  Curve curve() const;
+
+ private:
+  double low_, width_;
+  std::vector<std::vector<double>> bins_;
+};
+
+}  // namespace palpate
