@@ -21,11 +21,11 @@ constexpr double kGyration = 0.02;
 MotionConstraint plane(const Vector3d& normal, double gap, const Vector3d& point = Vector3d::Zero(),
                        double compliance = 0.0) {
   const Vector3d n = normal.normalized();
-  return {n, point.cross(n), gap, compliance};
+  return {n, point, gap, compliance};
 }
 
 double gap_after(const MotionConstraint& plane, const Motion& motion) {
-  return plane.gap + plane.along(motion);
+  return plane.gap + plane.normal.dot(plane.of(motion));
 }
 
 TEST(ConstrainedMotion, IsTheWantedOneWhereNothingIsInTheWay) {
@@ -72,6 +72,39 @@ TEST(ConstrainedMotion, TurnsAboutWhatHoldsItAside) {
   EXPECT_NEAR((kGyration * found.rotation - Vector3d(0, -0.5, 0)).norm(), 0.0, 1e-15);
 }
 
+/// As plane(), at the handle.
+MotionConstraint rough(const Vector3d& normal, double friction) {
+  MotionConstraint p = plane(normal, 0.0);
+  p.friction = friction;
+  return p;
+}
+
+// Pressed on by 3 and drawn along by 2: the friction of 0.5 holds 1.5 of it.
+TEST(ConstrainedMotion, IsHeldBackByFriction) {
+  std::array planes{rough({0, 0, 1}, 0.5)};
+  const Motion found = constrained_motion({{2, 0, -3}, {0, 0, 0}}, planes, kGyration);
+  EXPECT_NEAR((found.translation - Vector3d(0.5, 0, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((planes[0].drag - Vector3d(-1.5, 0, 0)).norm(), 0.0, 1e-12);
+}
+
+TEST(ConstrainedMotion, SticksWithinTheCone) {
+  std::array planes{rough({0, 0, 1}, 0.7)};
+  const Motion found = constrained_motion({{1, 1.5, -3}, {0, 0, 0}}, planes, kGyration);
+  EXPECT_NEAR(found.translation.norm(), 0.0, 1e-12);
+}
+
+// A rod that is held by friction at the end of its arm, across it: it turns about that point. Of the motions
+// (y, turn about z) with y + g turn = 0 the one nearest to (1, 0) is y = 1/2, g turn = -1/2.
+TEST(ConstrainedMotion, TurnsAboutWhereItSticks) {
+  MotionConstraint p = plane({0, 0, 1}, 0.0, {kGyration, 0, 0});
+  p.friction = 100.0;
+  std::array planes{p};
+  const Motion found = constrained_motion({{0, 1, -1}, {0, 0, 0}}, planes, kGyration);
+  EXPECT_NEAR(found.translation.y(), 0.5, 1e-6);
+  EXPECT_NEAR(kGyration * found.rotation.z(), -0.5, 1e-6);
+  EXPECT_NEAR(planes[0].of(found).norm(), 0.0, 1e-6);
+}
+
 // Karush, Kuhn and Tucker: out of all planes (as far as they do not give way), pushed by those it touches
 // alone, and what is missing of the wanted motion is what they push.
 TEST(ConstrainedMotion, FulfilsTheConditionsOfAnOptimum) {
@@ -94,7 +127,7 @@ TEST(ConstrainedMotion, FulfilsTheConditionsOfAnOptimum) {
       ASSERT_GE(left, -1e-5);
       ASSERT_LE(std::min(left, p.push), 2e-5);  // a sixteenth of a hair, and of what a device resolves
       pushed.translation += p.push * p.normal;
-      pushed.rotation += p.push / (kGyration * kGyration) * p.lever;
+      pushed.rotation += p.push / (kGyration * kGyration) * p.arm.cross(p.normal);
     }
     ASSERT_NEAR((found.translation - pushed.translation).norm(), 0.0, 1e-12);
     ASSERT_NEAR((found.rotation - pushed.rotation).norm(), 0.0, 1e-10);

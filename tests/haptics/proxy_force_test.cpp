@@ -180,6 +180,28 @@ TEST(ProxyForce, HasTheFrictionThatIsSet) {
   }
 }
 
+TEST(ProxyForce, HasTheFrictionThatIsSetForATool) {
+  // One that is longer than wide and stands aslant: what it touches is beside its centre.
+  ProceduralOptions even;
+  even.spacing = 0.004;
+  const auto surface = make_surface("plane");
+  const SceneIndex index(make_scene(*surface, even), SceneFilter{}, Similarity{});
+  for (const double friction : {0.1, 0.2, 0.4}) {
+    ProxyForce model(index, Tool({0.02, 0.02, 0.04}), {.stiffness = kStiffness, .friction = friction});
+    ForceInput input;
+    input.dt = 1e-3;
+    input.tool.orientation = Eigen::AngleAxisd(0.3, Vector3d::UnitX()) * Eigen::Quaterniond::Identity();
+    input.tool.position = {-0.1, 0.03, 0.05};
+    for (; input.tool.position.z() > 0.030; input.tool.position.z() -= 1e-4) model.evaluate(input);
+    std::vector<double> measured;
+    for (; input.tool.position.x() < 0.1; input.tool.position.x() += 1e-4) {
+      const Vector3d force = model.evaluate(input).wrench.force;
+      if (input.tool.position.x() > -0.05) measured.push_back(-force.x() / force.z());
+    }
+    EXPECT_NEAR(quantile(measured, 0.5), friction, 0.05 * friction);
+  }
+}
+
 TEST(ProxyForce, SticksWithoutCreeping) {
   ProxyParameters parameters;
   parameters.friction = 0.5;
@@ -190,7 +212,8 @@ TEST(ProxyForce, SticksWithoutCreeping) {
   ForceOutput felt;
   for (int tick = 0; tick < 200; ++tick) felt = bench.at(aside);
   const Vector3d before = felt.proxy.position;
-  EXPECT_GT(-felt.wrench.force.x(), 0.5);
+  // Of the 2 mm the ball rolls a part on the point that sticks: by g^2 = 2/5 R^2, 1 / 1.4 on a plane.
+  EXPECT_NEAR(-felt.wrench.force.x(), kStiffness * 0.002 * 0.4 / 1.4, 0.25);
   for (int tick = 0; tick < 10000; ++tick) felt = bench.at(aside);
   EXPECT_LE((felt.proxy.position - before).norm(), 1e-6);
 }

@@ -22,25 +22,27 @@ double length_of(const Motion& motion, double gyration);
 /// A plane in front of a point of the body.
 struct MotionConstraint {
   Eigen::Vector3d normal;  ///< unit, away from the plane. World frame.
-  Eigen::Vector3d lever;   ///< (point - handle) x normal. Unit: [m].
+  Eigen::Vector3d arm;     ///< from the handle to the point, world frame. Unit: [m].
   double gap;              ///< from the plane to the point along the normal; negative inside. Unit: [m].
   /// How far it gives way, as a share of how hard it is pushed: 0 for a wall, 1 for one that is passed half.
   double compliance = 0.0;
-  double push = 0.0;  ///< what it takes from the motion; set by constrained_motion(). Unit: [m].
+  double friction = 0.0;  ///< Coulomb's coefficient
+  // What the plane takes from the motion, set by constrained_motion():
+  double push = 0.0;                               ///< along the normal. Unit: [m].
+  Eigen::Vector3d drag = Eigen::Vector3d::Zero();  ///< along the plane. Unit: [m].
 
-  /// How far a motion takes the point along the normal. Unit: [m].
-  double along(const Motion& motion) const {
-    return normal.dot(motion.translation) + lever.dot(motion.rotation);
-  }
+  /// How a motion moves the point. Unit: [m].
+  Eigen::Vector3d of(const Motion& motion) const { return motion.translation + motion.rotation.cross(arm); }
 };
 
-/// The motion nearest to `wanted`, by length_of(), with
+/// The motion nearest to `wanted`, by length_of(), with, for all planes k,
 ///
-///     gap_k + n_k . (translation + rotation x (point_k - handle)) + compliance_k push_k >= 0      for all k
+///     gap_k + n_k . v_k + compliance_k push_k >= 0,    v_k = translation + rotation x arm_k
 ///
 /// and pushes that are not negative: Gauss' principle of least constraint as in Ortega, Redon and Coquillart
-/// (2007), solved for its multipliers by projected Gauss-Seidel sweeps; exact for a single plane. Planes that
-/// contradict each other get the least violation.
+/// (2007). With friction also v_k = 0 along the plane, as far as drag_k <= friction_k push_k can hold the
+/// point: Coulomb's law. Solved for pushes and drags by projected Gauss-Seidel sweeps; exact for a single
+/// plane without friction. Planes that contradict each other get the least violation.
 Motion constrained_motion(const Motion& wanted, std::span<MotionConstraint> planes, double gyration);
 
 }  // namespace palpate

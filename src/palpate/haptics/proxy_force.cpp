@@ -32,13 +32,10 @@ Motion blend(const Motion& a, const Motion& b, double of_b) {
           a.rotation + of_b * (b.rotation - a.rotation)};
 }
 
-Motion difference(const Motion& a, const Motion& b) {
-  return {a.translation - b.translation, a.rotation - b.rotation};
-}
-
-/// How much faster than the tool the proxy may move. What the proxy stands on may change in an instant, where a
-/// fit finds another patch; the force then changes by 0.05 N a millisecond at 500 N/m, which a hand does not take
-/// for an edge, and the proxy does not overshoot where the surface is more bent than it looks. Unit: [m/s].
+/// How much faster than the tool the proxy may move. What the proxy stands on may change in an instant, where
+/// a fit finds another patch; the force then changes by 0.05 N a millisecond at 500 N/m, which a hand does
+/// not take for an edge, and the proxy does not overshoot where the surface is more bent than it looks. Unit:
+/// [m/s].
 constexpr double kCatchUp = 0.1;
 
 /// And what is left of that where it has no direction at all.
@@ -100,9 +97,10 @@ void ProxyForce::find_obstacles() {
     part.patches.update(surface_, part.solid.at(proxy_));
     for (const SurfacePatch& patch : part.patches.patches()) {
       const double c = std::max(kLeastConfidence, patch.confidence);
+      const Properties properties = properties_at(patch, part.patches.kernel());
       obstacles_.planes.push_back(
-          {patch.normal, (patch.foot - proxy_.position).cross(patch.normal), patch.gap, (1.0 - c) / c, 0.0});
-      obstacles_.properties.push_back(properties_at(patch, part.patches.kernel()));
+          {patch.normal, patch.foot - proxy_.position, patch.gap, (1.0 - c) / c, properties.friction});
+      obstacles_.properties.push_back(properties);
     }
   }
 }
@@ -136,29 +134,11 @@ ProxyForce::Hold ProxyForce::hold() const {
     const Properties& of = obstacles_.properties[i];
     sum.push += push;
     sum.confidence += push / (1.0 + obstacles_.planes[i].compliance);
-    sum.properties.stiffness += push * of.stiffness;
-    sum.properties.friction += push * of.friction;
-    sum.properties.damping += push * of.damping;
+    sum.stiffness += push * of.stiffness;
+    sum.damping += push * of.damping;
   }
   if (sum.push == 0.0) return {};
-  const double each = 1.0 / sum.push;
-  return {sum.push,
-          each * sum.confidence,
-          {each * sum.properties.stiffness, each * sum.properties.friction, each * sum.properties.damping}};
-}
-
-/// Coulomb's law for the proxy: it stays where it is, or as near to that as what presses it on, times the
-/// coefficient, cannot hold it.
-Motion ProxyForce::with_friction(const Motion& wanted, const Motion& free) {
-  for (MotionConstraint& plane : obstacles_.planes) {
-    if (plane.push > 0.0) plane.gap = -plane.along(free);  // as far in or out as without friction
-    plane.compliance = 0.0;
-  }
-  const Motion stay = constrained_motion({}, obstacles_.planes, gyration_);
-  const double pressed = length_of(difference(free, wanted), gyration_);
-  const double slide = length_of(difference(stay, free), gyration_);
-  const double lag = hold_.properties.friction * pressed;
-  return slide <= lag ? stay : blend(free, stay, lag / slide);
+  return {sum.push, sum.confidence / sum.push, sum.stiffness / sum.push, sum.damping / sum.push};
 }
 
 double ProxyForce::step(const Pose& target, double longest) {
@@ -168,10 +148,10 @@ double ProxyForce::step(const Pose& target, double longest) {
   const Hold held = hold();
   held_ = held.push > 0.0;
   if (held_) hold_ = held;  // what is let go slowly stays what it was
-  if (held_ && hold_.properties.friction > 0.0) motion = with_friction(wanted, motion);
   const double farthest = motion.translation.norm() + radius_ * motion.rotation.norm();
   const double length = length_of(motion, gyration_);
-  const double share = std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300)});
+  const double share =
+      std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300)});
   if (!held_ && share == 1.0) {
     proxy_ = target;  // not to rounding
   } else {
@@ -185,9 +165,9 @@ double ProxyForce::step(const Pose& target, double longest) {
 /// At most nothing is left of the push, or twice as much: it begins with none, and never pulls.
 double ProxyForce::damped(const Eigen::Vector3d& push) const {
   const double size = push.norm();
-  if (hold_.properties.damping == 0.0 || size == 0.0) return 1.0;
+  if (hold_.damping == 0.0 || size == 0.0) return 1.0;
   const double outwards = velocity_.dot(push) / size;
-  return std::clamp(1.0 - hold_.properties.damping * outwards / size, 0.0, 2.0);
+  return std::clamp(1.0 - hold_.damping * outwards / size, 0.0, 2.0);
 }
 
 /// Less where the proxy goes to and fro, as between patches that come and go in turn: it then settles.
@@ -225,7 +205,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   remember(proxy_.position - before);
   const Motion spring = motion_between(input.tool, proxy_);
   if (length_of(spring, gyration_) == 0.0) return {Wrench{}, proxy_, 1.0};
-  const double k = hold_.properties.stiffness, push = damped(k * spring.translation);
+  const double k = hold_.stiffness, push = damped(k * spring.translation);
   return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},
           proxy_,
           hold_.confidence};

@@ -99,7 +99,7 @@ class ProxyForce final : public ForceModel {
   struct Hold {
     double push = 0.0;  ///< in all; 0 if nothing does. Unit: [m].
     double confidence = 1.0;
-    Properties properties{};
+    double stiffness = 0.0, damping = 0.0;
   };
 
   /// Moves the proxy one step towards `target`, by at most `longest`. \returns how far. Unit: [m].
@@ -109,7 +109,6 @@ class ProxyForce final : public ForceModel {
   /// Of the contacts that are in contacts_ and surface_, those that make up `patch`.
   Properties properties_at(const SurfacePatch& patch, const SurfaceKernel& kernel) const;
   Hold hold() const;
-  Motion with_friction(const Motion& wanted, const Motion& free);
   /// How much faster than the tool the proxy may move now. Unit: [m/s].
   double catch_up() const;
   void remember(const Eigen::Vector3d& moved);
