@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes seeds for the fuzzers into FOLDER/ply, FOLDER/csv, FOLDER/config, FOLDER/materials and FOLDER/index.
+"""Writes seeds for the fuzzers into FOLDER/ply, csv, config, materials, tool and index.
 
     make_seeds.py FOLDER
 
@@ -16,7 +16,7 @@ import broken_inputs  # noqa: E402
 from support import INRIA, RUN_HEADER, path_csv, ply, random_rows, splat  # noqa: E402
 
 MAX_BYTES = 8192
-FOLDERS = {".ply": ["ply"], ".splat": ["ply"], ".csv": ["csv"], ".toml": ["config", "materials"]}
+FOLDERS = {".ply": ["ply"], ".splat": ["ply"], ".csv": ["csv"], ".toml": ["config", "materials", "tool"]}
 
 LISTS = (
     b"ply\nformat ascii 1.0\ncomment c\nobj_info o\nelement face 2\nproperty list uchar int vertex_indices\n"
@@ -43,6 +43,9 @@ def sound_files():
                      b"[table]\na.b = {c = 1, d = 1979-05-27T07:32:00Z}\n'x y' = '''\nz'''\n")
     with open(os.path.join(ROOT, "examples", "materials", "table.toml"), "rb") as file:
         yield "materials", file.read()
+    for name in ("stylus", "gripper"):
+        with open(os.path.join(ROOT, "examples", "tools", name + ".toml"), "rb") as file:
+            yield "tool", file.read()
     # Changes to an index, see index_fuzzer.cpp: none, a byte of each part, a cut; and one that is only a front.
     yield "index", b""
     yield "index", bytes([0, 0, 12, 2])

@@ -49,6 +49,11 @@ def materials(name, content, words):
         ["bad.toml", *([words] if isinstance(words, str) else words)], 1, {"bad.toml": content})
 
 
+def tool(name, content, words):
+    row("tool: " + name, ["query", "a.ply", "--pose", "0,0,0", "--tool", "bad.toml"],
+        ["bad.toml", *([words] if isinstance(words, str) else words)], 1, {"bad.toml": content})
+
+
 def option(args, words=None, command=("query", "a.ply", "--pose", "0,0,0")):
     row("option: " + " ".join(args)[:60], [*command, *args], words or args[0], 2)
 
@@ -320,6 +325,35 @@ HARD = INRIA + ["stiffness", "friction"]
 for name, value in (("negative", -1.0), ("infinite", float("inf")), ("too large", 11.0)):
     row(f"materials: {name} friction in a .ply", ["query", "bad.ply", "--pose", "0,0,0", "--no-index-file"],
         ["bad.ply", "Gaussian 1", "'friction'"], 1, {"bad.ply": ply([splat() + [500, 0.5], splat() + [500, value]], HARD)})
+
+# --- tools --------------------------------------------------------------------------------------
+
+NAMED = b'[[ellipsoid]]\nname = "tip"\n'
+BALL = NAMED + b"semi_axes = [0.01, 0.01, 0.01]\n"
+row("tool: missing", ["query", "a.ply", "--pose", "0,0,0", "--tool", "no.toml"], ["no.toml", "No such file"])
+row("tool: a folder", ["query", "a.ply", "--pose", "0,0,0", "--tool", "d.toml/"], "--tool", 2)
+row("tool: of another extension", ["query", "a.ply", "--pose", "0,0,0", "--tool", "tool.json"], "--tool", 2)
+tool("empty", b"", "'ellipsoid'")
+tool("not TOML", BALL + b"position = ", "line 4")
+tool("binary", bytes(range(256)), "line ")
+tool("a configuration", b"sigma = 1", ["line 1", "'ellipsoid'"])
+tool("materials", REGION, "'ellipsoid'")
+tool("no ellipsoid", b"ellipsoid = []", "0 ellipsoids")
+tool("one table", b'[ellipsoid]\nname = "tip"\nsemi_axes = [1, 1, 1]', ["line 1", "[[ellipsoid]]"])
+tool("no name", b"[[ellipsoid]]\nsemi_axes = [1, 1, 1]", ["line 1", "'name'"])
+tool("no semi-axes", NAMED, ["line 1", "'semi_axes'"])
+for value in ("[0.01, 0.01, 0]", "[0.01, -0.01, 0.01]", "[0.01, nan, 0.01]", "[1e300, 1, 1]", "[0.01, 0.01]", "[]", "0.01", '"small"'):
+    tool("semi-axes " + value, NAMED + b"semi_axes = " + value.encode(), ["line 3", "'semi_axes'"])
+tool("a position of two numbers", BALL + b"position = [0, 0]", ["line 4", "'position'", "3"])
+tool("a position out of this world", BALL + b"position = [0, 0, 1e9]", ["line 4", "'position'"])
+tool("a quaternion of zeros", BALL + b"orientation = [0, 0, 0, 0]", ["line 4", "'orientation'", "qw, qx, qy, qz"])
+tool("a quaternion of three numbers", BALL + b"orientation = [1, 0, 0]", ["line 4", "'orientation'", "4"])
+tool("an unknown key", BALL + b"radius = 0.01", ["line 4", "'radius'", "semi_axes"])
+tool("an unknown table", BALL + b"[handle]\nx = 1", ["line 4", "'handle'"])
+tool("300 ellipsoids", BALL * 300, "300 ellipsoids")
+tool("900 kB", b"#" * 900_000, "bytes")
+tool("escape sequences in a key", BALL + b'"\\u001b[31mred\\u009b" = 1', ["line 4", "red"])
+tool("10,000 nested arrays", NAMED + b"semi_axes = " + b"[" * 10_000, "line 3")
 
 # --- outputs ------------------------------------------------------------------------------------
 

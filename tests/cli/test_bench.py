@@ -61,7 +61,8 @@ class Figures(Bench):
             self.assertGreater(times[0], 0)
         self.assertGreater(figures["throughput"]["queries_per_second"], 0)
         self.assertEqual(figures["throughput"]["in_contact"], True)
-        self.assertEqual([part["semi_axes"] for part in figures["tool"]], [[0.02, 0.02, 0.04]])
+        self.assertEqual(figures["tool"], [{"name": "tool", "semi_axes": [0.02, 0.02, 0.04], "position": [0, 0, 0],
+                                            "orientation": [1, 0, 0, 0]}])
         self.assertEqual(figures["model"], "proxy")
         self.assertEqual((figures["scene"], figures["path"]), ("wall.ply", "path.csv"))
 

@@ -5,8 +5,8 @@ import unittest
 
 from support import COMMANDS, RUN_HEADER, Case, columns_of, path_csv, ply, random_rows, splat, tapping_path, wall_rows
 
-QUERY_KEYS = ["candidates", "filtered", "contacts", "force", "torque"]
-CONTACT_KEYS = ["id", "k_min", "lambda", "opacity", "center", "point", "normal", "depth"]
+QUERY_KEYS = ["candidates", "filtered", "contacts", "force", "torque", "confidence"]
+CONTACT_KEYS = ["id", "k_min", "lambda", "opacity", "center", "point", "normal", "depth", "part", "confidence"]
 
 
 class Help(Case):
@@ -122,13 +122,16 @@ class Query(Case):
             self.assertTrue(0 <= c["lambda"] <= 1)
             self.assertTrue(0.1 < c["opacity"] <= 1)
             self.assertGreater(c["depth"], 0)
+            self.assertEqual(c["part"], "tool")
+            self.assertTrue(0 <= c["confidence"] <= 1)
             self.assertAlmostEqual(math.hypot(*c["normal"]), 1, delta=1e-12)
             for key in ("center", "point", "normal"):
                 self.assert_vector(c[key])
 
     def test_far_away_there_is_nothing_and_no_force(self):
         self.assertEqual(self.query("--pose", "100,0,0"), {
-            "candidates": 0, "filtered": 0, "contacts": [], "force": [0, 0, 0], "torque": [0, 0, 0]})
+            "candidates": 0, "filtered": 0, "contacts": [], "force": [0, 0, 0], "torque": [0, 0, 0],
+            "confidence": 1})
 
     def test_an_orientation_turns_the_tool(self):
         upright = self.query("--pose", "0.2,0,0", "--tool", "0.001,0.001,0.2")

@@ -11,6 +11,7 @@
 #include <palpate/scene/procedural.h>
 #include <support/allocation_guard.h>
 #include <support/random_scenes.h>
+#include <support/random_tools.h>
 
 namespace palpate {
 namespace {
@@ -62,6 +63,20 @@ double numerical_slope(Felt& felt, const Pose& pose, const Vector3d& by, const V
   return -(8.0 * (u(h) - u(-h)) - (u(2.0 * h) - u(-2.0 * h))) / (12.0 * h);
 }
 
+/// The wrench at `pose` against the slopes of the potential, each kind on its own scale, as the one may be
+/// zero for reasons of symmetry. `size` is that of the tool, [m].
+void expect_gradient(Felt& felt, const Pose& pose, double size) {
+  const Wrench wrench = felt.wrench(pose);
+  const double scale_force = wrench.force.norm(), scale_torque = scale_force * size;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d axis = Vector3d::Unit(k);
+    EXPECT_NEAR(numerical_slope(felt, pose, axis, Vector3d::Zero(), 1e-5), wrench.force[k],
+                1e-5 * scale_force);
+    EXPECT_NEAR(numerical_slope(felt, pose, Vector3d::Zero(), axis, 1e-4), wrench.torque[k],
+                1e-5 * scale_torque);
+  }
+}
+
 TEST(FieldForce, IsTheGradientOfItsPotential) {
   Random random(901);
   const GaussianScene scene = test::scene_of(test::sphere_of_splats(random, 20000));
@@ -71,20 +86,29 @@ TEST(FieldForce, IsTheGradientOfItsPotential) {
     Felt felt(scene, Tool{semi_axes});
     const Pose pose{(1.0 + random.uniform(-0.5, 1.0) * semi_axes.minCoeff()) * random.direction(),
                     random.rotation()};
-    const Wrench wrench = felt.wrench(pose);
     if (felt.contacts(pose).contacts.size() < 3) continue;
     ++compared;
-    // Of each kind on its own scale, as the one may be zero for reasons of symmetry.
-    const double scale_force = wrench.force.norm(), scale_torque = scale_force * semi_axes.maxCoeff();
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d axis = Vector3d::Unit(k);
-      EXPECT_NEAR(numerical_slope(felt, pose, axis, Vector3d::Zero(), 1e-5), wrench.force[k],
-                  1e-5 * scale_force);
-      EXPECT_NEAR(numerical_slope(felt, pose, Vector3d::Zero(), axis, 1e-4), wrench.torque[k],
-                  1e-5 * scale_torque);
-    }
+    expect_gradient(felt, pose, semi_axes.maxCoeff());
   }
   EXPECT_GT(compared, 40);
+}
+
+TEST(FieldForce, IsTheGradientOfItsPotentialForAToolOfManyParts) {
+  Random random(905);
+  const GaussianScene scene = test::scene_of(test::sphere_of_splats(random, 20000));
+  int compared = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Tool tool = test::random_tool(random, 2 + i % 6, random.log_uniform(0.03, 0.08));
+    Felt felt(scene, tool);
+    const Vector3d n = random.direction();
+    const Pose pose{(1.0 + random.uniform(-0.5, 1.0) * tool.thinnest()) * n, random.rotation()};
+    const ContactSet& contacts = felt.contacts(pose);
+    if (contacts.contacts.size() < 3 || contacts.contacts.front().part == contacts.contacts.back().part)
+      continue;
+    ++compared;
+    expect_gradient(felt, pose, tool.radius());
+  }
+  EXPECT_GT(compared, 15);
 }
 
 /// A smooth closed path of poses about `center`, s in [0, 1].
@@ -165,6 +189,31 @@ TEST(FieldForce, StiffnessIsInNewtonsAMetreHoweverDenselyTheSceneWasTrained) {
       sum += wrench.force.z();
     }
     EXPECT_NEAR(sum / kPlaces, 1000.0 * kDepth, 0.15 * 1000.0 * kDepth) << "spacing " << spacing;
+  }
+}
+
+/// What pushes the default tool up where it is `depth` inside an even plane, as a mean over places, over
+/// depth times stiffness. It stands on the end of its long axis before it is `turned`; `height` is half of it
+/// then.
+double relative_stiffness(const Eigen::Quaterniond& turned, double height, double depth) {
+  ProceduralOptions options;
+  options.spacing = 0.002;
+  Felt felt(make_scene(*make_surface("plane"), options), Tool{});
+  Random random(906);
+  double sum = 0.0;
+  constexpr int kPlaces = 50;
+  for (int i = 0; i < kPlaces; ++i) {
+    const Vector3d at(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), height - depth);
+    sum += felt.wrench({at, turned}).force.z();
+  }
+  return sum / (kPlaces * 1000.0 * depth);
+}
+
+TEST(FieldForce, IsAsStiffOnTheTipOfALongToolAsOnItsSide) {
+  const Eigen::Quaterniond lying(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX()));
+  for (const double depth : {0.002, 0.005, 0.010}) {
+    EXPECT_NEAR(relative_stiffness(Eigen::Quaterniond::Identity(), 0.04, depth), 1.0, 0.2) << depth;
+    EXPECT_NEAR(relative_stiffness(lying, 0.02, depth), 1.0, 0.2) << depth;
   }
 }
 

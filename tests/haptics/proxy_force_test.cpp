@@ -11,8 +11,10 @@
 #include <gtest/gtest.h>
 
 #include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/tool_file.h>
 #include <palpate/scene/procedural.h>
 #include <support/allocation_guard.h>
+#include <support/example_tools.h>
 #include <support/splats.h>
 
 namespace palpate {
@@ -33,13 +35,21 @@ ProceduralOptions noisy(std::uint64_t seed, double spacing = 0.006) {
   return options;
 }
 
-/// A surface, its Gaussians, and a ball that feels them.
+/// Without noise.
+ProceduralOptions even(double spacing) {
+  ProceduralOptions options;
+  options.spacing = spacing;
+  return options;
+}
+
+/// A surface, its Gaussians, and a tool that feels them: a ball, if none is said.
 class Bench {
  public:
-  Bench(const std::string& shape, const ProceduralOptions& options, ProxyParameters parameters = {})
+  Bench(const std::string& shape, const ProceduralOptions& options, ProxyParameters parameters = {},
+        const Tool& tool = Tool{Vector3d::Constant(kRadius)})
       : surface(make_surface(shape)), index_(make_scene(*surface, options), SceneFilter{}, Similarity{}) {
     parameters.stiffness = kStiffness;
-    model = std::make_unique<ProxyForce>(index_, Tool{Vector3d::Constant(kRadius)}, parameters);
+    model = std::make_unique<ProxyForce>(index_, tool, parameters);
   }
 
   ForceOutput at(const Vector3d& position) {
@@ -163,12 +173,10 @@ TEST(ProxyForce, IsZeroAndFollowsTheToolOutOfContact) {
 }
 
 TEST(ProxyForce, HasTheFrictionThatIsSet) {
-  ProceduralOptions even;
-  even.spacing = 0.006;
   for (const double friction : {0.1, 0.3, 0.6}) {
     ProxyParameters parameters;
     parameters.friction = friction;
-    Bench bench("plane", even, parameters);
+    Bench bench("plane", even(0.006), parameters);
     Vector3d at(-0.1, 0.03, kRadius);
     for (; at.z() > kRadius - 0.008; at.z() -= 1e-4) bench.at(at);
     std::vector<double> measured;
@@ -283,6 +291,66 @@ TEST(ProxyForce, ForgetsAllWhenReset) {
   Bench other("plane", noisy(934));
   bench.model->reset();
   EXPECT_EQ(bench.at({0, 0, 0.015}).wrench.force, other.at({0, 0, 0.015}).wrench.force);
+}
+
+/// The bench's tool pressed straight down at (x, y), to where its handle is at height `z`.
+ForceOutput press(Bench& bench, double x, double y, double z) {
+  ForceOutput felt;
+  const double start = z + 0.02;
+  constexpr int kTicks = 200;
+  for (int tick = 0; tick <= kTicks; ++tick) felt = bench.at({x, y, start + (z - start) * tick / kTicks});
+  return felt;
+}
+
+constexpr double kArm = 0.06;
+
+/// Two balls on a rod along x, the handle in its middle.
+Tool dumbbell() {
+  const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
+  return Tool({{"left", Vector3d::Constant(kRadius), {{-kArm, 0, 0}, straight}},
+               {"rod", {kArm, 0.006, 0.006}, {}},
+               {"right", Vector3d::Constant(kRadius), {{kArm, 0, 0}, straight}}});
+}
+
+TEST(ProxyForce, TwoBallsOnARodAreHeldWithoutATurn) {
+  Bench bench("plane", even(0.004), {}, dumbbell());
+  constexpr double kDepth = 0.005;
+  const ForceOutput felt = press(bench, 0.01, 0.02, kRadius - kDepth);
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.07 * kStiffness * kDepth);
+  EXPECT_LE(felt.wrench.force.head<2>().norm(), 0.03 * felt.wrench.force.z());
+  EXPECT_LE(felt.wrench.torque.norm(), 0.03 * kArm * felt.wrench.force.z());
+}
+
+TEST(ProxyForce, OneOfTwoBallsOnARodTurnsTheHandle) {
+  const Tool tool = dumbbell();
+  Bench bench("plane", even(0.004), {}, tool);
+  constexpr double kDepth = 0.003;
+  // The plane ends at x = 0.2, so that nothing is below the right ball.
+  const ForceOutput felt = press(bench, 0.2, 0.02, kRadius - kDepth);
+  // What pushes up at x = -kArm turns about +y; of one plane, the nearest motion is exact: pushed by p, the
+  // handle goes up by p and turns by p kArm / g^2, so that the ball comes up by p (1 + kArm^2 / g^2).
+  const double g = tool.gyration();
+  const double force = kStiffness * kDepth / (1.0 + kArm * kArm / (g * g));
+  EXPECT_NEAR(felt.wrench.force.z(), force, 0.1 * force);
+  EXPECT_NEAR(felt.wrench.torque.y(), kArm * felt.wrench.force.z(), 0.1 * kArm * force);
+  EXPECT_NEAR(felt.wrench.torque.x(), 0.0, 0.03 * kArm * force);
+  EXPECT_NEAR(felt.wrench.torque.z(), 0.0, 0.03 * kArm * force);
+}
+
+TEST(ProxyForce, AnOpenHandRestsOnAPlane) {
+  const Tool hand = read_tool(test::example_tool("open-hand"));
+  Bench bench("plane", even(0.003), {}, hand);
+  constexpr double kDepth = 0.005;
+  const AllocationGuard guard;
+  const ForceOutput felt = press(bench, -0.03, 0.0, hand.support(-Vector3d::UnitZ()) - kDepth);
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(felt.wrench.force.z(), 0.1 * kStiffness * kDepth);
+  EXPECT_LE(degrees_between(felt.wrench.force, Vector3d::UnitZ()), 10.0);
+  for (const ToolPart& part : hand.parts()) {
+    const Ellipsoid solid = part.at(felt.proxy);
+    const double below = solid.support(Vector3d::UnitZ()) - solid.center.z();
+    EXPECT_LE(below, ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff()) << part.name;
+  }
 }
 
 TEST(ProxyForce, TakesNothingFromTheHeap) {

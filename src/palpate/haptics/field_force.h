@@ -14,18 +14,20 @@ struct FieldParameters {
 
 /// How deep a tool is in what it touches, from the contacts of its pose alone:
 ///
-///     e_i = 1 - sqrt(1 - K_i)           how far both solids would have to shrink, as a factor, to only
-///     touch: 0
-///                                       at first touch, 1 where centres coincide
-///     L_i = sqrt((r^T B r + s^2 a^2) / (r^T r + s^2)),    r = c_part - c_i
-///                                       how far the part of the tool reaches towards the Gaussian
+///     e_i = 1 - sqrt(1 - K_i)       how far both solids would have to shrink, as a factor, to only touch: 0
+///     at
+///                                   first touch, 1 where centres coincide
+///     L   = sqrt((r^T B^-1 r + s) / (r^T B^-2 r + s / a^2)),    r = mean of c_part - c_i by alpha_i e_i^p
+///                                   how far the part of the tool reaches along B^-1 r, which is the normal
+///                                   of the plane that its contacts lie in
 ///     D   = c (sum alpha_i (e_i L_i)^(p+1)) / (sum alpha_i (e_i L_i)^p),    p = 3, c = (p + 2) / (p + 1)
 ///
-/// with B the part's shape matrix, a its shortest semi-axis and s = a / 4, which keeps L smooth where centres
-/// meet; of a ball L is the radius. The quotient is a mean in which the deepest count most, so that D depends
-/// on where the surface is and not on how many Gaussians it is made of. A Gaussian that comes or goes has e_i
-/// = 0 and no weight. Where a sphere is pressed into a plane of points, their e_i are spread evenly from 0 to
-/// that of the deepest, of which the quotient is 1/c: D is then the depth.
+/// with B the part's shape matrix, a its shortest semi-axis and s = 1 / 100, which keeps L smooth where
+/// centres meet; L_i is that of the part that contact i is of, and of a ball the radius. The quotient is a
+/// mean in which the deepest count most, so that D depends on where the surface is and not on how many
+/// Gaussians it is made of. A Gaussian that comes or goes has e_i = 0 and no weight. Where an ellipsoid is
+/// pressed into a plane of points, their e_i are spread evenly from 0 to that of the deepest, which is depth
+/// / L: D is then the depth.
 ///
 /// Everything in it is a smooth function of the pose, but for the Gaussians whose centre is the tool's.
 struct FieldDepth {

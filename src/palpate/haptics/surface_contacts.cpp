@@ -51,6 +51,7 @@ HWY_INLINE V load(const SurfaceContacts& contacts, SurfaceContacts::Lane lane, s
 struct Vec3 {
   V x, y, z;
 
+  HWY_INLINE Vec3(V a, V b, V c) : x(a), y(b), z(c) {}
   HWY_INLINE Vec3(const SurfaceContacts& contacts, std::size_t first, std::size_t i)
       : x(load(contacts, SurfaceContacts::Lane(first), i)),
         y(load(contacts, SurfaceContacts::Lane(first + 1), i)),
@@ -67,8 +68,8 @@ struct Vec3 {
   HWY_INLINE V dot(const Vec3& a) const { return hn::MulAdd(x, a.x, hn::MulAdd(y, a.y, hn::Mul(z, a.z))); }
 };
 
-/// kWeight, kCoverage and kNarrowness from the lanes before them. \param shape of the enlarged solid, and
-/// `thickness`, in the lanes' units
+/// kWeight, kCoverage and kNarrowness from the lanes before them, and the point. \param shape of the enlarged
+/// solid, and `thickness`, in the lanes' units
 void Weigh(SurfaceContacts& contacts, const Eigen::Matrix3f& shape, float thickness) {
   const D d;
   const V one = set(1.0F), inverse_square = set(1.0F / (thickness * thickness));
@@ -86,6 +87,14 @@ void Weigh(SurfaceContacts& contacts, const Eigen::Matrix3f& shape, float thickn
         hn::Sub(hn::Sub(load(contacts, SurfaceContacts::kDepth, i), hn::Sqrt(support)), n.dot(to_center));
     const V h_squared = hn::Mul(h, h);
     const V trust = hn::Div(one, hn::MulAdd(h_squared, inverse_square, one));
+    const Vec3 p(contacts, SurfaceContacts::kPointX, i);
+    const V inside =
+        hn::Sub(hn::Abs(h),
+                n.dot(Vec3{hn::Sub(p.x, to_center.x), hn::Sub(p.y, to_center.y), hn::Sub(p.z, to_center.z)}));
+    const V outwards = hn::Mul(inside, hn::Div(h_squared, hn::Add(one, h_squared)));
+    put(SurfaceContacts::kPointX, hn::MulAdd(n.x, outwards, p.x));
+    put(SurfaceContacts::kPointY, hn::MulAdd(n.y, outwards, p.y));
+    put(SurfaceContacts::kPointZ, hn::MulAdd(n.z, outwards, p.z));
     const V extent = load(contacts, SurfaceContacts::kExtent, i);
     const V s_squared = hn::Mul(set(0.5F), hn::ZeroIfNegative(hn::MulSub(extent, extent, h_squared)));
     const V narrowness = hn::Div(one, hn::Add(one, s_squared));

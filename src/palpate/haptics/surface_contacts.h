@@ -34,7 +34,12 @@ struct SurfaceKernel {
 class SurfaceContacts {
  public:
   enum Lane : std::size_t {
-    kPointX,  ///< Contact::point
+    /// Where the surface is. A Gaussian that is thinner than the detail is a sample of it, at Contact::point;
+    /// a
+    /// thicker one is a solid of its own: of half the thickness h along the normal n, in units of the detail,
+    /// the
+    /// point is moved along n by h^2 / (1 + h^2) of its way to the plane that touches the Gaussian there.
+    kPointX,
     kPointY,
     kPointZ,
     kNormalX,  ///< Contact::normal
