@@ -37,7 +37,7 @@ std::array<double, 17> moments_by_definition(const std::vector<Contact>& contact
         c.point + (h - c.normal.dot(c.point - c.center)) * thick * thick / (1.0 + thick * thick) * c.normal;
     const Vector3d p = (point - larger.center) / kernel_of.detail - origin;
     const double x = p.dot(u), y = p.dot(v), z = p.dot(n), r = x * x + y * y;
-    const double trust = 1.0 / (1.0 + h * h / (kernel_of.thickness * kernel_of.thickness));
+    const double trust = 1.0 / (1.0 + std::pow(h / kernel_of.thickness, 4));
     const double w = c.opacity * smooth_step(c.k_min / 0.3) * trust * same * kernel(r);
     const double b[] = {1.0, x, y, r};
     std::size_t k = 0;

@@ -72,7 +72,7 @@ struct Vec3 {
 /// solid, and `thickness`, in the lanes' units
 void Weigh(SurfaceContacts& contacts, const Eigen::Matrix3f& shape, float thickness) {
   const D d;
-  const V one = set(1.0F), inverse_square = set(1.0F / (thickness * thickness));
+  const V one = set(1.0F), per_thickness = set(1.0F / (thickness * thickness));
   for (std::size_t i = 0; i < contacts.size(); i += hn::Lanes(d)) {
     const auto put = [&](SurfaceContacts::Lane lane, V v)
                          HWY_ATTR { hn::StoreU(v, d, contacts.lane(lane) + i); };
@@ -86,7 +86,8 @@ void Weigh(SurfaceContacts& contacts, const Eigen::Matrix3f& shape, float thickn
     const V h =
         hn::Sub(hn::Sub(load(contacts, SurfaceContacts::kDepth, i), hn::Sqrt(support)), n.dot(to_center));
     const V h_squared = hn::Mul(h, h);
-    const V trust = hn::Div(one, hn::MulAdd(h_squared, inverse_square, one));
+    const V relative = hn::Mul(h_squared, per_thickness);
+    const V trust = hn::Div(one, hn::MulAdd(relative, relative, one));
     const Vec3 p(contacts, SurfaceContacts::kPointX, i);
     const V inside =
         hn::Sub(hn::Abs(h),
@@ -176,8 +177,7 @@ constexpr std::size_t kMostLanes = 16;
 }  // namespace
 
 SurfaceKernel SurfaceKernel::for_tool(double a_min, double detail, double extent) {
-  constexpr double kTrusted = 2.0;  // usual Gaussians, one behind the other
-  return {detail, std::hypot(a_min, 2.0 * detail) - a_min, std::max(detail, kTrusted * extent)};
+  return {detail, std::hypot(a_min, 2.0 * detail) - a_min, std::max(detail, extent)};
 }
 
 SurfaceContacts::SurfaceContacts(std::size_t capacity)

@@ -52,7 +52,7 @@ class SurfaceContacts {
     kOpacity,
     kDepth,
     kExtent,
-    /// alpha S(K) / (1 + (h / thickness)^2), h half the Gaussian's thickness along the normal.
+    /// alpha S(K) / (1 + (h / thickness)^4), h half the Gaussian's thickness along the normal.
     kWeight,
     /// What the Gaussian, seen as a Gaussian of variance s^2 in the tangent plane, covers of the kernel's
     /// disc when both are centred: s^2 / (1 + s^2), times what its thickness leaves.

@@ -36,7 +36,7 @@ double confidence_of(const SurfaceMoments& moments);
 /// coordinates u,
 ///
 ///     minimise  sum_i w_i (z_i - a - b . u_i - c |u_i|^2)^2
-///     w_i = alpha_i S(K_i) / (1 + (h_i / thickness)^2) (1 - |u_i|^2 / (10 detail^2))^3 S(n_i . n)
+///     w_i = alpha_i S(K_i) / (1 + (h_i / thickness)^4) (1 - |u_i|^2 / (10 detail^2))^3 S(n_i . n)
 ///
 /// over height a, slope b and mean curvature c, with z_i the height of contact i's point, h_i half the
 /// thickness of its Gaussian along its normal, and S a smooth step. It is moving least squares (Levin 1998;
