@@ -196,14 +196,16 @@ function spreadAlongContact(run, rows, positions, most) {
   });
 }
 
-/// The force on the tool as arrows along the path, the largest of `longest`; null if there is none.
-export function forceArrows(run, rows, positions, longest) {
-  const largest = run.col.force.reduce((high, f) => Math.max(high, f ?? 0), 0);
-  if (!(largest > 0)) return null;
+/// The force on the tool as arrows along the path, all on one scale; null if there is none. `usual` is the length
+/// of a force that a tenth of those in contact exceed, so that a few peaks do not make all others small.
+export function forceArrows(run, rows, positions, usual) {
+  const forces = run.col.force.filter((f) => f > 0).sort((a, b) => a - b);
+  if (forces.length === 0) return null;
+  const reference = forces[Math.floor(0.9 * (forces.length - 1))];
   const segments = [];
   for (const i of spreadAlongContact(run, rows, positions, mostArrows)) {
     const force = new Vector3(run.col.fx[rows[i]], run.col.fy[rows[i]], run.col.fz[rows[i]]);
-    const length = (longest * force.length()) / largest;
+    const length = (usual * force.length()) / reference;
     const along = force.normalize();
     const aside = new Vector3(along.y, -along.x, 0);
     if (aside.lengthSq() < 1e-6) aside.set(1, 0, 0);

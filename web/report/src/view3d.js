@@ -19,7 +19,7 @@ const fitMargin = 1.12;
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
 const markerShare = 0.015; // size of the marker where the tool's is not known, of the view
 const normalShare = 0.035; // length of the normals, of the view
-const forceShare = 0.12; // length of the largest force, of the view
+const forceShare = 0.08; // length of a force that few exceed, of the view
 const labelLimit = 60; // onset labels in the view; more would hide it
 
 // Colours are those of the files and the style sheet, not lit: they go to the screen unchanged.
