@@ -220,8 +220,8 @@ TEST(ProxyForce, SticksWithoutCreeping) {
   ForceOutput felt;
   for (int tick = 0; tick < 200; ++tick) felt = bench.at(aside);
   const Vector3d before = felt.proxy.position;
-  // Of the 2 mm the ball rolls a part on the point that sticks: by g^2 = 2/5 R^2, 1 / 1.4 on a plane.
-  EXPECT_NEAR(-felt.wrench.force.x(), kStiffness * 0.002 * 0.4 / 1.4, 0.25);
+  // Of the 2 mm the ball rolls a part on the point that sticks: with g^2 = 4 * 2/5 R^2, 1 / 2.6 on a plane.
+  EXPECT_NEAR(-felt.wrench.force.x(), kStiffness * 0.002 * 1.6 / 2.6, 0.25 * kStiffness * 0.002);
   for (int tick = 0; tick < 10000; ++tick) felt = bench.at(aside);
   EXPECT_LE((felt.proxy.position - before).norm(), 1e-6);
 }
@@ -329,7 +329,7 @@ TEST(ProxyForce, OneOfTwoBallsOnARodTurnsTheHandle) {
   const ForceOutput felt = press(bench, 0.2, 0.02, kRadius - kDepth);
   // What pushes up at x = -kArm turns about +y; of one plane, the nearest motion is exact: pushed by p, the
   // handle goes up by p and turns by p kArm / g^2, so that the ball comes up by p (1 + kArm^2 / g^2).
-  const double g = tool.gyration();
+  const double g = ProxyForce::kTurning * tool.gyration();
   const double force = kStiffness * kDepth / (1.0 + kArm * kArm / (g * g));
   EXPECT_NEAR(felt.wrench.force.z(), force, 0.1 * force);
   EXPECT_NEAR(felt.wrench.torque.y(), kArm * felt.wrench.force.z(), 0.1 * kArm * force);

@@ -64,7 +64,7 @@ ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel) {
 
 ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters)
     : parameters_(parameters),
-      gyration_(tool.gyration()),
+      gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
       step_(std::numeric_limits<double>::infinity()),
       surface_(kRoom) {

@@ -43,16 +43,18 @@ ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel);
 /// points):
 ///
 ///  1. of every part of the proxy the contacts, enlarged by SurfaceKernel::reach, make SurfacePatches;
-///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion()), at most half of
-///  the
-///     reach at once, so that nothing is passed unseen however fast the tool is. A patch of confidence c
-///     gives way, so that it is felt with c times the stiffness and does not hide what is behind it. With
-///     friction, the proxy stays behind by no more than friction times what presses it on;
+///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion(), with friction),
+///  at
+///     most half of the reach at once, so that nothing is passed unseen however fast the tool is. A patch of
+///     confidence c gives way, so that it is felt with c times the stiffness and does not hide what is
+///     behind;
 ///  3. again, until it hardly moves, at most kMostSteps times, or kMostFreeSteps out of contact and at first,
-///     where the tool may begin inside something;
-///  4. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g the tool's radius of
-///     gyration. Zero where nothing holds the proxy back. With damping b, the force changes by -b times the
-///     tool's velocity along it, by no more than there is.
+///     where the tool may begin inside something. In all, it moves no farther than the tool did and a little,
+///     so that the force does not jump where patches come and go;
+///  4. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the tool's
+///  radius of
+///     gyration. Zero where nothing holds the proxy back or has held it. With damping b, the force changes by
+///     -b times the tool's velocity along it, by no more than there is.
 ///
 /// k, friction and damping are those of what holds the proxy: means over the Gaussians that the surface is
 /// made of there, and over the patches, by how hard they are pushed.
@@ -69,6 +71,12 @@ class ProxyForce final : public ForceModel {
   /// It looks for contacts where the proxy is.
   bool wants_contacts() const override { return false; }
   ForceOutput evaluate(const ForceInput& input) override;
+
+  /// A turn counts by this many radii of gyration of the tool. A hand, or a device that does not turn, holds
+  /// the direction of a tool more firmly than the inertia of a free body would: a ball of one radius of
+  /// gyration rolls two and a half times as far as friction lets it lag before it slips, one of two half as
+  /// far.
+  static constexpr double kTurning = 2.0;
 
   static constexpr int kMostSteps = 4;       ///< in contact
   static constexpr int kMostFreeSteps = 32;  ///< out of contact, where a step costs little
