@@ -220,8 +220,8 @@ TEST(ProxyForce, SticksWithoutCreeping) {
   ForceOutput felt;
   for (int tick = 0; tick < 200; ++tick) felt = bench.at(aside);
   const Vector3d before = felt.proxy.position;
-  // Of the 2 mm the ball rolls a part on the point that sticks: with g^2 = 4 * 2/5 R^2, 1 / 2.6 on a plane.
-  EXPECT_NEAR(-felt.wrench.force.x(), kStiffness * 0.002 * 1.6 / 2.6, 0.25 * kStiffness * 0.002);
+  // Of the 2 mm the ball rolls a part on the point that sticks: with g^2 = 9 * 2/5 R^2, 1 / 4.6 on a plane.
+  EXPECT_NEAR(-felt.wrench.force.x(), kStiffness * 0.002 * 3.6 / 4.6, 0.25 * kStiffness * 0.002);
   for (int tick = 0; tick < 10000; ++tick) felt = bench.at(aside);
   EXPECT_LE((felt.proxy.position - before).norm(), 1e-6);
 }
@@ -252,6 +252,20 @@ TEST(ProxyForce, StaysOutOfACorner) {
     EXPECT_NEAR(felt.proxy.position[axis], kRadius, 0.15 * kRadius);
     EXPECT_GT(felt.wrench.force[axis], 0.8 * kStiffness * kRadius);
   }
+}
+
+TEST(ProxyForce, StandsOnTheEndOfALongTool) {
+  const auto surface = make_surface("plane");
+  const SceneIndex index(make_scene(*surface, {}), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool{}, {.stiffness = kStiffness, .friction = 0.3});
+  ForceInput input;
+  input.dt = 1e-3;
+  input.tool.position = {0, 0, 0.05};
+  ForceOutput felt;
+  for (; input.tool.position.z() > 0.01; input.tool.position.z() -= 1e-4) felt = model.evaluate(input);
+  EXPECT_NEAR(felt.wrench.force.z(), 0.03 * kStiffness, 0.07 * 0.03 * kStiffness);
+  for (; input.tool.position.x() < 0.05; input.tool.position.x() += 1e-4) felt = model.evaluate(input);
+  EXPECT_NEAR(-felt.wrench.force.x() / felt.wrench.force.z(), 0.3, 0.05 * 0.3);
 }
 
 TEST(ProxyForce, TurnsALongToolAlongAWall) {

@@ -72,11 +72,12 @@ class ProxyForce final : public ForceModel {
   bool wants_contacts() const override { return false; }
   ForceOutput evaluate(const ForceInput& input) override;
 
-  /// A turn counts by this many radii of gyration of the tool. A hand, or a device that does not turn, holds
-  /// the direction of a tool more firmly than the inertia of a free body would: a ball of one radius of
-  /// gyration rolls two and a half times as far as friction lets it lag before it slips, one of two half as
-  /// far.
-  static constexpr double kTurning = 2.0;
+  /// A turn counts by this many radii of gyration of the tool: a hand, or a device that does not turn, holds
+  /// the direction of a tool more firmly than the inertia of a free body would. With one, the default tool
+  /// falls over when it is pressed down on its end by more than its thickness, and a ball rolls two and a
+  /// half times as far as friction lets it lag before it slips; with three, it stands, and the ball rolls a
+  /// quarter.
+  static constexpr double kTurning = 3.0;
 
   static constexpr int kMostSteps = 4;       ///< in contact
   static constexpr int kMostFreeSteps = 32;  ///< out of contact, where a step costs little
