@@ -7,9 +7,9 @@
 namespace palpate {
 namespace {
 
-/// A step of the proxy that is not worth another, as a share of the longest: so short, the surface is as flat
-/// as it was taken for, to a thousandth of the step, and the next tick goes on from there.
-constexpr double kSettled = 0.02;
+/// A step of the proxy that is not worth another, as a share of the longest: over so short a way, the surface is
+/// as flat as it was taken for, to a hundredth of it, and the next tick goes on from there.
+constexpr double kSettled = 0.1;
 
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q);
