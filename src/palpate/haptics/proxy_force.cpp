@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-/// A step of the proxy that is not worth another, as a share of the longest: over so short a way, the surface is
-/// as flat as it was taken for, to a hundredth of it, and the next tick goes on from there.
+/// A step of the proxy that is not worth another, as a share of the longest: over so short a way, the surface
+/// is as flat as it was taken for, to a hundredth of it, and the next tick goes on from there.
 constexpr double kSettled = 0.1;
 
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
