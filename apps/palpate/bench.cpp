@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
@@ -175,29 +174,24 @@ void run(Options& options) {
 }  // namespace
 
 Command declare_bench(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("bench", "Latency and throughput of the contact query on a scene and a path");
+  CLI::App& app =
+      add_command(parent, "bench", "Latency and throughput of the contact query on a scene and a path");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common, "print figures as JSON");
-  options->scene.declare(*app, SceneOptions::As::kPositional);
-  app->add_option("--trajectory", options->trajectory,
-                  "tool poses in the world (default: as make-path makes them)")
-      ->type_name("T.csv");
-  app->add_option("--histogram", options->histogram, "picture of the times of fresh queries in contact")
-      ->type_name("H.svg");
-  app->add_option("--rounds", options->rounds,
-                  "times to go along the path; the least time of each pose counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->add_option("--threads", options->threads,
-                  "for the throughput (default: all); latency is of one thread")
-      ->check(CLI::Range(1, 1024));
-  app->add_option("--simd", options->simd, "instruction set (default: the best)")
-      ->check(CLI::IsMember(simd_targets()));
-  options->query.declare_tool(*app);
-  options->query.declare_pipeline(*app);
-  options->force.declare(*app);
-  return {app, [=] { run(*options); }};
+  declare_common(app, options->common, "print figures as JSON");
+  options->scene.declare(app, SceneOptions::As::kPositional);
+  add_text(app, "--trajectory", options->trajectory, "T.csv",
+           "tool poses in the world (default: as make-path makes them)");
+  add_text(app, "--histogram", options->histogram, "H.svg",
+           "picture of the times of fresh queries in contact");
+  add_count(app, "--rounds", options->rounds, 1, 1000,
+            "times to go along the path; the least time of each pose counts");
+  add_count(app, "--threads", options->threads, 1, kMostThreads,
+            "for the throughput (default: all); latency is of one thread");
+  add_choice(app, "--simd", options->simd, simd_targets(), "instruction set (default: the best)");
+  options->query.declare_tool(app);
+  options->query.declare_pipeline(app);
+  options->force.declare(app);
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "declare.h"
 
 namespace palpate::cli {
 

@@ -116,14 +116,12 @@ std::string fish_script(const CLI::App& root) {
 }  // namespace
 
 Command declare_completion(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("completion", "Print a completion script: eval \"$(palpate completion bash)\"");
+  CLI::App& app =
+      add_command(parent, "completion", "Print a completion script: eval \"$(palpate completion bash)\"");
   auto shell = std::make_shared<std::string>();
-  app->add_option("SHELL", *shell, "bash, zsh or fish")
-      ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  add_choice(app, "SHELL", *shell, {"bash", "zsh", "fish"}, "bash, zsh or fish").required();
   const CLI::App* root = &parent;
-  return {app, [=] {
+  return {&app, [=] {
             const std::string script = *shell == "bash"  ? bash_script(*root)
                                        : *shell == "zsh" ? zsh_script(*root)
                                                          : fish_script(*root);

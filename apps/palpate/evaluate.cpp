@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
@@ -172,54 +171,39 @@ void run(const Options& options) {
 
 void declare_what(CLI::App& app, Options& options) {
   const auto known = procedural_shapes();
-  app.add_option("--shapes", options.shapes, "surfaces to feel, as make-scene names them")
-      ->delimiter(',')
-      ->check(CLI::IsMember(std::vector<std::string>(known.begin(), known.end())))
-      ->capture_default_str();
-  app.add_option("--models", options.models, "force models to compare")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"proxy", "field", "density"}))
-      ->capture_default_str();
-  app.add_option("--spacings", options.spacings, "mean distances of neighbours, m")
-      ->delimiter(',')
-      ->check(CLI::Range(1e-4, 0.1))
-      ->capture_default_str();
+  add_choices(app, "--shapes", options.shapes, {known.begin(), known.end()},
+              "surfaces to feel, as make-scene names them");
+  add_choices(app, "--models", options.models, {"proxy", "field", "density"}, "force models to compare");
+  add_numbers(app, "--spacings", options.spacings, 1e-4, 0.1, "mean distances of neighbours, m");
   add_number(app, "--noise", options.noise, 0.0, 0.1, "m", "sd of the displacement along the normal");
   add_number(app, "--tilt", options.tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
 }
 
 void declare_how_much(CLI::App& app, Options& options) {
   constexpr int kMost = 100'000;
-  app.add_option("--scenes", options.scenes, "made of each, with one seed after the other")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--places", options.places, "where each is pressed and slid along, in all")
-      ->check(CLI::Range(1, kMost))
-      ->capture_default_str();
-  app.add_option("--pushes", options.pushes, "to the other side of each, every tenth at 2 m/s")
-      ->check(CLI::Range(0, kMost))
-      ->capture_default_str();
+  add_count(app, "--scenes", options.scenes, 1, 1000, "made of each, with one seed after the other");
+  add_count(app, "--places", options.places, 1, kMost, "where each is pressed and slid along, in all");
+  add_count(app, "--pushes", options.pushes, 0, kMost, "to the other side of each, every tenth at 2 m/s");
   add_seed(app, options.seed, "of the first scene, and of the places");
 }
 
 }  // namespace
 
 Command declare_evaluate(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("evaluate", "Force models against the analytic truth: tables and figures");
+  CLI::App& app =
+      add_command(parent, "evaluate", "Force models against the analytic truth: tables and figures");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common, "print the tables as JSON");
-  declare_what(*app, *options);
-  declare_how_much(*app, *options);
-  app->add_option("--csv", options->csv, "all figures as CSV, a line a row")->type_name("T.csv");
-  app->add_option("--html", options->html, "tables and figures as one self-contained page")
-      ->type_name("P.html");
-  app->add_option("--svg", options->svg, "a folder, for the figures of the page as files")->type_name("DIR");
+  declare_common(app, options->common, "print the tables as JSON");
+  declare_what(app, *options);
+  declare_how_much(app, *options);
+  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, a line a row");
+  add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
+  add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
   options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
-  options->query.declare_tool(*app);
+  options->query.declare_tool(app);
   options->force.proxy.friction = 0.3;  // measured in slides and rests of its own
-  options->force.declare_parameters(*app);
-  return {app, [=] { run(*options); }};
+  options->force.declare_parameters(app);
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

@@ -125,13 +125,13 @@ void print_text(const LoadedScene& loaded, const LintReport& lint, const SceneOp
 }  // namespace
 
 Command declare_info(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand(
-      "info", "Counts, bounds, opacity and scale quantiles, lint findings, what the filter keeps");
+  CLI::App& app = add_command(
+      parent, "info", "Counts, bounds, opacity and scale quantiles, lint findings, what the filter keeps");
   auto common = std::make_shared<CommonOptions>();
   auto scene = std::make_shared<SceneOptions>();
-  declare_common(*app, *common, "print figures as JSON");
-  scene->declare(*app, SceneOptions::As::kPositional);
-  return {app, [=] {
+  declare_common(app, *common, "print figures as JSON");
+  scene->declare(app, SceneOptions::As::kPositional);
+  return {&app, [=] {
             const LoadedScene loaded = load(*scene, terminal_progress(common->quiet));
             const LintReport report = lint(loaded.scene);
             if (common->json) {

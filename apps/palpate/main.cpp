@@ -23,10 +23,9 @@
 namespace palpate::cli {
 
 void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help) {
-  app.add_flag("-q,--quiet", options.quiet, "no progress and no summary");
-  if (!json_help.empty()) app.add_flag("--json", options.json, json_help);
-  app.add_option("--config", options.config, "TOML file of options, keys as here without the dashes")
-      ->type_name("FILE");
+  add_flag(app, "-q,--quiet", options.quiet, "no progress and no summary");
+  if (!json_help.empty()) add_flag(app, "--json", options.json, json_help);
+  add_text(app, "--config", options.config, "FILE", "TOML file of options, keys as here without the dashes");
 }
 
 namespace {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/device/playback.h>
@@ -57,22 +56,20 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_make_path(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("make-path", "A path that touches a scene here and there, as a trajectory file");
+  CLI::App& app =
+      add_command(parent, "make-path", "A path that touches a scene here and there, as a trajectory file");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common);
-  app->add_option("--out", options->out, "the trajectory")->type_name("T.csv")->required();
-  app->add_option("--touches", options->path.touches, "how many places to touch")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  add_seed(*app, options->path.seed, "of the choice of places");
+  declare_common(app, options->common);
+  add_text(app, "--out", options->out, "T.csv", "the trajectory").required();
+  add_count(app, "--touches", options->path.touches, 1, 1000, "how many places to touch");
+  add_seed(app, options->path.seed, "of the choice of places");
   constexpr double kMost = 1e3;
-  add_number(*app, "--press", options->path.press, 0.0, kMost, "m", "how deep to press beyond first contact");
-  add_number(*app, "--slide", options->path.slide, 0.0, kMost, "m", "how far to slide along the surface");
-  add_number(*app, "--rate", options->path.rate, 1.0, 1e5, "Hz", "poses a second");
-  options->scene.declare(*app, SceneOptions::As::kPositional);
-  options->query.declare_tool(*app);
-  return {app, [=] { run(*options); }};
+  add_number(app, "--press", options->path.press, 0.0, kMost, "m", "how deep to press beyond first contact");
+  add_number(app, "--slide", options->path.slide, 0.0, kMost, "m", "how far to slide along the surface");
+  add_number(app, "--rate", options->path.rate, 1.0, 1e5, "Hz", "poses a second");
+  options->scene.declare(app, SceneOptions::As::kPositional);
+  options->query.declare_tool(app);
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

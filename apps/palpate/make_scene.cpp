@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/scene/ply_writer.h>
@@ -44,21 +43,19 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_make_scene(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("make-scene", "Analytic scene with known surface, as INRIA .ply");
+  CLI::App& app = add_command(parent, "make-scene", "Analytic scene with known surface, as INRIA .ply");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common);
+  declare_common(app, options->common);
   const auto shapes = procedural_shapes();
-  app->add_option("SHAPE", options->shape, "what to make")
-      ->required()
-      ->check(CLI::IsMember(std::vector<std::string>(shapes.begin(), shapes.end())));
-  app->add_option("--out", options->out, "the scene")->type_name("S.ply")->required();
-  add_seed(*app, options->procedural.seed, "of all randomness");
-  add_parsed(*app, "--spacing", "m", "mean distance of neighbours, m (default: the shape's own)",
+  add_choice(app, "SHAPE", options->shape, {shapes.begin(), shapes.end()}, "what to make").required();
+  add_text(app, "--out", options->out, "S.ply", "the scene").required();
+  add_seed(app, options->procedural.seed, "of all randomness");
+  add_parsed(app, "--spacing", "m", "mean distance of neighbours, m (default: the shape's own)",
              [options](const std::string& text) { options->procedural.spacing = parse_positive(text); });
-  add_number(*app, "--noise", options->procedural.noise, 0.0, 1.0, "m",
+  add_number(app, "--noise", options->procedural.noise, 0.0, 1.0, "m",
              "sd of the displacement along the normal");
-  add_number(*app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
-  return {app, [=] { run(*options); }};
+  add_number(app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

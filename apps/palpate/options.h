@@ -1,5 +1,5 @@
 /// \file
-/// Options that several commands share, and how their values are checked.
+/// Options that several commands share.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -25,34 +24,11 @@
 #include <palpate/scene/scene_filter.h>
 
 #include "command.h"
+#include "declare.h"
 
 namespace palpate::cli {
 
-/// Parses "1,2,3": between `min_count` and `max_count` finite numbers.
-/// \throws CLI::ValidationError otherwise.
-std::vector<double> parse_numbers(const std::string& text, std::size_t min_count, std::size_t max_count);
-
-/// An option whose text `set` takes apart; `type` stands for the value in --help.
-/// \pre `set` throws CLI::ValidationError for a text it cannot take.
-CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& type,
-                        const std::string& description, const std::function<void(const std::string&)>& set);
-
-/// A number option whose value must lie in [low, high] (NaN does not). Shows `unit` in --help.
-CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, double low, double high,
-                        const std::string& unit, const std::string& description);
-
-/// A finite number above zero. \throws CLI::ValidationError otherwise.
-double parse_positive(const std::string& text);
-
-/// --seed, a whole number.
-CLI::Option* add_seed(CLI::App& app, std::uint64_t& seed, const std::string& description);
-
-/// An option of exactly three numbers.
-CLI::Option* add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
-                         const std::string& unit, const std::string& description);
-
-/// "x,y,z" or "x,y,z,qw,qx,qy,qz". \throws CLI::ValidationError otherwise.
-Pose parse_pose(const std::string& text);
+inline constexpr int kMostThreads = 1024;  ///< of --threads
 
 /// Which scene, which of its Gaussians, how large, and where.
 struct SceneOptions {

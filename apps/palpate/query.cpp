@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <palpate/haptics/confidence.h>
 #include <palpate/haptics/tool_query.h>
@@ -131,17 +130,17 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_query(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("query", "One pose: the contacts and the wrench");
+  CLI::App& app = add_command(parent, "query", "One pose: the contacts and the wrench");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common, "print contacts and wrench as JSON");
-  options->scene.declare(*app, SceneOptions::As::kPositional);
-  add_parsed(*app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose in the world, m",
+  declare_common(app, options->common, "print contacts and wrench as JSON");
+  options->scene.declare(app, SceneOptions::As::kPositional);
+  add_parsed(app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose in the world, m",
              [options](const std::string& text) { options->pose = parse_pose(text); })
-      ->required();
-  options->query.declare_tool(*app);
-  options->query.declare_pipeline(*app);
-  options->force.declare(*app);
-  return {app, [=] { run(*options); }};
+      .required();
+  options->query.declare_tool(app);
+  options->query.declare_pipeline(app);
+  options->force.declare(app);
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/device/playback.h>
@@ -100,23 +99,20 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_replay(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("replay", "Every pose of a trajectory file, offline and deterministic");
+  CLI::App& app = add_command(parent, "replay", "Every pose of a trajectory file, offline and deterministic");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common, "print the summary as JSON");
-  options->scene.declare(*app, SceneOptions::As::kPositional);
-  app->add_option("--trajectory", options->trajectory, "tool poses in the world: t,x,y,z,qw,qx,qy,qz")
-      ->type_name("T.csv")
-      ->required();
-  app->add_option("--out", options->out, "the run: contacts, wrench and time of every pose")
-      ->type_name("RUN.csv")
-      ->required();
-  app->add_option("--threads", options->threads, "how many (default: all); the result does not depend on it")
-      ->check(CLI::Range(1, 1024));
-  options->query.declare_tool(*app);
-  options->query.declare_pipeline(*app);
-  options->force.declare(*app);
-  return {app, [=] { run(*options); }};
+  declare_common(app, options->common, "print the summary as JSON");
+  options->scene.declare(app, SceneOptions::As::kPositional);
+  add_text(app, "--trajectory", options->trajectory, "T.csv", "tool poses in the world: t,x,y,z,qw,qx,qy,qz")
+      .required();
+  add_text(app, "--out", options->out, "RUN.csv", "the run: contacts, wrench and time of every pose")
+      .required();
+  add_count(app, "--threads", options->threads, 1, kMostThreads,
+            "how many (default: all); the result does not depend on it");
+  options->query.declare_tool(app);
+  options->query.declare_pipeline(app);
+  options->force.declare(app);
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

@@ -74,14 +74,14 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_report(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand("report", "The run as an interactive, self-contained page");
+  CLI::App& app = add_command(parent, "report", "The run as an interactive, self-contained page");
   auto options = std::make_shared<Options>();
-  declare_common(*app, options->common);
-  app->add_option("RUN.csv", options->run, "a run, as replay writes it")->required();
-  app->add_option("--out", options->out, "the page")->type_name("R.html")->required();
-  options->scene.declare(*app, SceneOptions::As::kOption);
-  options->query.declare_tool(*app);
-  return {app, [=] { run(*options); }};
+  declare_common(app, options->common);
+  add_text(app, "RUN.csv", options->run, "", "a run, as replay writes it").required();
+  add_text(app, "--out", options->out, "R.html", "the page").required();
+  options->scene.declare(app, SceneOptions::As::kOption);
+  options->query.declare_tool(app);
+  return {&app, [=] { run(*options); }};
 }
 
 }  // namespace palpate::cli

@@ -13,6 +13,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/geometry/rotation.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/scene/lint.h>
 #include <palpate/scene/random.h>
@@ -173,7 +174,7 @@ Eigen::AlignedBox3d robust_bounds(const EllipsoidScene& scene) {
 /// tool that points down: touches from above then hardly turn it.
 Quaterniond pointing_along(const Vector3d& direction) {
   const Quaterniond down(0.0, 1.0, 0.0, 0.0);
-  return Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), direction) * down;
+  return rotation_between(-Vector3d::UnitZ(), direction) * down;
 }
 
 /// Finds places to touch.
@@ -360,7 +361,7 @@ Motion straight(const Approach& line, double from, double to, double speed) {
 Motion arc(const Sphere& sphere, const Pose& from, const Pose& to) {
   const Vector3d a = from.position - sphere.center;
   const Vector3d b = to.position - sphere.center;
-  const Quaterniond turn = Quaterniond::FromTwoVectors(a, b);
+  const Quaterniond turn = rotation_between(a, b);
   const double angle = turn.angularDistance(Quaterniond::Identity());
   const double spin = from.orientation.angularDistance(to.orientation);
   const double duration = std::max({angle * kTravelTime, spin / kTurnSpeed, kShortestMotion});

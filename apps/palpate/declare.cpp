@@ -1,0 +1,181 @@
+#include "declare.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <palpate/scene/gaussian_scene.h>
+
+namespace palpate::cli {
+namespace {
+
+/// Values in one text, and repeated options, both make lists.
+CLI::Option* listed(CLI::Option* option) { return option->delimiter(',')->capture_default_str(); }
+
+}  // namespace
+
+DeclaredOption& DeclaredOption::required() {
+  option_->required();
+  return *this;
+}
+
+DeclaredOption& DeclaredOption::in_group(const std::string& group) {
+  option_->group(group);
+  return *this;
+}
+
+DeclaredOption& DeclaredOption::shows_default(const std::string& text) {
+  option_->default_str(text);
+  return *this;
+}
+
+DeclaredOption& DeclaredOption::excludes(const DeclaredOption& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& description) {
+  return *parent.add_subcommand(name, description);
+}
+
+DeclaredOption add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& description) {
+  return DeclaredOption(app.add_flag(name, value, description));
+}
+
+DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& value, const std::string& type,
+                        const std::string& description) {
+  CLI::Option* option = app.add_option(name, value, description);
+  if (!type.empty()) option->type_name(type);
+  return DeclaredOption(option);
+}
+
+DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& value,
+                          const std::vector<std::string>& choices, const std::string& description) {
+  return DeclaredOption(
+      app.add_option(name, value, description)->check(CLI::IsMember(choices))->capture_default_str());
+}
+
+DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                           const std::vector<std::string>& choices, const std::string& description) {
+  return DeclaredOption(listed(app.add_option(name, values, description))->check(CLI::IsMember(choices)));
+}
+
+DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
+                         const std::string& description) {
+  CLI::Option* option = app.add_option(name, value, description)->check(CLI::Range(low, high));
+  if (value >= low && value <= high) option->capture_default_str();
+  return DeclaredOption(option);
+}
+
+DeclaredOption add_number(CLI::App& app, const std::string& name, double& value, double low, double high,
+                          const std::string& unit, const std::string& description) {
+  const auto set = [&value, low, high](const std::string& text) {
+    const double number = parse_number(text);
+    if (!(number >= low && number <= high)) {
+      throw BadValue(fmt::format("{} is not in {} to {}", text, low, high));
+    }
+    value = number;
+  };
+  return add_parsed(app, name, unit, description, set).shows_default(fmt::format("{}", value));
+}
+
+DeclaredOption add_numbers(CLI::App& app, const std::string& name, std::vector<double>& values, double low,
+                           double high, const std::string& description) {
+  return DeclaredOption(listed(app.add_option(name, values, description))->check(CLI::Range(low, high)));
+}
+
+DeclaredOption add_seed(CLI::App& app, std::uint64_t& seed, const std::string& description) {
+  const auto set = [&seed](const std::string& text) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      throw BadValue(fmt::format("'{}' is not a whole number from 0 to 2^64-1", text));
+    }
+    seed = value;
+  };
+  return add_parsed(app, "--seed", "n", description, set).shows_default(fmt::format("{}", seed));
+}
+
+DeclaredOption add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
+                           const std::string& unit, const std::string& description) {
+  const auto set = [&value](const std::string& text) {
+    const auto v = parse_numbers(text, 3, 3);
+    value = {v[0], v[1], v[2]};
+  };
+  return add_parsed(app, name, "x,y,z", description + ", " + unit, set)
+      .shows_default(fmt::format("{},{},{}", value.x(), value.y(), value.z()));
+}
+
+DeclaredOption add_parsed(CLI::App& app, const std::string& name, const std::string& type,
+                          const std::string& description,
+                          const std::function<void(const std::string&)>& set) {
+  const auto callback = [name, set](const CLI::results_t& results) {
+    try {
+      set(results.front());
+    } catch (const BadValue& error) {
+      throw CLI::ValidationError(name, error.what());
+    }
+    return true;
+  };
+  CLI::Option* option = app.add_option(name, callback, description);
+  return DeclaredOption(option->type_name(type)->type_size(1)->expected(1));
+}
+
+double parse_number(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
+  if (text.empty() || error != std::errc{} || end != text.end() || !std::isfinite(value)) {
+    throw BadValue(fmt::format("'{}' is not a finite number", text));
+  }
+  return value;
+}
+
+double parse_positive(const std::string& text) {
+  const double value = parse_number(text);
+  if (!(value > 0.0)) throw BadValue(text + " is not positive");
+  return value;
+}
+
+std::vector<double> parse_numbers(std::string_view text, std::size_t min_count, std::size_t max_count) {
+  std::vector<double> numbers;
+  std::string_view rest = text;
+  for (;;) {
+    const std::size_t comma = rest.find(',');
+    numbers.push_back(parse_number(rest.substr(0, comma)));
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  if (numbers.size() < min_count || numbers.size() > max_count) {
+    throw BadValue(fmt::format("'{}' has {} numbers; {} are needed", text, numbers.size(), min_count));
+  }
+  return numbers;
+}
+
+Eigen::Quaterniond parse_quaternion(const double* wxyz) {
+  const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (!(q.norm() > 1e-6 && q.norm() < 1e6)) {
+    throw BadValue("the quaternion qw,qx,qy,qz must not be zero");
+  }
+  return q.normalized();
+}
+
+Pose parse_pose(const std::string& text) {
+  const auto v = parse_numbers(text, 3, 7);
+  if (v.size() != 3 && v.size() != 7) {
+    throw BadValue(fmt::format("'{}' has {} numbers; 3 or 7 are needed", text, v.size()));
+  }
+  Pose pose;
+  pose.position = {v[0], v[1], v[2]};
+  if (pose.position.cwiseAbs().maxCoeff() > kMaxExtent) {
+    throw BadValue(fmt::format("'{}' is more than {} m away", text, kMaxExtent));
+  }
+  if (v.size() == 7) pose.orientation = parse_quaternion(v.data() + 3);
+  return pose;
+}
+
+}  // namespace palpate::cli

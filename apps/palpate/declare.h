@@ -1,0 +1,100 @@
+/// \file
+/// How commands declare themselves and their options. Behind it is CLI11, whose headers take the compiler
+/// longer than all commands together: only what looks into its tree of options includes them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <palpate/geometry/pose.h>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace palpate::cli {
+
+/// A text that an option cannot take; what() says why, without the option's name.
+class BadValue : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An option that was just declared, for saying more about it.
+class DeclaredOption {
+ public:
+  explicit DeclaredOption(CLI::Option* option) : option_(option) {}
+
+  DeclaredOption& required();
+  DeclaredOption& in_group(const std::string& group);      ///< heading in --help
+  DeclaredOption& shows_default(const std::string& text);  ///< in --help
+  DeclaredOption& excludes(const DeclaredOption& other);
+
+ private:
+  CLI::Option* option_;  ///< of the command, which outlives this
+};
+
+/// \name Declarations
+/// `name` is "--name" or, for a positional argument, "NAME". `type` stands for the value in --help ("": as
+/// CLI11 names it). What `value` holds is the default, and shown. `value` must live until the arguments are
+/// parsed.
+/// @{
+CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& description);
+
+DeclaredOption add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& description);
+
+DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& value, const std::string& type,
+                        const std::string& description);
+
+DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& value,
+                          const std::vector<std::string>& choices, const std::string& description);
+
+/// Several choices, separated by commas.
+DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                           const std::vector<std::string>& choices, const std::string& description);
+
+/// A whole number from `low` to `high`. A default out of that range means "not given", and is not shown.
+DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
+                         const std::string& description);
+
+/// A number in [low, high] (NaN does not lie there), in `unit`.
+DeclaredOption add_number(CLI::App& app, const std::string& name, double& value, double low, double high,
+                          const std::string& unit, const std::string& description);
+
+/// Several numbers in [low, high], separated by commas.
+DeclaredOption add_numbers(CLI::App& app, const std::string& name, std::vector<double>& values, double low,
+                           double high, const std::string& description);
+
+/// --seed, a whole number.
+DeclaredOption add_seed(CLI::App& app, std::uint64_t& seed, const std::string& description);
+
+/// Exactly three numbers, in `unit`.
+DeclaredOption add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
+                           const std::string& unit, const std::string& description);
+
+/// An option whose text `set` takes apart, or refuses with BadValue.
+DeclaredOption add_parsed(CLI::App& app, const std::string& name, const std::string& type,
+                          const std::string& description, const std::function<void(const std::string&)>& set);
+/// @}
+
+/// \name Values from text
+/// \throws BadValue.
+/// @{
+double parse_number(std::string_view text);      ///< finite
+double parse_positive(const std::string& text);  ///< finite and above zero
+/// "1,2,3": between `min_count` and `max_count` finite numbers.
+std::vector<double> parse_numbers(std::string_view text, std::size_t min_count, std::size_t max_count);
+Eigen::Quaterniond parse_quaternion(const double* wxyz);  ///< normalized
+Pose parse_pose(const std::string& text);                 ///< "x,y,z" or "x,y,z,qw,qx,qy,qz"
+/// @}
+
+}  // namespace palpate::cli
