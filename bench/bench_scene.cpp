@@ -6,6 +6,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <palpate/geometry/rotation.h>
+
 namespace palpate::bench {
 namespace {
 
@@ -36,7 +38,7 @@ Vector3d random_sigma(double spacing, HashRandom& random) {
 Quaterniond random_frame(const Vector3d& normal, HashRandom& random) {
   const Vector3d tilt = kTilt * Vector3d(random.normal(), random.normal(), random.normal());
   const Eigen::AngleAxisd roll(random.uniform(0.0, 2.0 * std::numbers::pi), Vector3d::UnitZ());
-  return Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal + tilt) * roll;
+  return rotation_between(Vector3d::UnitZ(), normal + tilt) * roll;
 }
 
 std::array<float, 3> to_floats(const Vector3d& v) {

@@ -11,6 +11,7 @@
 
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/playback.h>
+#include <palpate/geometry/rotation.h>
 #include <palpate/haptics/density_force.h>
 #include <palpate/haptics/tool_query.h>
 #include <support/splats.h>
@@ -123,8 +124,7 @@ SceneIndex ball_of_splats() {
   for (std::uint32_t k = 0; k < 3000; ++k) {
     const double x = normal(random), y = normal(random), z = normal(random);
     const Vector3d n = Vector3d(x, y, z).normalized();
-    splats.push_back(splat(0.15 * n, {0.006, 0.006, 1e-4},
-                           Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n),
+    splats.push_back(splat(0.15 * n, {0.006, 0.006, 1e-4}, rotation_between(Vector3d::UnitZ(), n),
                            0.2 + 0.7 * std::abs(std::sin(k))));
   }
   return SceneIndex(with_gaps_in_ids(scene_of(splats)), {}, {});

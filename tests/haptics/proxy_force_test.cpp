@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <palpate/geometry/rotation.h>
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/scene/procedural.h>
@@ -230,7 +231,7 @@ TEST(ProxyForce, StaysOutOfACorner) {
   // Two walls and a floor, each a sheet of splats.
   std::vector<test::Splat> splats;
   const auto sheet = [&](const Vector3d& u, const Vector3d& v) {
-    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), u.cross(v));
+    const Eigen::Quaterniond q = rotation_between(Vector3d::UnitZ(), u.cross(v));
     for (int i = 0; i < 30; ++i)
       for (int k = 0; k < 30; ++k)
         splats.push_back(test::splat(0.005 * (i * u + k * v), {0.003, 0.003, 0.0005}, q));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <palpate/geometry/ellipsoid.h>
+#include <palpate/geometry/rotation.h>
 #include <support/random_pairs.h>
 #include <support/splats.h>
 
@@ -30,7 +31,7 @@ inline std::vector<Splat> sphere_of_splats(Random& r, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d n = r.direction();
     const Eigen::Quaterniond q =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), (n + 0.1 * r.direction()).normalized());
+        rotation_between(Eigen::Vector3d::UnitZ(), (n + 0.1 * r.direction()).normalized());
     const Eigen::Vector3d center = n * (1.0 + 0.005 * r.normal());
     const double a = r.log_uniform(0.003, 0.05), b = r.log_uniform(0.003, 0.05);
     result.push_back(splat(center, {a, b, r.log_uniform(1e-6, 1e-3)}, q, r.uniform(0.15, 0.99)));
