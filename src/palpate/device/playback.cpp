@@ -39,7 +39,7 @@ std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, Force
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
       const auto start = Clock::now();
       palpate::query(query, tool, trajectory[first + k].pose, contacts[k]);
-      rows[first + k].compute_us = microseconds_since(start);
+      if (model.wants_contacts()) rows[first + k].compute_us = microseconds_since(start);
     });
     for (std::size_t i = first; i < first + n; ++i) {
       const TimedPose& now = trajectory[i];
