@@ -22,8 +22,8 @@ struct RunRow {
   double k_max = 0.0;          ///< largest K_min; 0 without contact
   Wrench wrench;               ///< on the tool
   Eigen::Vector3d proxy =
-      Eigen::Vector3d::Zero();                ///< the tool centre where the model has no proxy. Unit: [m].
-  double compute_us = 0.0;                    ///< time for the force and the contacts that it is made of. Unit: [us].
+      Eigen::Vector3d::Zero();  ///< the tool centre where the model has no proxy. Unit: [m].
+  double compute_us = 0.0;      ///< time for the force and the contacts that it is made of. Unit: [us].
   std::optional<Eigen::Vector3d> user_force;  ///< measured at the handle, world frame. Unit: [N].
 };
 
