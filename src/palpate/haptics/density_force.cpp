@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -72,7 +73,7 @@ ForceOutput DensityForce::evaluate(const ForceInput& input) {
     wrench.force /= excess;
     wrench.torque /= excess;
   }
-  return {wrench, input.tool};
+  return {wrench, input.tool, 1.0, std::numeric_limits<double>::quiet_NaN()};
 }
 
 }  // namespace palpate

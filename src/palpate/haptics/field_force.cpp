@@ -120,7 +120,10 @@ double FieldForce::potential(const ForceInput& input) const {
 ForceOutput FieldForce::evaluate(const ForceInput& input) {
   const FieldDepth field = field_depth(*input.contacts, tool_, input.tool);
   const double push = -parameters_.stiffness * field.depth;
-  return {{push * field.gradient, push * field.turning}, input.tool};
+  return {{push * field.gradient, push * field.turning},
+          input.tool,
+          1.0,
+          0.5 * parameters_.stiffness * field.depth * field.depth};
 }
 
 }  // namespace palpate

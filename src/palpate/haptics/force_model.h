@@ -24,6 +24,9 @@ struct ForceOutput {
   /// How far there is a surface where the tool is held, in [0, 1]; see SurfacePatch. 1 where nothing holds it
   /// and where the model has none.
   double confidence = 1.0;
+  /// In the spring that makes the wrench: what may come back as work. NaN where the model has no potential.
+  /// Unit: [J].
+  double stored = 0.0;
 };
 
 /// Turns contacts into a wrench on the tool. A model may keep state between calls (filters), so an

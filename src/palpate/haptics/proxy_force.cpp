@@ -204,11 +204,13 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   }
   remember(proxy_.position - before);
   const Motion spring = motion_between(input.tool, proxy_);
-  if (length_of(spring, gyration_) == 0.0) return {Wrench{}, proxy_, 1.0};
+  const double length = length_of(spring, gyration_);
+  if (length == 0.0) return {Wrench{}, proxy_, 1.0};
   const double k = hold_.stiffness, push = damped(k * spring.translation);
   return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},
           proxy_,
-          hold_.confidence};
+          hold_.confidence,
+          0.5 * k * length * length};
 }
 
 }  // namespace palpate

@@ -1,0 +1,62 @@
+#include <palpate/device/profiles.h>
+
+#include <algorithm>
+#include <array>
+
+#include <palpate/base/error.h>
+
+namespace palpate {
+namespace {
+
+/// The rest follows from the class of device.
+struct Figures {
+  const char* name;
+  double force_max, torque_max, stiffness_max, damping_max, workspace, mass, coulomb, resolution;
+};
+
+constexpr std::array<Figures, 5> kFigures{{
+    {"touch", 3.3, 0.0, 700.0, 5.0, 0.035, 0.045, 0.26, 55e-6},
+    {"omega", 12.0, 0.0, 5000.0, 30.0, 0.055, 0.15, 0.05, 10e-6},
+    {"lambda.7", 12.0, 0.3, 8000.0, 30.0, 0.085, 0.25, 0.05, 10e-6},
+    {"delta.3", 20.0, 0.0, 5000.0, 30.0, 0.13, 0.25, 0.1, 20e-6},
+    {"falcon", 8.0, 0.0, 3000.0, 20.0, 0.05, 0.2, 0.3, 50e-6},
+}};
+
+DeviceProfile profile(const Figures& f) {
+  DeviceProfile p;
+  p.capabilities.name = f.name;
+  p.capabilities.force_max = f.force_max;
+  p.capabilities.torque_max = f.torque_max;
+  p.capabilities.stiffness_max = f.stiffness_max;
+  p.capabilities.damping_max = f.damping_max;
+  p.capabilities.damping = 0.5 * f.stiffness_max / p.capabilities.rate;
+  p.capabilities.workspace = f.workspace;
+  p.plant.mass = f.mass;
+  p.plant.damping = p.capabilities.damping;
+  p.plant.coulomb = f.coulomb;
+  p.plant.resolution = f.resolution;
+  p.plant.turn_resolution = f.resolution / p.plant.gyration;
+  return p;
+}
+
+}  // namespace
+
+std::span<const DeviceProfile> device_profiles() {
+  static const std::array<DeviceProfile, kFigures.size()> profiles = [] {
+    std::array<DeviceProfile, kFigures.size()> all;
+    std::transform(kFigures.begin(), kFigures.end(), all.begin(), profile);
+    return all;
+  }();
+  return profiles;
+}
+
+const DeviceProfile& device_profile(std::string_view name) {
+  std::string names;
+  for (const DeviceProfile& p : device_profiles()) {
+    if (p.capabilities.name == name) return p;
+    names += (names.empty() ? "" : ", ") + p.capabilities.name;
+  }
+  throw Error("there is no device profile '{}'; take one of {}", name, names);
+}
+
+}  // namespace palpate

@@ -1,0 +1,26 @@
+/// \file
+/// Devices that are sold, as figures.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include <palpate/device/simulated_device.h>
+
+namespace palpate {
+
+/// What a device can do, and its mechanics for a simulation.
+struct DeviceProfile {
+  DeviceCapabilities capabilities;
+  PlantProperties plant;
+};
+
+/// Touch, omega, lambda.7, delta.3 and Falcon: forces and workspaces from the makers' data sheets; of the
+/// mechanics, what those leave out is of the usual size for the class. The damping is the one that makes
+/// DeviceCapabilities::stiffness_max the passive bound at the device's rate (passive_stiffness()).
+std::span<const DeviceProfile> device_profiles();
+
+/// The profile of that name. \throws Error, which names those there are.
+const DeviceProfile& device_profile(std::string_view name);
+
+}  // namespace palpate

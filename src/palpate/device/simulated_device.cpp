@@ -1,0 +1,130 @@
+#include <palpate/device/simulated_device.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+/// Of the velocity that a reading tells: some 100 Hz, as drivers have it. Unit: [s].
+constexpr double kVelocityFilter = 1.6e-3;
+/// After a stop of the clock longer than this the plant goes on from now. Unit: [s].
+constexpr double kLongestGap = 0.1;
+
+Vector3d rotation_vector(const Quaterniond& q) {
+  const Eigen::AngleAxisd turn(q);
+  return turn.angle() * turn.axis();
+}
+
+Quaterniond turned(const Vector3d& by, const Quaterniond& q) {
+  const double angle = by.norm();
+  if (angle == 0.0) return q;
+  return (Quaterniond(Eigen::AngleAxisd(angle, by / angle)) * q).normalized();
+}
+
+Vector3d rounded(const Vector3d& v, double to) {
+  return to > 0.0 ? Vector3d(to * (v / to).array().round()) : v;
+}
+
+Vector3d clamped(const Vector3d& v, double longest) {
+  const double norm = v.norm();
+  return norm > longest ? Vector3d(v * (longest / norm)) : v;
+}
+
+/// The velocity after a step of h: the hand's spring and all dampers implicit, dry friction as what it can
+/// stop. \param lag of the handle behind the hand, at the beginning
+Vector3d stepped(const Vector3d& v, double h, double mass, const Vector3d& force, const Vector3d& lag,
+                 const Vector3d& hand_velocity, const HandProperties& hand, double damping, double coulomb) {
+  const double inertia = mass + h * (damping + hand.damping) + h * h * hand.stiffness;
+  const Vector3d impulse =
+      mass * v + h * (force + hand.stiffness * (lag + h * hand_velocity) + hand.damping * hand_velocity);
+  const double size = impulse.norm();
+  return size <= h * coulomb ? Vector3d(Vector3d::Zero())
+                             : Vector3d(impulse * ((1.0 - h * coulomb / size) / inertia));
+}
+
+}  // namespace
+
+SimulatedDevice::SimulatedDevice(const DeviceCapabilities& capabilities, const PlantProperties& plant,
+                                 const HandProperties& hand, HandPath path)
+    : capabilities_(capabilities), plant_(plant), hand_(hand), path_(std::move(path)) {}
+
+Wrench SimulatedDevice::motors() const {
+  const std::size_t oldest = written_ > writes_.size() ? written_ - writes_.size() : 0;
+  for (std::size_t k = written_; k > oldest; --k) {
+    const Written& w = writes_[(k - 1) % writes_.size()];
+    if (w.t > t_ - plant_.delay) continue;
+    return {clamped(w.wrench.force, capabilities_.force_max),
+            clamped(w.wrench.torque, capabilities_.torque_max)};
+  }
+  return {};
+}
+
+void SimulatedDevice::write(const Wrench& wrench) {
+  writes_[written_++ % writes_.size()] = {read_at_, wrench};
+}
+
+void SimulatedDevice::step(double h) {
+  const Pose wanted = path_(t_ + h);
+  const Vector3d hand_velocity = (wanted.position - wanted_.position) / h;
+  const Wrench shown = motors();
+  velocity_.linear =
+      stepped(velocity_.linear, h, plant_.mass + hand_.mass, shown.force, wanted_.position - pose_.position,
+              hand_velocity, hand_, plant_.damping, plant_.coulomb);
+  pose_.position += h * velocity_.linear;
+  hand_force_ = hand_.stiffness * (wanted.position - pose_.position) +
+                hand_.damping * (hand_velocity - velocity_.linear);
+  turn(h, shown.torque, wanted, rotation_vector(wanted.orientation * wanted_.orientation.conjugate()) / h);
+  wanted_ = wanted;
+  t_ += h;
+}
+
+void SimulatedDevice::turn(double h, const Vector3d& torque, const Pose& wanted,
+                           const Vector3d& wanted_spin) {
+  if (capabilities_.torque_max == 0.0) {
+    pose_.orientation = wanted.orientation;
+    velocity_.angular = wanted_spin;
+    return;
+  }
+  const double squared = plant_.gyration * plant_.gyration;
+  const HandProperties grip{squared * hand_.mass, squared * hand_.damping, squared * hand_.stiffness};
+  const Vector3d lag = rotation_vector(wanted_.orientation * pose_.orientation.conjugate());
+  velocity_.angular = stepped(velocity_.angular, h, squared * plant_.mass + grip.mass, torque, lag,
+                              wanted_spin, grip, squared * plant_.damping, plant_.gyration * plant_.coulomb);
+  pose_.orientation = turned(h * velocity_.angular, pose_.orientation);
+}
+
+bool SimulatedDevice::read(double t, DeviceReading& reading) {
+  if (started_ && !(t > read_at_)) return false;
+  if (!started_ || t - t_ > kLongestGap) {
+    pose_ = wanted_ = path_(t);
+    velocity_ = {};
+    t_ = t;
+  }
+  const double steps = std::ceil((t - t_) / kStep - 1e-6);
+  const double h = steps > 0.0 ? (t - t_) / steps : 0.0;
+  for (double k = 0.0; k < steps; ++k) step(h);
+  t_ = t;  // not to rounding
+
+  Pose seen;
+  seen.position = rounded(pose_.position, plant_.resolution);
+  seen.orientation =
+      turned(rounded(rotation_vector(pose_.orientation), plant_.turn_resolution), Quaterniond::Identity());
+  if (started_) {
+    const double dt = t - read_at_, share = -std::expm1(-dt / kVelocityFilter);
+    told_velocity_.linear += share * ((seen.position - told_.position) / dt - told_velocity_.linear);
+    told_velocity_.angular +=
+        share *
+        (rotation_vector(seen.orientation * told_.orientation.conjugate()) / dt - told_velocity_.angular);
+  }
+  told_ = seen;
+  read_at_ = t;
+  started_ = true;
+  reading = {t, told_, told_velocity_};
+  return true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,89 @@
+/// \file
+/// A device and the hand that holds it, in place of both.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+
+#include <palpate/servo/haptic_device.h>
+
+namespace palpate {
+
+/// A hand, coupled to the handle by a spring and a damper to where it wants to be.
+struct HandProperties {
+  double mass = 0.1;         ///< that moves with the handle. Unit: [kg]. >= 0
+  double damping = 3.0;      ///< Unit: [N s/m]. >= 0
+  double stiffness = 300.0;  ///< Unit: [N/m]. >= 0
+};
+
+/// A device's mechanics and electronics.
+struct PlantProperties {
+  double mass = 0.1;             ///< at the handle. Unit: [kg]. > 0
+  double damping = 0.5;          ///< Unit: [N s/m]. >= 0
+  double coulomb = 0.0;          ///< dry friction. Unit: [N]. >= 0
+  double resolution = 0.0;       ///< of the encoders, at the handle; 0: exact. Unit: [m].
+  double turn_resolution = 0.0;  ///< Unit: [rad].
+  double delay = 0.0;            ///< from write() until the motors show it; at most kMostDelay. Unit: [s].
+  double gyration = 0.03;        ///< radius that makes masses inertias and forces torques. Unit: [m]. > 0
+};
+
+/// Where the hand wants to be, at a time. Must not fail; is called by the thread of read().
+using HandPath = std::function<Pose(double t)>;
+
+/// A point mass with dry and viscous friction, and an inertia that turns likewise where the device has motors
+/// for that (elsewhere the hand turns the handle freely), held by a hand:
+///
+///     (m_device + m_hand) x'' = F + k (x_hand - x) + b (x_hand' - x') - b_device x' - coulomb x' / |x'|
+///
+/// integrated implicitly in steps of kStep, so that every mass, hand and friction is stable, and a handle
+/// that dry friction holds is at rest. F is what was written `delay` ago, no more than the motors can.
+///
+/// Time is the loop's: in virtual time all is the same at every run; in real time it follows the clock that
+/// read() is given. Starts where the hand is at the first read().
+class SimulatedDevice final : public HapticDevice {
+ public:
+  /// `path` must be good as long as the object is used.
+  SimulatedDevice(const DeviceCapabilities& capabilities, const PlantProperties& plant,
+                  const HandProperties& hand, HandPath path);
+
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double t, DeviceReading& reading) override;
+  void write(const Wrench& wrench) override;
+
+  /// What the encoders do not tell: where the handle really is. World frame.
+  const Pose& pose() const { return pose_; }
+  const Twist& velocity() const { return velocity_; }
+  /// Of the hand on the handle. Unit: [N].
+  const Eigen::Vector3d& hand_force() const { return hand_force_; }
+
+  static constexpr double kStep = 5e-5;       ///< Unit: [s].
+  static constexpr double kMostDelay = 5e-3;  ///< Unit: [s].
+
+ private:
+  struct Written {
+    double t = 0.0;
+    Wrench wrench;
+  };
+
+  void step(double h);
+  void turn(double h, const Eigen::Vector3d& torque, const Pose& wanted, const Eigen::Vector3d& wanted_spin);
+  Wrench motors() const;
+
+  DeviceCapabilities capabilities_;
+  PlantProperties plant_;
+  HandProperties hand_;
+  HandPath path_;
+  bool started_ = false;
+  double t_ = 0.0;        ///< of the state. Unit: [s].
+  double read_at_ = 0.0;  ///< Unit: [s].
+  Pose pose_, wanted_;
+  Twist velocity_;
+  Eigen::Vector3d hand_force_ = Eigen::Vector3d::Zero();
+  Pose told_;                       ///< of the last reading
+  Twist told_velocity_;             ///< filtered differences, as drivers tell it
+  std::array<Written, 64> writes_;  ///< a ring: at 10 kHz more than kMostDelay
+  std::size_t written_ = 0;         ///< in all
+};
+
+}  // namespace palpate

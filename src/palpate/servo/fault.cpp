@@ -1,0 +1,31 @@
+#include <palpate/servo/fault.h>
+
+#include <array>
+
+namespace palpate {
+namespace {
+
+/// A force that vanishes at once lets a hand that leans on it fall; a tenth of a second is short of a
+/// reaction and long enough to brake. What can be trusted least is left sooner.
+constexpr double kGently = 0.1, kSoon = 0.03;
+
+constexpr std::array<FaultTraits, kFaultCount> kTraits{{
+    {"none", "", 0.0, false},
+    {"bad-pose", "the device sends what is no pose; check its driver", kSoon, false},
+    {"stale-pose", "the device has stopped answering; check its cable and driver", kSoon, false},
+    {"frozen-pose", "the device's readings do not change; check its encoders", kGently, false},
+    {"jump", "the tool jumped; check the device's calibration", kSoon, false},
+    {"over-speed", "the tool was let go or thrown; hold it and wait", kGently, false},
+    {"bad-force", "the force model failed; report it with the run's record", kSoon, true},
+    {"late-contacts", "the machine is too slow or too busy for this scene; close other programs", kGently,
+     false},
+    {"over-energy", "the device pushed by itself; lower the stiffness", kSoon, true},
+    {"slow-device", "the device answers at less than half its rate; check its connection", kGently, false},
+    {"emergency-stop", "resume when it is safe", kSoon, true},
+}};
+
+}  // namespace
+
+const FaultTraits& traits(Fault fault) { return kTraits[static_cast<std::size_t>(fault)]; }
+
+}  // namespace palpate

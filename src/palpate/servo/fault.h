@@ -1,0 +1,40 @@
+/// \file
+/// What can go wrong in a live loop, and what is done about it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace palpate {
+
+/// Why force is held back.
+enum class Fault : std::uint8_t {
+  kNone,
+  kBadPose,        ///< a reading with NaN, infinity, or a quaternion that is no rotation
+  kStalePose,      ///< no new reading for SafetyLimits::stale_after, or old ones again
+  kFrozenPose,     ///< the same pose to the last bit, under force, for SafetyLimits::frozen_after
+  kJump,           ///< two readings farther apart than a hand can move between them
+  kOverSpeed,      ///< faster than SafetyLimits::speed_max
+  kBadForce,       ///< a model asked for NaN or infinity
+  kLateContacts,   ///< the contacts are older than SafetyLimits::contacts_after
+  kOverEnergy,     ///< the device has put out more than SafetyLimits::energy_max
+  kSlowDevice,     ///< readings come at less than half of DeviceCapabilities::rate
+  kEmergencyStop,  ///< someone pressed it
+};
+inline constexpr std::size_t kFaultCount = 11;
+
+/// What is known of a fault.
+struct FaultTraits {
+  std::string_view name;    ///< as in files and on the wire
+  std::string_view advice;  ///< what to do about it
+  /// From the tick that sees it, the force is zero within this time. Unit: [s].
+  double fall_time;
+  /// True if the force stays off until someone says SafetyGovernor::resume(); else it comes back by itself,
+  /// through the gate, once the cause has been gone for SafetyLimits::recover_after.
+  bool latched;
+};
+
+const FaultTraits& traits(Fault fault);
+
+}  // namespace palpate

@@ -1,0 +1,30 @@
+/// \file
+/// The small interface that everything with a handle and motors is behind.
+#pragma once
+
+#include <palpate/servo/device_capabilities.h>
+#include <palpate/servo/safety_governor.h>
+
+namespace palpate {
+
+/// A device. A driver is one class that implements it; what it sends has gone through a SafetyGovernor.
+///
+/// One thread calls read() and write(), once a tick and in this order. Neither takes memory, blocks for
+/// longer than the device takes to answer, or throws; a device that fails answers false from read() until it
+/// is back.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+
+  /// Does not change while the device is open.
+  virtual const DeviceCapabilities& capabilities() const = 0;
+
+  /// The newest reading, if there is a new one. \param t now, on the loop's clock, which DeviceReading::t is
+  /// on, too. Unit: [s]. \returns false, and leaves `reading` alone, where there is none.
+  virtual bool read(double t, DeviceReading& reading) = 0;
+
+  /// What the motors show from now on. \pre within capabilities(), and finite.
+  virtual void write(const Wrench& wrench) = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+/// \file
+/// Keeping what is felt from pushing by itself.
+#pragma once
+
+#include <palpate/geometry/pose.h>
+
+namespace palpate {
+
+/// How stiff a spring may be, shown through a device of damping `damping`, so that it is passive whatever
+/// hand holds it (Colgate and Schenkel 1997, with a delay of the loop besides that of sampling):
+///
+///     K (T / 2 + delay) + |B| < b        K_max = (b - |B|) / (T / 2 + delay)
+///
+/// \param damping b of the device itself. Unit: [N s/m]. \param virtual_damping B of the model. Unit: [N
+/// s/m]. \param period T. Unit: [s]. > 0 \param delay from reading to force. Unit: [s]. >= 0 \returns Unit:
+/// [N/m]; 0 where no spring is.
+double passive_stiffness(double damping, double virtual_damping, double period, double delay);
+
+/// A passivity observer and controller at the port between device and model (Hannaford and Ryu 2002). The
+/// observer is the energy balance of a spring in sampled time, over a step d = x - x_before:
+///
+///     W = f_sent . d + S - S_before            made at the port: work on the hand, and what was stored
+///     Z = (f_sent - f_wanted) . d / 2          of that, because the force was held from tick to tick
+///     D += W - Z + max(0, Z - b |d|^2 / T)     D >= 0
+///
+/// with f_sent the force that was held since the last tick, f_wanted the model's now, S the energy in the
+/// model's spring, and b the device's own damping, which may absorb what sampling makes and nothing else. W
+/// is exact, since the force did not change on the way. What was absorbed long ago does not excuse D. A
+/// spring of stiffness K makes Z = K |v T|^2 / 2 in each tick, pressing or letting go: as much as damping K T
+/// / 2 absorbs, which is Colgate's bound again. The controller adds the damping that absorbs D within a tick,
+/// up to `damping_max`.
+///
+/// One object a port and thread; takes nothing from the heap.
+class PassivityController {
+ public:
+  /// \param period T, between calls. Unit: [s]. > 0 \param damping b. Unit: [N s/m]. \param damping_max Unit:
+  /// [N s/m]. 0: only observes
+  PassivityController(double period, double damping, double damping_max);
+
+  /// What to send at a pose, in place of `wanted`. \param stored S at this pose. Unit: [J]. \param sent what
+  /// was sent at the last call, by whoever was last to change it
+  Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose);
+
+  /// D. Unit: [J].
+  double excess() const { return excess_; }
+  /// Work on the hand less what was stored, since the beginning: positive if the port has been active. Unit:
+  /// [J].
+  double balance() const { return balance_; }
+  /// That is added now. Unit: [N s/m].
+  double added_damping() const { return added_; }
+
+  /// As at the beginning, with the next pose the first.
+  void reset();
+
+ private:
+  double period_, damping_, damping_max_;
+  bool started_ = false;
+  Pose pose_;
+  double stored_ = 0.0, excess_ = 0.0, balance_ = 0.0, added_ = 0.0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,225 @@
+#include <palpate/servo/safety_governor.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Held back from every bound, so that no rounding goes over it.
+constexpr double kBelow = 1.0 - 1e-12;
+/// Of a unit quaternion, what rounding and a driver in single precision leave.
+constexpr double kUnitTolerance = 1e-3;
+/// Over which the rate of readings is measured. Unit: [s].
+constexpr double kRateFilter = 0.25;
+
+bool is_finite(const Wrench& w) { return w.force.allFinite() && w.torque.allFinite(); }
+
+bool is_pose(const DeviceReading& r) {
+  return std::isfinite(r.t) && r.pose.position.allFinite() && r.velocity.linear.allFinite() &&
+         r.velocity.angular.allFinite() && std::abs(r.pose.orientation.norm() - 1.0) <= kUnitTolerance;
+}
+
+bool same(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+/// `v` in its direction, no longer than `longest`. Right for every finite v, also where its norm is not
+/// finite.
+Vector3d shortened(const Vector3d& v, double longest) {
+  const double scale = v.cwiseAbs().maxCoeff();
+  if (scale == 0.0) return v;
+  const Vector3d u = v / scale;
+  const double norm = u.norm();
+  return scale * norm > longest ? Vector3d(u * (longest / norm)) : v;
+}
+
+Wrench shortened(const Wrench& w, double force, double torque) {
+  return {shortened(w.force, force * kBelow), shortened(w.torque, torque * kBelow)};
+}
+
+Wrench operator*(double share, const Wrench& w) { return {share * w.force, share * w.torque}; }
+Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
+Wrench operator-(const Wrench& a, const Wrench& b) { return {a.force - b.force, a.torque - b.torque}; }
+bool is_zero(const Wrench& w) { return w.force.isZero(0.0) && w.torque.isZero(0.0); }
+
+/// From one orientation to another, as a rotation vector, world frame.
+Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  const Eigen::AngleAxisd turn(to * from.conjugate());
+  return turn.angle() * turn.axis();
+}
+
+}  // namespace
+
+SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
+  SafetyLimits limits;
+  limits.force_max = device.force_max;
+  limits.torque_max = device.torque_max;
+  limits.force_slew = device.force_max / kSlewTime;
+  limits.torque_slew = device.torque_max / kSlewTime;
+  limits.tick = tick;
+  limits.reading_period = 1.0 / device.rate;
+  return limits;
+}
+
+std::string_view to_string(GovernorState state) {
+  constexpr std::array<std::string_view, 5> kNames{"waiting", "rising", "active", "falling", "stopped"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+SafetyGovernor::SafetyGovernor(const SafetyLimits& limits) : limits_(limits) {}
+
+Fault SafetyGovernor::check(const DeviceReading& reading) const {
+  if (!started_) return Fault::kNone;
+  const double dt = std::clamp(reading.t - newest_.t, limits_.reading_period, limits_.stale_after);
+  const double way = (reading.pose.position - newest_.pose.position).norm();
+  const double turn = turn_between(newest_.pose.orientation, reading.pose.orientation).norm();
+  const double surplus = way - limits_.jump_distance;  // over what may be noise
+  if (!(surplus <= limits_.jump_speed * dt && turn <= limits_.jump_turn)) return Fault::kJump;
+  const bool quick = surplus > limits_.speed_max * dt || reading.velocity.linear.norm() > limits_.speed_max ||
+                     reading.velocity.angular.norm() > limits_.angular_speed_max;
+  return quick ? Fault::kOverSpeed : Fault::kNone;
+}
+
+bool SafetyGovernor::admit(const DeviceReading& said, double t) {
+  t_ = t;
+  if (!begun_) {
+    begun_ = true;
+    arrived_ = moved_ = small_since_ = since_ = t;
+  }
+  if (resume_asked_.exchange(false, std::memory_order_relaxed)) resumed_ = fault_ != Fault::kNone;
+  if (stop_asked_.exchange(false, std::memory_order_relaxed)) raise(Fault::kEmergencyStop);
+
+  const bool good = is_pose(said);
+  if (!good) raise(Fault::kBadPose);
+  // Not from the future: a device whose clock runs away would otherwise never be stale.
+  const bool fresh = good && said.t <= t + limits_.stale_after && (!started_ || said.t > newest_.t);
+  watch_rate(fresh);
+  if (!fresh) {
+    if (t - arrived_ > limits_.stale_after) raise(Fault::kStalePose);
+    return false;
+  }
+  DeviceReading reading = said;
+  reading.pose.orientation.normalize();
+  const Fault found = check(reading);
+  if (!started_ || !same(reading.pose, newest_.pose) ||
+      sent_.force.norm() <= limits_.gate_share * limits_.force_max) {
+    moved_ = t;
+  }
+  if (t - moved_ > limits_.frozen_after) raise(Fault::kFrozenPose);
+  if (started_ && found != Fault::kJump)
+    watch_energy(newest_.pose, reading.pose, std::min(reading.t - newest_.t, limits_.stale_after));
+  newest_ = reading;
+  arrived_ = t;
+  started_ = true;
+  if (found != Fault::kNone) {
+    raise(found);
+    return false;
+  }
+  reading_ = reading;
+  return true;
+}
+
+/// The force was held from one reading to the next, so that this is exact but for the delay of the device.
+void SafetyGovernor::watch_energy(const Pose& from, const Pose& to, double dt) {
+  energy_ = std::max(0.0, energy_ - limits_.energy_leak * dt) + std::min(0.0, energy_);
+  energy_ += sent_.force.dot(to.position - from.position) +
+             sent_.torque.dot(turn_between(from.orientation, to.orientation));
+  energy_ = std::max(energy_, -limits_.energy_reserve);
+  if (energy_ > limits_.energy_max) {
+    raise(Fault::kOverEnergy);
+    energy_ = 0.0;
+  }
+}
+
+void SafetyGovernor::watch_rate(bool fresh) {
+  const double promised = std::min(1.0, limits_.tick / limits_.reading_period);  // readings a tick
+  fresh_ += std::min(1.0, limits_.tick / kRateFilter) * ((fresh ? 1.0 : 0.0) / promised - fresh_);
+  if (fresh_ < 0.5) raise(Fault::kSlowDevice);
+}
+
+void SafetyGovernor::enter(GovernorState state) {
+  state_ = state;
+  since_ = t_;
+  remember();
+}
+
+void SafetyGovernor::remember() {
+  if (remembered_ == kRemembered) {
+    std::move(transitions_.begin() + 1, transitions_.end(), transitions_.begin());
+    --remembered_;
+  }
+  transitions_[remembered_++] = {t_, state_, fault_};
+  ++transition_count_;
+}
+
+/// The first fault tells the reason, unless a later one is graver.
+void SafetyGovernor::raise(Fault fault) {
+  wrong_at_ = t_;
+  const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;
+  const bool graver = traits(fault).latched && !traits(fault_).latched;
+  if (traits(fault).latched) resumed_ = false;
+  if (down && !graver) return;
+  fault_ = fault;
+  if (down) {
+    remember();  // a fall that has begun does not begin anew
+    return;
+  }
+  at_fall_ = sent_;
+  enter(GovernorState::kFalling);
+}
+
+void SafetyGovernor::advance(bool small) {
+  if (!small) small_since_ = t_;
+  const double passed = t_ - since_;
+  switch (state_) {
+    case GovernorState::kWaiting:
+      if (std::min(passed, t_ - small_since_) >= limits_.gate_time) enter(GovernorState::kRising);
+      break;
+    case GovernorState::kRising:
+      if (passed >= limits_.rise_time) enter(GovernorState::kActive);
+      break;
+    case GovernorState::kFalling:
+      if (is_zero(sent_) && passed >= traits(fault_).fall_time) enter(GovernorState::kStopped);
+      break;
+    case GovernorState::kStopped:
+      if ((resumed_ || !traits(fault_).latched) && t_ - wrong_at_ >= limits_.recover_after) {
+        fault_ = Fault::kNone;
+        resumed_ = false;
+        enter(GovernorState::kWaiting);
+      }
+      break;
+    case GovernorState::kActive: break;
+  }
+}
+
+/// Of what is asked for or, in a fall, of what was sent before.
+double SafetyGovernor::share() const {
+  const double passed = t_ - since_;
+  switch (state_) {
+    case GovernorState::kRising: return std::min(1.0, passed / limits_.rise_time);
+    case GovernorState::kActive: return 1.0;
+    // A tick ahead, so that it is over in time.
+    case GovernorState::kFalling:
+      return std::max(0.0, 1.0 - (passed + limits_.tick) / traits(fault_).fall_time);
+    default: return 0.0;
+  }
+}
+
+Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
+  const bool good = is_finite(wanted);
+  if (!good) raise(Fault::kBadForce);
+  if (!(contacts_age <= limits_.contacts_after)) raise(Fault::kLateContacts);
+  const Wrench asked = good ? shortened(wanted, limits_.force_max, limits_.torque_max) : Wrench{};
+  advance(asked.force.norm() <= limits_.gate_share * limits_.force_max &&
+          asked.torque.norm() <= limits_.gate_share * limits_.torque_max);
+  const Wrench target = share() * (state_ == GovernorState::kFalling ? at_fall_ : asked);
+  const Wrench change =
+      shortened(target - sent_, limits_.force_slew * limits_.tick, limits_.torque_slew * limits_.tick);
+  sent_ = sent_ + change;
+  return sent_;
+}
+
+}  // namespace palpate

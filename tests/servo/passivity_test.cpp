@@ -1,0 +1,114 @@
+#include <palpate/servo/passivity.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPeriod = 1e-3;
+
+/// A wall at z = 0 that is a spring.
+struct Wall {
+  double stiffness;
+  double depth(const Pose& pose) const { return std::max(0.0, -pose.position.z()); }
+  Wrench wrench(const Pose& pose) const { return {{0, 0, stiffness * depth(pose)}, Vector3d::Zero()}; }
+  double stored(const Pose& pose) const { return 0.5 * stiffness * depth(pose) * depth(pose); }
+};
+
+Pose at(double z) {
+  Pose pose;
+  pose.position.z() = z;
+  return pose;
+}
+
+TEST(PassiveStiffness, ByHand) {
+  EXPECT_DOUBLE_EQ(passive_stiffness(1.0, 0.0, 1e-3, 0.0), 2000.0);   // 2 b / T
+  EXPECT_DOUBLE_EQ(passive_stiffness(1.0, -0.5, 1e-3, 0.0), 1000.0);  // either sign of B costs
+  EXPECT_DOUBLE_EQ(passive_stiffness(1.0, 0.0, 1e-3, 1e-3), 1.0 / 1.5e-3);
+  EXPECT_EQ(passive_stiffness(1.0, 2.0, 1e-3, 0.0), 0.0);
+}
+
+TEST(PassivityController, AddsTheDampingThatASampledSpringLacks) {
+  const Wall wall{1000.0};
+  for (const double speed : {-0.1, 0.1}) {  // pressing, letting go
+    for (const double damping : {0.0, 0.2, 0.7}) {
+      PassivityController controller(kPeriod, damping, 10.0);
+      Wrench sent;
+      for (int k = 0; k < 200; ++k) {
+        const Pose pose = at(-0.03 + speed * k * kPeriod);
+        const Wrench wanted = wall.wrench(pose);
+        sent = controller.correct(wanted, wall.stored(pose), sent, pose);
+        if (k == 0) sent = wanted;
+        // K T / 2 = 0.5 N s/m, less what the device has. The damping that was added a tick ago works along
+        // with it.
+        if (k > 2) {
+          const double lacks = std::max(0.0, 0.5 - damping);
+          EXPECT_LE(controller.added_damping(), lacks + 1e-9);
+          EXPECT_GE(controller.added_damping(), 0.0);
+        }
+      }
+      EXPECT_NEAR(controller.excess() > 0.0, damping < 0.5, 0) << damping;
+    }
+  }
+}
+
+TEST(PassivityController, LeavesAloneWhatIsPassive) {
+  PassivityController controller(kPeriod, 1.0, 10.0);
+  const Wall wall{1000.0};
+  Wrench sent;
+  for (int k = 0; k < 1000; ++k) {
+    const Pose pose = at(-0.01 + 0.02 * std::cos(0.02 * k));
+    const Wrench wanted = wall.wrench(pose);
+    sent = controller.correct(wanted, wall.stored(pose), sent, pose);
+    // Just out of the wall, whose edge was between two ticks, something is left to absorb.
+    EXPECT_LT((sent.force - wanted.force).norm(), wall.depth(pose) > 0.0 ? 1e-9 : 0.05) << k;
+  }
+}
+
+/// A mass that is dropped on a wall, with next to no damping of its own. \returns the highest it comes back,
+/// as a share of where it fell from, in three seconds.
+double bounce(const Wall& wall, double damping_max) {
+  PassivityController controller(kPeriod, 0.05, damping_max);
+  constexpr double kMass = 0.1, kPush = 1.0, kDamping = 0.05, kStart = 0.01;
+  constexpr int kSubsteps = 20;
+  double z = kStart, v = 0.0, highest = 0.0;
+  Wrench sent;
+  bool touched = false;
+  for (int k = 0; k < 3000; ++k) {
+    const Pose pose = at(z);
+    touched = touched || z < 0.0;
+    if (touched) highest = std::max(highest, z);
+    sent = controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose);
+    for (int s = 0; s < kSubsteps; ++s) {
+      v += (sent.force.z() - kPush - kDamping * v) / kMass * kPeriod / kSubsteps;
+      z += v * kPeriod / kSubsteps;
+    }
+  }
+  return highest / kStart;
+}
+
+TEST(PassivityController, KeepsAStiffWallFromThrowing) {
+  const Wall wall{4000.0};  // K T / 2 = 2 N s/m, forty times what there is
+  EXPECT_GT(bounce(wall, 0.0), 2.0);
+  EXPECT_LT(bounce(wall, 10.0), 1.0);
+}
+
+TEST(PassivityController, ResetForgets) {
+  PassivityController controller(kPeriod, 0.0, 10.0);
+  const Wrench push{{0, 0, 5}, Vector3d::Zero()};
+  for (int k = 0; k < 10; ++k) controller.correct(push, 0.0, push, at(0.001 * k));
+  EXPECT_NEAR(controller.balance(), 5 * 0.009, 1e-12);
+  EXPECT_GT(controller.excess(), 0.0);
+  controller.reset();
+  EXPECT_EQ(controller.excess(), 0.0);
+  EXPECT_EQ(controller.correct(push, 0.0, push, at(1.0)).force, push.force);
+  EXPECT_EQ(controller.balance(), 0.0);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,374 @@
+#include <palpate/servo/safety_governor.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "support/allocation_guard.h"
+
+namespace palpate {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kTick = 1e-3;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+DeviceCapabilities device() {
+  DeviceCapabilities d;
+  d.force_max = 8.0;
+  d.torque_max = 0.4;
+  return d;
+}
+
+Wrench force(const Vector3d& f) { return {f, Vector3d::Zero()}; }
+
+/// A loop at 1 kHz with a hand that trembles.
+class Loop {
+ public:
+  explicit Loop(const DeviceCapabilities& d = device())
+      : limits(SafetyLimits::of(d, kTick)), governor(limits) {}
+
+  /// What happens in a tick, for a test to change.
+  struct Tick {
+    DeviceReading reading;
+    Wrench wanted;
+    double contacts_age = 0.0;
+    bool answers = true;  ///< there is a new reading
+  };
+
+  Wrench tick(const std::function<void(Tick&)>& change = {}) {
+    t += kTick;
+    ++count;
+    Tick now;
+    now.reading.t = t;
+    now.reading.pose.position = center + 1e-5 * Vector3d(std::sin(0.05 * count), std::cos(0.05 * count), 0.0);
+    now.wanted = wanted;
+    if (change) change(now);
+    if (now.answers) said = now.reading;
+    governor.admit(said, t);
+    const Wrench before = sent;
+    sent = governor.release(now.wanted, now.contacts_age);
+    EXPECT_LE((sent.force - before.force).norm(), limits.force_slew * kTick);
+    return sent;
+  }
+
+  void run(double seconds, const std::function<void(Tick&)>& change = {}) {
+    for (int k = 0; k < std::lround(seconds / kTick); ++k) tick(change);
+  }
+
+  /// Until all of `f` is felt.
+  void feel(const Vector3d& f) {
+    wanted = {};
+    run(limits.gate_time + limits.rise_time + 0.01);
+    wanted = force(f);
+    run(2 * SafetyLimits::kSlewTime);
+    ASSERT_EQ(governor.state(), GovernorState::kActive);
+    ASSERT_EQ(sent.force, f);
+  }
+
+  SafetyLimits limits;
+  SafetyGovernor governor;
+  Wrench wanted, sent;
+  DeviceReading said;
+  Vector3d center = Vector3d::Zero();
+  double t = 100.0;  // a clock that did not start with the loop
+  int count = 0;
+};
+
+TEST(SafetyGovernor, NothingIsFeltUntilWhatIsAskedForIsSmall) {
+  Loop loop;
+  loop.wanted = force({0, 0, 5});  // the tool begins inside something
+  loop.run(3.0);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+  EXPECT_EQ(loop.sent.force, Vector3d::Zero());
+  loop.wanted = force({0, 0, 0.3});
+  loop.run(loop.limits.gate_time + 2 * kTick);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kRising);
+}
+
+TEST(SafetyGovernor, TheGateNeedsItSmallAllTheTime) {
+  Loop loop;
+  for (int k = 0; k < 1000; ++k) {
+    loop.wanted = force({0, 0, k % 40 == 0 ? 5.0 : 0.0});
+    EXPECT_EQ(loop.tick().force, Vector3d::Zero());
+  }
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+}
+
+TEST(SafetyGovernor, ForceRisesEvenly) {
+  Loop loop;
+  loop.run(loop.limits.gate_time + kTick);
+  while (loop.governor.state() == GovernorState::kWaiting) loop.tick();
+  loop.wanted = force({4, 0, 0});
+  loop.run(loop.limits.rise_time / 2);
+  EXPECT_NEAR(loop.sent.force.x(), 2.0, 4.0 * 2 * kTick / loop.limits.rise_time);
+  loop.run(loop.limits.rise_time / 2 + kTick);
+  EXPECT_EQ(loop.sent.force.x(), 4.0);
+}
+
+TEST(SafetyGovernor, ClampsAndKeepsTheDirection) {
+  Loop loop;
+  loop.feel({1, 0, 0});
+  const Vector3d d = Vector3d(1, -2, 2) / 3;
+  for (const double size : {8.1, 1e3, 1e300}) {
+    loop.wanted = {size * d, size * d};
+    loop.run(0.05);
+    EXPECT_LT((loop.sent.force - 8.0 * d).norm(), 1e-10) << size;
+    EXPECT_LT((loop.sent.torque - 0.4 * d).norm(), 1e-10) << size;
+  }
+}
+
+TEST(SafetyGovernor, ADeviceWithoutTorqueGetsNone) {
+  DeviceCapabilities flat = device();
+  flat.torque_max = 0.0;
+  Loop loop(flat);
+  loop.feel({1, 0, 0});
+  loop.wanted.torque = {0, 0, 1};
+  loop.run(0.1);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kActive);
+  EXPECT_EQ(loop.sent.torque, Vector3d::Zero());
+}
+
+TEST(SafetyGovernor, SlewsByHand) {
+  Loop loop;
+  loop.feel({0, 0, 0.1});
+  loop.wanted = force({0, 0, 8});
+  EXPECT_NEAR(loop.tick().force.z(), 0.9, 1e-9);  // 8 N in 10 ms
+  EXPECT_NEAR(loop.tick().force.z(), 1.7, 1e-9);
+}
+
+/// One way for things to go wrong.
+struct Trouble {
+  const char* name;
+  Fault fault;
+  double notice;  ///< until it is one, as documented. Unit: [s].
+  std::function<void(Loop&, Loop::Tick&)> change;
+};
+
+void PrintTo(const Trouble& trouble, std::ostream* out) { *out << trouble.name; }
+
+class SafetyGovernorOn : public testing::TestWithParam<Trouble> {};
+
+TEST_P(SafetyGovernorOn, BringsTheForceToZeroInItsTimeAndSaysWhy) {
+  const auto& [name, fault, notice, change] = GetParam();
+  Loop loop;
+  loop.feel({3, 0, 4});
+  const std::size_t before = loop.governor.transition_count();
+  const auto trouble = [&](Loop::Tick& tick) { change(loop, tick); };
+  const double start = loop.t;
+  while (loop.governor.state() == GovernorState::kActive && loop.t < start + notice + 0.01)
+    loop.tick(trouble);
+  ASSERT_EQ(loop.governor.state(), GovernorState::kFalling);
+  EXPECT_EQ(loop.governor.fault(), fault) << traits(loop.governor.fault()).name;
+  EXPECT_LE(loop.t - start, notice + 2 * kTick + 1e-9);
+  double last = 5.0;
+  for (double t = kTick; t < traits(fault).fall_time; t += kTick) {
+    const double now = loop.tick(trouble).force.norm();
+    EXPECT_LE(now, last + 1e-12);
+    last = now;
+  }
+  EXPECT_EQ(loop.sent.force, Vector3d::Zero());
+  loop.tick(trouble);
+  loop.tick(trouble);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+  const auto seen = loop.governor.transitions();
+  EXPECT_EQ(loop.governor.transition_count(), before + 2);
+  EXPECT_EQ(seen[seen.size() - 2].to, GovernorState::kFalling);
+  EXPECT_EQ(seen.back().fault, fault);
+}
+
+TEST_P(SafetyGovernorOn, ComesBackThroughTheGateOnceItIsOver) {
+  const auto& [name, fault, notice, change] = GetParam();
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.run(notice + 0.2, [&](Loop::Tick& tick) { change(loop, tick); });
+  ASSERT_EQ(loop.governor.state(), GovernorState::kStopped) << to_string(loop.governor.state());
+  loop.run(loop.limits.recover_after + 0.3);  // it asks for 5 N all the time, as inside something
+  EXPECT_EQ(loop.sent.force, Vector3d::Zero());
+  if (traits(fault).latched) {
+    EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+    EXPECT_EQ(loop.governor.fault(), fault);
+    loop.governor.resume();
+    loop.run(2 * kTick);
+  }
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+  EXPECT_EQ(loop.governor.fault(), Fault::kNone);
+  loop.feel({3, 0, 4});
+}
+
+/// As a hand that has let go.
+void throw_tool(Loop& loop, Loop::Tick& tick, double speed) {
+  loop.center.y() += speed * kTick;
+  tick.reading.pose.position.y() = loop.center.y();
+}
+
+INSTANTIATE_TEST_SUITE_P(Everything, SafetyGovernorOn,
+                         testing::Values(
+                             Trouble{"NanPosition", Fault::kBadPose, 0.0,
+                                     [](Loop&, Loop::Tick& t) { t.reading.pose.position.x() = kNan; }},
+                             Trouble{
+                                 "InfiniteVelocity", Fault::kBadPose, 0.0,
+                                 [](Loop&, Loop::Tick& t) { t.reading.velocity.angular.z() = kInfinity; }},
+                             Trouble{
+                                 "NoRotation", Fault::kBadPose, 0.0,
+                                 [](Loop&, Loop::Tick& t) { t.reading.pose.orientation.coeffs().setZero(); }},
+                             Trouble{"Silence", Fault::kStalePose, 0.021,
+                                     [](Loop&, Loop::Tick& t) { t.answers = false; }},
+                             Trouble{"OldReadings", Fault::kStalePose, 0.021,
+                                     [](Loop&, Loop::Tick& t) { t.reading.t -= 0.5; }},
+                             Trouble{"ReadingsOfTheFuture", Fault::kStalePose, 0.021,
+                                     [](Loop&, Loop::Tick& t) { t.reading.t += 1e6; }},
+                             Trouble{"Frozen", Fault::kFrozenPose, 5.0,
+                                     [](Loop&, Loop::Tick& t) { t.reading.pose.position.setZero(); }},
+                             Trouble{"JumpsToAndFro", Fault::kJump, 0.0,
+                                     [](Loop& loop, Loop::Tick& t) {
+                                       t.reading.pose.position.x() += loop.count % 2 == 0 ? 0.02 : 0.0;
+                                     }},
+                             Trouble{"TurnsToAndFro", Fault::kJump, 0.001,
+                                     [](Loop& loop, Loop::Tick& t) {
+                                       if (loop.count % 2 == 0)
+                                         t.reading.pose.orientation = Quaterniond(0, 1, 0, 0);
+                                     }},
+                             Trouble{"Thrown", Fault::kOverSpeed, 0.01,
+                                     [](Loop& loop, Loop::Tick& t) { throw_tool(loop, t, 6.0); }},
+                             Trouble{"SaysItIsFast", Fault::kOverSpeed, 0.0,
+                                     [](Loop&, Loop::Tick& t) { t.reading.velocity.linear.y() = -3.5; }},
+                             Trouble{"NanForce", Fault::kBadForce, 0.0,
+                                     [](Loop&, Loop::Tick& t) { t.wanted.force.x() = kNan; }},
+                             Trouble{"InfiniteTorque", Fault::kBadForce, 0.0,
+                                     [](Loop&, Loop::Tick& t) { t.wanted.torque.x() = -kInfinity; }},
+                             Trouble{"WorkerStalls", Fault::kLateContacts, 0.0,
+                                     [](Loop&, Loop::Tick& t) { t.contacts_age = 0.11; }},
+                             Trouble{"NanAge", Fault::kLateContacts, 0.0,
+                                     [](Loop&, Loop::Tick& t) { t.contacts_age = kNan; }},
+                             Trouble{"OneReadingInThree", Fault::kSlowDevice, 0.35,
+                                     [](Loop& loop, Loop::Tick& t) { t.answers = loop.count % 3 == 0; }},
+                             Trouble{"PushesByItself", Fault::kOverEnergy,
+                                     0.2,  // 5 N along 10 mm make 0.05 J
+                                     [](Loop& loop, Loop::Tick& t) {
+                                       loop.center += 1e-4 * Vector3d(0.6, 0, 0.8);
+                                       t.reading.pose.position = loop.center;
+                                     }},
+                             Trouble{"EmergencyStop", Fault::kEmergencyStop, 0.0,
+                                     [](Loop& loop, Loop::Tick&) {
+                                       if (loop.governor.fault() == Fault::kNone) loop.governor.stop();
+                                     }}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(SafetyGovernor, TheGravestReasonIsKept) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.run(0.01, [](Loop::Tick& t) { t.contacts_age = 1.0; });
+  EXPECT_EQ(loop.governor.fault(), Fault::kLateContacts);
+  loop.governor.stop();
+  loop.run(1.0);
+  EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+}
+
+TEST(SafetyGovernor, ResumingIsNoUseWhileTheCauseIsThere) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  const auto broken = [](Loop::Tick& t) { t.wanted.force.x() = kNan; };
+  loop.run(0.1, broken);
+  loop.governor.resume();
+  loop.run(1.0, broken);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+}
+
+TEST(SafetyGovernor, ASpringThatIsPressedAndLetGoIsNoFault) {
+  Loop loop;
+  loop.feel({0, 0, 0});
+  for (int k = 0; k < 20'000; ++k) {  // 8 N at 16 mm, 60 mJ there and back, at up to 0.2 m/s
+    loop.center.z() = -0.008 * (1.0 - std::cos(0.0125 * k * 2));
+    loop.wanted = force({0, 0, -500.0 * loop.center.z()});
+    loop.tick();
+  }
+  EXPECT_EQ(loop.governor.state(), GovernorState::kActive) << traits(loop.governor.fault()).name;
+  EXPECT_LT(loop.governor.energy(), 0.01);
+}
+
+/// Anything that a broken driver, model or worker may say.
+class Hostile {
+ public:
+  explicit Hostile(std::uint32_t seed) : random_(seed) {}
+
+  double number() {
+    switch (random_() % 12) {
+      case 0: return kNan;
+      case 1: return kInfinity;
+      case 2: return -std::numeric_limits<double>::max();
+      case 3: return std::numeric_limits<double>::denorm_min();
+      case 4: return std::ldexp(normal_(random_), static_cast<int>(random_() % 600) - 300);
+      default: return normal_(random_);
+    }
+  }
+  Vector3d vector() { return {number(), number(), number()}; }
+  /// Mostly what a good one says, so that all states are met.
+  bool evil() { return random_() % 997 < evil_; }
+  void turn() {
+    if (random_() % 2000 == 0) evil_ = random_() % 3 == 0 ? random_() % 400 : 0;
+  }
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_() % n); }
+
+ private:
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_{0.0, 3.0};
+  std::uint32_t evil_ = 0;
+};
+
+/// `./test --long` sets PALPATE_LONG: then it is a hundred million.
+std::size_t hostile_ticks() { return std::getenv("PALPATE_LONG") != nullptr ? 100'000'000 : 1'000'000; }
+
+TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
+  const SafetyLimits limits = SafetyLimits::of(device(), kTick);
+  SafetyGovernor governor(limits);
+  Hostile hostile(20);
+  Wrench before;
+  std::array<std::size_t, 5> visits{};
+  std::size_t broken = 0;
+  double t = 0.0;
+  const test::AllocationGuard guard;
+  for (std::size_t k = 0; k < hostile_ticks(); ++k) {
+    hostile.turn();
+    t += hostile.evil() ? 0.03 : kTick;
+    DeviceReading reading{t, {}, {}};
+    reading.pose.position = 1e-3 * Vector3d(std::sin(0.01 * static_cast<double>(k)), 0, 0);
+    Wrench wanted = force({0, 0, k / 300 % 3 == 2 ? 9.0 : 0.1});
+    double age = 0.0;
+    if (hostile.evil()) reading.t = hostile.number();
+    if (hostile.evil()) reading.pose.position = hostile.vector();
+    if (hostile.evil()) reading.pose.orientation.coeffs()[2] = hostile.number();
+    if (hostile.evil()) reading.velocity = {hostile.vector(), hostile.vector()};
+    if (hostile.evil()) wanted = {hostile.vector(), hostile.vector()};
+    if (hostile.evil()) age = hostile.number();
+    if (hostile.evil()) governor.stop();
+    if (hostile.below(500) == 0) governor.resume();
+    governor.admit(reading, t);
+    const Wrench sent = governor.release(wanted, age);
+    const bool held = sent.force.norm() <= limits.force_max && sent.torque.norm() <= limits.torque_max &&
+                      (sent.force - before.force).norm() <= limits.force_slew * kTick &&
+                      (sent.torque - before.torque).norm() <= limits.torque_slew * kTick;
+    const GovernorState state = governor.state();
+    const bool off = state == GovernorState::kWaiting || state == GovernorState::kStopped;
+    const bool calm = !off || (sent.force.isZero(0.0) && sent.torque.isZero(0.0));
+    broken += held && calm && governor.reading().pose.position.allFinite() ? 0 : 1;  // NaN compares false
+    ++visits[static_cast<std::size_t>(state)];
+    before = sent;
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_EQ(broken, 0U);
+  for (std::size_t state = 0; state < visits.size(); ++state) {
+    EXPECT_GT(visits[state], hostile_ticks() / 1000) << to_string(static_cast<GovernorState>(state));
+  }
+}
+
+}  // namespace
+}  // namespace palpate
