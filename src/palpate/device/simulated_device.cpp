@@ -104,9 +104,10 @@ bool SimulatedDevice::read(double t, DeviceReading& reading) {
     velocity_ = {};
     t_ = t;
   }
-  const double steps = std::ceil((t - t_) / kStep - 1e-6);
-  const double h = steps > 0.0 ? (t - t_) / steps : 0.0;
-  for (double k = 0.0; k < steps; ++k) step(h);
+  const auto steps =
+      static_cast<int>(std::ceil((t - t_) / kStep - 1e-6));  // few: t_ is at most kLongestGap ago
+  const double h = steps > 0 ? (t - t_) / steps : 0.0;
+  for (int k = 0; k < steps; ++k) step(h);
   t_ = t;  // not to rounding
 
   Pose seen;
