@@ -79,13 +79,13 @@ class ClosedLoop : public testing::TestWithParam<Trial> {
   void SetUp() override {
     const DeviceProfile& profile = device_profile(GetParam().profile);
     model_ = scene().model(GetParam().model);
-    if (model_->wants_contacts()) tracker_ = std::make_unique<ToolTracker>(scene().index(), scene().tool);
+    tracker_ = std::make_unique<ToolTracker>(scene().index(), scene().tool);
     capabilities_ = profile.capabilities;
     plant_ = profile.plant;
   }
   void hold(HandPath path) {
     device_ = std::make_unique<SimulatedDevice>(capabilities_, plant_, GetParam().hand, std::move(path));
-    loop_ = std::make_unique<ServoTick>(*device_, *model_, tracker_.get(), kTick);
+    loop_ = std::make_unique<ServoTick>(*device_, FeltModel{model_.get(), tracker_.get()});
   }
   const TickRecord& tick() { return loop_->run(kTick * static_cast<double>(count_++)); }
 

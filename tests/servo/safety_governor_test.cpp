@@ -245,7 +245,9 @@ INSTANTIATE_TEST_SUITE_P(Everything, SafetyGovernorOn,
                              Trouble{"InfiniteTorque", Fault::kBadForce, 0.0,
                                      [](Loop&, Loop::Tick& t) { t.wanted.torque.x() = -kInfinity; }},
                              Trouble{"WorkerStalls", Fault::kLateContacts, 0.0,
-                                     [](Loop&, Loop::Tick& t) { t.contacts_age = 0.11; }},
+                                     [](Loop& loop, Loop::Tick& t) {
+                                       t.contacts_age = loop.limits.contacts_after + 0.01;
+                                     }},
                              Trouble{"NanAge", Fault::kLateContacts, 0.0,
                                      [](Loop&, Loop::Tick& t) { t.contacts_age = kNan; }},
                              Trouble{"OneReadingInThree", Fault::kSlowDevice, 0.35,

@@ -27,9 +27,9 @@ namespace palpate {
 /// Gaussians near a tool, activated, as a structure of arrays. Captured frame, relative to the index's
 /// origin. Its size is fixed, so that refilling it takes nothing from the heap.
 struct CandidateSet {
-  /// Three times the contacts of the most crowded pose of the seal under the default tool; 150 KB, which
-  /// leaves the second-level cache room for the rest of a tick.
-  static constexpr std::size_t kCapacity = 1024;
+  /// Twelve times the contacts of the most crowded pose of the seal under the default tool. A set that is
+  /// full takes 600 KB; what is not used costs nothing.
+  static constexpr std::size_t kCapacity = 4096;
   static constexpr std::size_t kSlack = kIndexWidth;  ///< that whole vectors may be stored at the end
 
   template <typename T>

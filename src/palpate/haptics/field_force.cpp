@@ -123,7 +123,8 @@ ForceOutput FieldForce::evaluate(const ForceInput& input) {
   return {{push * field.gradient, push * field.turning},
           input.tool,
           1.0,
-          0.5 * parameters_.stiffness * field.depth * field.depth};
+          0.5 * parameters_.stiffness * field.depth * field.depth,
+          field.depth > 0.0 ? parameters_.stiffness : 0.0};
 }
 
 }  // namespace palpate

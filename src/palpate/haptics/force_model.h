@@ -27,6 +27,8 @@ struct ForceOutput {
   /// In the spring that makes the wrench: what may come back as work. NaN where the model has no potential.
   /// Unit: [J].
   double stored = 0.0;
+  /// Of that spring, as it is felt now; 0 where nothing is. Unit: [N/m].
+  double stiffness = 0.0;
 };
 
 /// Turns contacts into a wrench on the tool. A model may keep state between calls (filters), so an

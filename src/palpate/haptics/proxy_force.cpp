@@ -62,7 +62,8 @@ ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel) {
   return larger;
 }
 
-ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters)
+ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters,
+                       Lookahead* lookahead)
     : parameters_(parameters),
       gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
@@ -71,7 +72,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
   const double extent = index.usual_extent();
   for (const ToolPart& part : tool.parts()) {
     const SurfaceKernel kernel = kernel_of(part, parameters, extent);
-    parts_.emplace_back(index, part, kernel);
+    parts_.emplace_back(index, part, kernel, lookahead);
     step_ = std::min(step_, 0.5 * kernel.reach);
   }
   contacts_.contacts.reserve(kRoom);
@@ -210,7 +211,8 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},
           proxy_,
           hold_.confidence,
-          0.5 * k * length * length};
+          0.5 * k * length * length,
+          k};
 }
 
 }  // namespace palpate

@@ -64,8 +64,9 @@ ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel);
 /// unless a part has more than kRoom contacts at once.
 class ProxyForce final : public ForceModel {
  public:
-  /// `index` must outlive it.
-  ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters = {});
+  /// `index` and `lookahead` must outlive it; see ContactTracker.
+  ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters = {},
+             Lookahead* lookahead = nullptr);
 
   void reset() override;
   /// It looks for contacts where the proxy is.
@@ -85,8 +86,11 @@ class ProxyForce final : public ForceModel {
 
  private:
   struct Part {
-    Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel)
-        : solid(part), larger(enlarged(part, kernel)), tracker(index, Precision::kSingle), patches(kernel) {}
+    Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel, Lookahead* lookahead)
+        : solid(part),
+          larger(enlarged(part, kernel)),
+          tracker(index, Precision::kSingle, lookahead),
+          patches(kernel) {}
 
     ToolPart solid, larger;  ///< it, and enlarged by the reach
     ContactTracker tracker;

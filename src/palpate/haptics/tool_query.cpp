@@ -30,10 +30,10 @@ void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, Con
   query_parts(tool, pose, ask, of_part, result);
 }
 
-ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision, std::size_t room)
+ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision, Lookahead* lookahead)
     : tool_(tool) {
-  for (std::size_t k = 0; k < tool.parts().size(); ++k) trackers_.emplace_back(index, precision);
-  of_part_.contacts.reserve(room);
+  for (std::size_t k = 0; k < tool.parts().size(); ++k) trackers_.emplace_back(index, precision, lookahead);
+  of_part_.contacts.reserve(kRoom);
 }
 
 void ToolTracker::query(const Pose& pose, ContactSet& result) {

@@ -17,9 +17,12 @@ void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, Con
 /// The same for a tool that moves little from tick to tick; see ContactTracker.
 class ToolTracker {
  public:
-  /// `index` must outlive it. Makes room for `room` contacts; more take memory from the heap.
+  /// `index` and `lookahead` must outlive it; see ContactTracker. More than kRoom contacts at once take
+  /// memory from the heap.
   ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision = Precision::kDouble,
-              std::size_t room = 4096);
+              Lookahead* lookahead = nullptr);
+
+  static constexpr std::size_t kRoom = 4096;
 
   /// As query(), of the tool at `pose`.
   void query(const Pose& pose, ContactSet& result);

@@ -21,6 +21,9 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
      false},
     {"over-energy", "the device pushed by itself; lower the stiffness", kSoon, true},
     {"slow-device", "the device answers at less than half its rate; check its connection", kGently, false},
+    {"changing", "lift the tool; it will feel again", kGently, false},
+    {"paused", "resume when you like", kGently, true},
+    {"recorder", "the recording failed; free some room on its disk and begin anew", kGently, true},
     {"emergency-stop", "resume when it is safe", kSoon, true},
 }};
 

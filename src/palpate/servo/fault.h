@@ -20,9 +20,12 @@ enum class Fault : std::uint8_t {
   kLateContacts,   ///< the contacts are older than SafetyLimits::contacts_after
   kOverEnergy,     ///< the device has put out more than SafetyLimits::energy_max
   kSlowDevice,     ///< readings come at less than half of DeviceCapabilities::rate
+  kChanging,       ///< the model or the workspace is being changed
+  kPaused,         ///< someone wants no force for a while
+  kRecorder,       ///< the recording failed, and what is felt would be lost
   kEmergencyStop,  ///< someone pressed it
 };
-inline constexpr std::size_t kFaultCount = 11;
+inline constexpr std::size_t kFaultCount = 14;
 
 /// What is known of a fault.
 struct FaultTraits {

@@ -51,6 +51,13 @@ Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& 
   return turn.angle() * turn.axis();
 }
 
+/// Which of two faults is told.
+int gravity(Fault fault) {
+  if (!traits(fault).latched) return 0;
+  if (fault == Fault::kPaused) return 1;
+  return fault == Fault::kEmergencyStop ? 3 : 2;
+}
+
 }  // namespace
 
 SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
@@ -89,8 +96,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
     begun_ = true;
     arrived_ = moved_ = small_since_ = since_ = t;
   }
-  if (resume_asked_.exchange(false, std::memory_order_relaxed)) resumed_ = fault_ != Fault::kNone;
-  if (stop_asked_.exchange(false, std::memory_order_relaxed)) raise(Fault::kEmergencyStop);
+  hear();
 
   const bool good = is_pose(said);
   if (!good) raise(Fault::kBadPose);
@@ -120,6 +126,16 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   }
   reading_ = reading;
   return true;
+}
+
+/// What other threads have asked for.
+void SafetyGovernor::hear() {
+  const unsigned asked = stop_asked_.exchange(0, std::memory_order_relaxed);
+  for (unsigned fault = 1; fault < kFaultCount; ++fault)
+    if ((asked >> fault & 1U) != 0U) raise(static_cast<Fault>(fault));
+  const bool stopped = (asked >> static_cast<unsigned>(Fault::kEmergencyStop) & 1U) != 0U;
+  const bool resumes = resume_asked_.exchange(false, std::memory_order_relaxed);
+  if (resumes && !stopped) resumed_ = fault_ != Fault::kNone;
 }
 
 /// The force was held from one reading to the next, so that this is exact but for the delay of the device.
@@ -159,7 +175,7 @@ void SafetyGovernor::remember() {
 void SafetyGovernor::raise(Fault fault) {
   wrong_at_ = t_;
   const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;
-  const bool graver = traits(fault).latched && !traits(fault_).latched;
+  const bool graver = gravity(fault) > gravity(fault_);
   if (traits(fault).latched) resumed_ = false;
   if (down && !graver) return;
   fault_ = fault;

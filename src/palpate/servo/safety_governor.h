@@ -37,7 +37,7 @@ struct SafetyLimits {
 
   double stale_after = 0.02;      ///< Unit: [s].
   double frozen_after = 5.0;      ///< no hand holds still for so long, to a count of six encoders. Unit: [s].
-  double contacts_after = 0.1;    ///< Unit: [s].
+  double contacts_after = 0.2;    ///< Unit: [s].
   double recover_after = 0.25;    ///< Unit: [s].
   double speed_max = 3.0;         ///< Unit: [m/s]. A quick stroke of a hand in contact is at 1 m/s.
   double angular_speed_max = 40;  ///< Unit: [rad/s].
@@ -100,9 +100,13 @@ class SafetyGovernor {
   /// contacts_age Unit: [s].
   Wrench release(const Wrench& wanted, double contacts_age);
 
-  /// Emergency stop: no force from the next fall on, until resume(). From any thread, also a signal handler.
-  void stop() { stop_asked_.store(true, std::memory_order_relaxed); }
-  /// Lets the force come back after a latched fault, through the gate, if its cause is gone.
+  /// Raises `why`, of its own accord: with a latched fault, no force from the next fall on, until resume().
+  /// From any thread, also a signal handler.
+  void stop(Fault why = Fault::kEmergencyStop) {
+    stop_asked_.fetch_or(1U << static_cast<unsigned>(why), std::memory_order_relaxed);
+  }
+  /// Lets the force come back after a latched fault, through the gate, if its cause is gone. In the same tick
+  /// as an emergency stop, that wins; any other stop() is over at once.
   void resume() { resume_asked_.store(true, std::memory_order_relaxed); }
 
   GovernorState state() const { return state_; }
@@ -124,6 +128,7 @@ class SafetyGovernor {
   void watch_energy(const Pose& from, const Pose& to, double dt);
   void watch_rate(bool fresh);
   void raise(Fault fault);
+  void hear();
   void enter(GovernorState state);
   void remember();
   /// Moves on from the state if its time has come. \param small what is asked for is below the gate
@@ -146,8 +151,9 @@ class SafetyGovernor {
   double fresh_ = 1.0;            ///< share of the promised readings that come, filtered
   double energy_ = 0.0;
   Wrench sent_;
-  Wrench at_fall_;  ///< what was sent when the fall began
-  std::atomic<bool> stop_asked_ = false, resume_asked_ = false;
+  Wrench at_fall_;                        ///< what was sent when the fall began
+  std::atomic<unsigned> stop_asked_ = 0;  ///< a bit for every Fault
+  std::atomic<bool> resume_asked_ = false;
   std::array<GovernorTransition, kRemembered> transitions_;
   std::size_t remembered_ = 0, transition_count_ = 0;
 };

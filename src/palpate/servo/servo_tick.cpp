@@ -5,57 +5,112 @@
 namespace palpate {
 namespace {
 
-/// More contacts at once take memory from the heap.
-constexpr std::size_t kRoom = 4096;
+/// Of a change of the gain: a hand that leans on a surface feels it give way, and does not fall. Unit: [s].
+constexpr double kGainFilter = 0.1;
 
 }  // namespace
 
-ServoTick::ServoTick(HapticDevice& device, ForceModel& model, ToolTracker* contacts, double period)
+ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptions& options)
     : device_(device),
-      model_(model),
-      contacts_(contacts),
-      governor_(SafetyLimits::of(device.capabilities(), period)),
+      used_(model),
+      map_(options.map),
+      gain_(options.gain),
+      period_(options.period),
+      worker_(options.worker),
+      governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
-                 device.capabilities().damping_max) {
-  found_.contacts.reserve(kRoom);
+                 options.passivity ? device.capabilities().damping_max : 0.0),
+      wanted_gain_(options.gain) {
+  found_.contacts.reserve(ToolTracker::kRoom);
 }
 
-void ServoTick::feel(const DeviceReading& reading) {
-  if (contacts_ != nullptr) contacts_->query(reading.pose, found_);
-  const double dt = asked_ ? reading.t - asked_at_ : 0.0;
-  record_.felt =
-      model_.evaluate({reading.pose, reading.velocity, dt, contacts_ != nullptr ? &found_ : nullptr});
-  record_.contacts = found_.contacts.size();
+void ServoTick::use(const FeltModel& model) {
+  next_.back() = model;
+  next_.publish();
+}
+
+void ServoTick::press_clutch(bool pressed) { clutch_pressed_.store(pressed, std::memory_order_relaxed); }
+
+/// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
+void ServoTick::change() {
+  gain_ += -std::expm1(-period_ / kGainFilter) * (wanted_gain_.load(std::memory_order_relaxed) - gain_);
+  changing_ = next_.update() || changing_;
+  clutched_ = clutch_pressed_.load(std::memory_order_relaxed);
+  if (changing_ || clutched_) governor_.stop(Fault::kChanging);
+  if (governor_.state() == GovernorState::kStopped && changing_) {
+    used_ = next_.front();
+    changing_ = false;
+  }
+}
+
+void ServoTick::feel() {
+  const DeviceReading& reading = record_.reading;
+  const ForceInput input{record_.tool, record_.velocity, asked_ ? reading.t - asked_at_ : 0.0, &found_};
+  if (used_.model->wants_contacts()) used_.contacts->query(record_.tool, found_);
+  record_.felt = used_.model->evaluate(input);
   asked_ = true;
   asked_at_ = reading.t;
-  const bool has_potential = !std::isnan(record_.felt.stored);
-  const Wrench passive = passivity_.correct(record_.felt.wrench, has_potential ? record_.felt.stored : 0.0,
+
+  ForceOutput& felt = record_.felt;
+  felt.wrench.force *= gain_;
+  felt.wrench.torque *= gain_;
+  felt.stored *= gain_;
+  felt.stiffness *= gain_;
+  const Wrench wanted = map_.to_device(felt.wrench);
+  const bool has_potential = !std::isnan(felt.stored);
+  const Wrench passive = passivity_.correct(wanted, has_potential ? map_.to_device(felt.stored) : 0.0,
                                             record_.sent, reading.pose);
-  wanted_ = has_potential ? passive : record_.felt.wrench;
+  wanted_ = has_potential ? passive : wanted;
+}
+
+const TickRecord& ServoTick::look() {
+  const bool known = asked_ && used_.model->wants_contacts();
+  if (!known) used_.contacts->query(record_.tool, found_);
+  record_.candidates = found_.candidates;
+  record_.filtered = found_.filtered;
+  record_.contacts = found_.contacts.size();
+  record_.k_max = found_.k_max();
+  return record_;
+}
+
+void ServoTick::tell() {
+  const DeviceCapabilities& device = device_.capabilities();
+  record_.sent_force = map_.rotation * record_.sent.force;
+  record_.state = governor_.state();
+  record_.fault = governor_.fault();
+  record_.energy = governor_.energy();
+  record_.excess = passivity_.excess();
+  record_.balance = passivity_.balance();
+  record_.added_damping = passivity_.added_damping();
+  const double bound =
+      passive_stiffness(device.damping, 0.0, 1.0 / device.rate, delay_.load(std::memory_order_relaxed));
+  record_.margin = record_.felt.stiffness > 0.0 ? bound / record_.felt.stiffness : 0.0;
 }
 
 const TickRecord& ServoTick::run(double t) {
+  change();
   device_.read(t, said_);
   const bool fresh = governor_.admit(said_, t);
   const GovernorState before = governor_.state();
   const bool on = before != GovernorState::kFalling && before != GovernorState::kStopped;
+  record_.t = t;
+  record_.reading = governor_.reading();
+  if (clutched_ && before == GovernorState::kStopped)
+    map_.offset += record_.tool.position - map_.to_world(record_.reading.pose).position;
+  record_.tool = map_.to_world(record_.reading.pose);
+  record_.velocity = map_.to_world(record_.reading.velocity);
   if (!on) {  // the tool may be anywhere when the force comes back
-    model_.reset();
+    used_.model->reset();
     passivity_.reset();
     asked_ = false;
     wanted_ = {};
+    record_.felt = {Wrench{}, record_.tool};
   } else if (fresh) {
-    feel(governor_.reading());
+    feel();
   }
-  record_.sent = governor_.release(wanted_, 0.0);
+  record_.sent = governor_.release(wanted_, worker_ != nullptr ? worker_->age(t) : 0.0);
   device_.write(record_.sent);
-  record_.t = t;
-  record_.reading = governor_.reading();
-  record_.state = governor_.state();
-  record_.fault = governor_.fault();
-  record_.excess = passivity_.excess();
-  record_.balance = passivity_.balance();
-  record_.added_damping = passivity_.added_damping();
+  tell();
   return record_;
 }
 

@@ -2,59 +2,121 @@
 /// One tick of the loop between a hand and a scene.
 #pragma once
 
+#include <atomic>
+#include <optional>
+
+#include <palpate/base/latest_value.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/servo/haptic_device.h>
 #include <palpate/servo/passivity.h>
 #include <palpate/servo/safety_governor.h>
+#include <palpate/servo/worker.h>
+#include <palpate/servo/workspace_map.h>
 
 namespace palpate {
 
 /// What happened in a tick.
 struct TickRecord {
-  double t = 0.0;            ///< Unit: [s].
-  DeviceReading reading;     ///< the last good one
-  ForceOutput felt;          ///< of the model, there
-  Wrench sent;               ///< what the device was told
-  std::size_t contacts = 0;  ///< of the tool; 0 where the model looks for contacts by itself
+  double t = 0.0;              ///< Unit: [s].
+  DeviceReading reading;       ///< the last good one, of the device
+  Pose tool;                   ///< where that is in the world
+  Twist velocity;              ///< world frame
+  ForceOutput felt;            ///< of the model, there
+  Wrench sent;                 ///< what the device was told, its frame
+  Eigen::Vector3d sent_force;  ///< of that, the force along the axes of the world. Unit: [N].
+  std::size_t candidates = 0, filtered = 0,
+              contacts = 0;  ///< of the tool, by ServoTick::look(); see ContactSet
+  double k_max = 0.0;        ///< ContactSet::k_max(), likewise
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
+  double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
   double excess = 0.0;         ///< PassivityController::excess(). Unit: [J].
   double balance = 0.0;        ///< PassivityController::balance(). Unit: [J].
   double added_damping = 0.0;  ///< Unit: [N s/m].
+  /// How many times as stiff the spring might be before it is active (passive_stiffness()); 0 where there is
+  /// none, or nothing is known of it.
+  double margin = 0.0;
+};
+
+/// A force model, and what finds contacts for it.
+struct FeltModel {
+  ForceModel* model = nullptr;
+  ToolTracker* contacts = nullptr;
+};
+
+/// How a ServoTick is set up.
+struct ServoTickOptions {
+  double period = 1e-3;  ///< between calls of run(). Unit: [s]. > 0
+  WorkspaceMap map;
+  double gain = 1.0;      ///< what all of the model's forces are multiplied with. >= 0
+  bool passivity = true;  ///< the PassivityController corrects; else it only observes
+  /// In place of SafetyLimits::of() the device, for trials in virtual time of what would not be let near a
+  /// hand.
+  std::optional<SafetyLimits> limits;
+  const Worker* worker = nullptr;  ///< what finds contacts for the models, watched for delays; null: none
 };
 
 /// Reads the device, asks the force model, keeps that passive and safe, and writes to the device. What drives
 /// it tells the time: a thread at 1 kHz, or a test that goes through a minute in a second.
 ///
-/// Used by one thread. run() takes nothing from the heap, locks nothing, throws nothing and logs nothing.
+/// run() is used by one thread, and takes nothing from the heap, locks nothing, throws nothing and logs
+/// nothing. What other threads may call says so.
 class ServoTick {
  public:
-  /// All must outlive it. \param contacts finds what the tool touches, for a model that wants contacts; null
-  /// for one that does not \param period between calls of run(). Unit: [s]. > 0
-  ServoTick(HapticDevice& device, ForceModel& model, ToolTracker* contacts, double period);
+  /// All must outlive it.
+  ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptions& options = {});
 
-  /// \param t never falls. Unit: [s].
+  /// From reading to force. \param t never falls. Unit: [s].
   const TickRecord& run(double t);
 
-  /// For stop(), resume() and the transitions.
+  /// What the tool touches where run() had it, for whoever looks on, once the force is sent. \returns the
+  /// record of run(), with it.
+  const TickRecord& look();
+
+  /// For stop(), resume() and, on the thread of run(), the transitions.
   SafetyGovernor& governor() { return governor_; }
   const SafetyGovernor& governor() const { return governor_; }
 
+  /// \name From any thread
+  /// @{
+  /// Once the force has fallen; it comes back through the gate. What `model` names must outlive this. One
+  /// thread at a time.
+  void use(const FeltModel& model);
+  /// The gain goes there within a few tenths of a second.
+  void set_gain(double gain) { wanted_gain_.store(gain, std::memory_order_relaxed); }
+  double wanted_gain() const { return wanted_gain_.load(std::memory_order_relaxed); }
+  /// While it is pressed, the tool stays where it is and there is no force: the hand can be moved to where it
+  /// has room.
+  void press_clutch(bool pressed);
+  /// From reading to force, as measured by who can; counts against the margin. Unit: [s].
+  void set_delay(double delay) { delay_.store(delay, std::memory_order_relaxed); }
+  /// @}
+
  private:
-  void feel(const DeviceReading& reading);
+  void change();
+  void feel();
+  void tell();
 
   HapticDevice& device_;
-  ForceModel& model_;
-  ToolTracker* contacts_;
+  FeltModel used_;
+  WorkspaceMap map_;
+  double gain_, period_;
+  const Worker* worker_;
   SafetyGovernor governor_;
   PassivityController passivity_;
   DeviceReading said_;
+  bool clutched_ = false;
   bool asked_ = false;     ///< the model was, since it was reset
   double asked_at_ = 0.0;  ///< DeviceReading::t of the last time. Unit: [s].
   ContactSet found_;
   Wrench wanted_;
   TickRecord record_;
+
+  LatestValue<FeltModel> next_;
+  bool changing_ = false;  ///< next_.front() waits until no force is on
+  std::atomic<bool> clutch_pressed_ = false;
+  std::atomic<double> wanted_gain_, delay_ = 0.0;
 };
 
 }  // namespace palpate

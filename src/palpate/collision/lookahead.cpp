@@ -1,0 +1,72 @@
+#include <palpate/collision/lookahead.h>
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+/// A neighbourhood is searched for, and used until the next is there: two rounds, and one to spare.
+constexpr double kRounds = 3.0;
+/// A margin that is halved as often is as good as none.
+constexpr int kMostHalvings = 6;
+
+/// Of the margin: closer to where was searched last, the tool needs no other search.
+constexpr double kNear = 0.25;
+
+/// How far a point of a solid moves from one place to the other, at most.
+double way_between(const Ellipsoid& from, const Ellipsoid& to) {
+  return (to.center - from.center).norm() + (to.axes - from.axes).norm();
+}
+
+/// With semi-axes longer by `margin`.
+Ellipsoid enlarged(const Ellipsoid& solid, double margin) {
+  Ellipsoid larger = solid;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double length = solid.axes.col(k).norm();
+    larger.axes.col(k) *= (length + margin) / length;
+  }
+  return larger;
+}
+
+}  // namespace
+
+void Lookahead::Line::want(const Ellipsoid& tool) {
+  wanted_.back() = tool;
+  wanted_.publish();
+  found_.update();
+}
+
+void Lookahead::Line::take() {
+  if (!wanted_.update()) return;
+  const Ellipsoid& now = wanted_.front();
+  way_ = started_ ? Eigen::Vector3d(now.center - tool_.center) : Eigen::Vector3d::Zero();
+  farthest_ = started_ ? way_between(tool_, now) : 0.0;
+  tool_ = now;
+  started_ = true;
+}
+
+void Lookahead::Line::finish() {
+  if (!started_) return;
+  const double needed = kRounds * farthest_;
+  const Ellipsoid ahead{tool_.center + way_, tool_.axes};
+  if (way_between(known_, ahead) + needed < kNear * margin_) return;
+  double margin = std::max(kLeastMargin, needed);
+  Neighbourhood& found = found_.back();
+  for (int k = 0; k < kMostHalvings; ++k, margin *= 0.5) {
+    const bool fits = found.search(index_, enlarged(ahead, margin), precision_);
+    if (fits && (found.size() <= kEasy || margin <= needed)) break;
+  }
+  known_ = ahead;
+  margin_ = margin;
+  found_.publish();
+}
+
+void Lookahead::take() {
+  for (Line& line : lines_) line.take();
+}
+
+void Lookahead::finish() {
+  for (Line& line : lines_) line.finish();
+}
+
+}  // namespace palpate

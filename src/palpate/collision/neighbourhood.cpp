@@ -1,0 +1,44 @@
+#include <palpate/collision/neighbourhood.h>
+
+#include <cmath>
+
+#include <palpate/collision/contact_kernel.h>
+#include <palpate/collision/tool_frame.h>
+
+namespace palpate {
+namespace {
+
+/// For the rounding of covers().
+constexpr double kRounding = 1e-10;
+
+}  // namespace
+
+Neighbourhood::Neighbourhood() : candidates_(std::make_unique<CandidateSet>()) {}
+
+Neighbourhood::~Neighbourhood() = default;
+
+bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Precision precision) {
+  valid_ = find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_);
+  center_ = solid.center;
+  W_ = WhitenedTool(solid).W;
+  return valid_;
+}
+
+/// Seen from where the solid is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the
+/// sphere of radius |c| + ||M||_2; ||M||_2^2 is the largest eigenvalue of M^T M, at most its largest row sum.
+bool Neighbourhood::covers(const Ellipsoid& tool) const {
+  if (!valid_) return false;
+  const Eigen::Vector3d c = W_ * (tool.center - center_);
+  const Eigen::Matrix3d M = W_ * tool.axes;
+  const double largest = (M.transpose() * M).cwiseAbs().rowwise().sum().maxCoeff();
+  return c.norm() + std::sqrt(largest) <= 1.0 - kRounding;
+}
+
+void Neighbourhood::contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision,
+                             ContactSet& result) {
+  contacts_among(*candidates_, index.view(), ToolFrame(tool, index.frame()), precision, result);
+}
+
+std::size_t Neighbourhood::size() const { return candidates_->size; }
+
+}  // namespace palpate

@@ -1,0 +1,22 @@
+/// \file
+/// Where a simulated hand wants to be.
+#pragma once
+
+#include <palpate/device/simulated_device.h>
+#include <palpate/device/trajectory.h>
+
+namespace palpate {
+
+/// The pose of a trajectory at a time: between two of its poses on the straight line and the shortest turn,
+/// before the first and after the last at rest there. \pre not empty
+Pose pose_at(const Trajectory& trajectory, double t);
+
+/// Along the trajectory from its first pose to its last, and back, for ever: it goes on where it is wherever
+/// the trajectory is at rest at both ends. \pre not empty
+HandPath to_and_fro(Trajectory trajectory);
+
+/// The tremor of a hand that is at rest: some 0.1 mm at 8 to 12 Hz, in every direction, added to where it
+/// wants to be.
+HandPath with_tremor(HandPath path, double amplitude);
+
+}  // namespace palpate

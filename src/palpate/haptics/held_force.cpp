@@ -1,0 +1,41 @@
+#include <palpate/haptics/held_force.h>
+
+#include <limits>
+
+namespace palpate {
+
+void HeldForce::reset() { ++beginning_; }
+
+ForceOutput HeldForce::evaluate(const ForceInput& input) {
+  t_ += input.dt;
+  question_.back() = {input, t_, beginning_};
+  question_.publish();
+  answer_.update();
+  ForceOutput held;
+  if (answer_.front().beginning == beginning_)
+    held = answer_.front().output;
+  else
+    held.proxy = input.tool;
+  held.stored = std::numeric_limits<double>::quiet_NaN();
+  return held;
+}
+
+void HeldForce::take() {
+  if (question_.update()) taken_ = question_.front();
+}
+
+void HeldForce::finish() {
+  if (taken_.beginning == 0) return;  // nothing was asked yet
+  const bool first = taken_.beginning != asked_since_;
+  if (first) model_.reset();
+  ForceInput input = taken_.input;
+  input.dt = first ? 0.0 : taken_.t - asked_at_;
+  if (contacts_ != nullptr) contacts_->query(input.tool, found_);
+  input.contacts = contacts_ != nullptr ? &found_ : nullptr;
+  answer_.back() = {model_.evaluate(input), taken_.beginning};
+  answer_.publish();
+  asked_at_ = taken_.t;
+  asked_since_ = taken_.beginning;
+}
+
+}  // namespace palpate

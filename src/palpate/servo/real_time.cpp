@@ -1,0 +1,48 @@
+#include <palpate/servo/real_time.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+}  // namespace
+
+std::optional<std::string> lock_memory() {
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
+  return fmt::format(
+      "memory is not locked ({}): a tick may wait for a page; raise 'ulimit -l', or give CAP_IPC_LOCK",
+      reason(errno));
+}
+
+std::vector<std::string> make_real_time(const ThreadPriority& wanted) {
+  std::vector<std::string> refused;
+  sched_param priority{};
+  priority.sched_priority = wanted.priority;
+  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority); error != 0) {
+    refused.push_back(
+        fmt::format("no real-time priority ({}): other programs may delay a tick; raise 'ulimit -r', or give "
+                    "CAP_SYS_NICE",
+                    reason(error)));
+  }
+  if (wanted.cpu) {
+    cpu_set_t only;
+    CPU_ZERO(&only);
+    CPU_SET(static_cast<std::size_t>(*wanted.cpu), &only);
+    if (const int error = pthread_setaffinity_np(pthread_self(), sizeof only, &only); error != 0) {
+      refused.push_back(fmt::format("not pinned to processor {} ({}): give one of those there are",
+                                    *wanted.cpu, reason(error)));
+    }
+  }
+  return refused;
+}
+
+}  // namespace palpate

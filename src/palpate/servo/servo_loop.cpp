@@ -1,0 +1,73 @@
+#include <palpate/servo/servo_loop.h>
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// Of the newest age in the mean of them: a fiftieth of a second at 1 kHz, short to a hand.
+constexpr double kAgeShare = 0.05;
+
+}  // namespace
+
+ServoLoop::ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickObserver*> observers,
+                     const Options& options)
+    : tick_(tick),
+      clock_(clock),
+      observers_(std::move(observers)),
+      thread_([this, options] { run(options); }) {}
+
+ServoLoop::~ServoLoop() { stop(); }
+
+void ServoLoop::stop() {
+  if (!thread_.joinable()) return;
+  ends_.store(true, std::memory_order_relaxed);
+  thread_.join();
+}
+
+std::vector<std::string> ServoLoop::refused() const {
+  begun_.wait(false, std::memory_order_acquire);
+  return refused_;
+}
+
+void ServoLoop::tick(double due) {
+  const double begin = clock_.now();
+  const TickRecord& record = tick_.run(begin);
+  TickTimes times;
+  times.late = begin - due;
+  const double sent = clock_.now();
+  times.compute = sent - begin;
+  times.age = sent - record.reading.t;
+  tick_.look();
+  times.whole = clock_.now() - begin;
+  times.overruns = statistics_.overruns.load(std::memory_order_relaxed);
+  statistics_.late.add(times.late);
+  statistics_.whole.add(times.whole);
+  statistics_.age.add(times.age);
+  statistics_.ticks.fetch_add(1, std::memory_order_relaxed);
+  for (TickObserver* observer : observers_) observer->see(record, times);
+  mean_age_ += kAgeShare * (times.age - mean_age_);
+  tick_.set_delay(mean_age_);
+}
+
+void ServoLoop::run(const Options& options) {
+  if (options.real_time) refused_ = make_real_time(options.priority);
+  begun_.store(true, std::memory_order_release);
+  begun_.notify_all();
+  const double period = 1.0 / options.rate, begin = clock_.now();
+  std::uint64_t beat = 0;
+  for (;;) {
+    const double due = begin + period * static_cast<double>(beat);
+    clock_.sleep_until(due);
+    if (ends_.load(std::memory_order_relaxed)) {
+      if (tick_.governor().state() == GovernorState::kStopped) return;
+      tick_.governor().stop(Fault::kPaused);
+    }
+    tick(due);
+    const auto next = static_cast<std::uint64_t>(std::floor((clock_.now() - begin) / period)) + 1;
+    statistics_.overruns.fetch_add(next > beat + 1 ? next - beat - 1 : 0, std::memory_order_relaxed);
+    beat = next;
+  }
+}
+
+}  // namespace palpate

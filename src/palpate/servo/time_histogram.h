@@ -1,0 +1,34 @@
+/// \file
+/// Quantiles of times, counted while they are measured.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+namespace palpate {
+
+/// Counts times in classes 2^(1/16) apart, 4 % each, from 10 ns to a minute. One thread adds; any thread may
+/// look meanwhile and then sees almost all.
+class TimeHistogram {
+ public:
+  /// \param seconds below and above the classes: counts in the first or the last
+  void add(double seconds);
+
+  std::uint64_t count() const { return count_.load(std::memory_order_relaxed); }
+  /// The middle of the class that holds the q-quantile; 0 if there is none. max() for q = 1. Unit: [s].
+  double quantile(double q) const;
+  /// Unit: [s].
+  double max() const { return max_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr int kPerOctave = 16;
+  static constexpr double kFirst = 1e-8;  ///< Unit: [s].
+  static constexpr std::size_t kClasses = 16 * 33;
+
+  std::array<std::atomic<std::uint64_t>, kClasses> classes_{};
+  std::atomic<std::uint64_t> count_ = 0;
+  std::atomic<double> max_ = 0.0;
+};
+
+}  // namespace palpate

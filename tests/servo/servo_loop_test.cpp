@@ -1,0 +1,133 @@
+#include <palpate/servo/servo_loop.h>
+
+#include <atomic>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <palpate/scene/procedural.h>
+
+namespace palpate {
+namespace {
+
+/// A handle that is nearly still; every `slow_every`-th reading takes `slow` seconds.
+struct Handle final : HapticDevice {
+  Handle() {
+    can.force_max = 10.0;
+    can.damping = 1.0;
+  }
+  const DeviceCapabilities& capabilities() const override { return can; }
+  bool read(double t, DeviceReading& reading) override {
+    ++reads;
+    if (slow_every != 0 && reads % slow_every == 0) sleep_until(monotonic_now() + slow);
+    reading = {t, Pose{}, Twist{}};
+    reading.pose.position.x() = 0.5 + 1e-6 * std::sin(100.0 * t);
+    return true;
+  }
+  void write(const Wrench& wrench) override { last = wrench.force.norm(); }
+
+  DeviceCapabilities can;
+  int reads = 0, slow_every = 0;
+  double slow = 0.0;
+  std::atomic<double> last = 0.0;
+};
+
+/// Pushes by one newton once it has been quiet for long enough to be let.
+struct Push final : ForceModel {
+  bool wants_contacts() const override { return false; }
+  void reset() override { age = 0.0; }
+  ForceOutput evaluate(const ForceInput& input) override {
+    age += input.dt;
+    ForceOutput out;
+    out.proxy = input.tool;
+    out.wrench.force.x() = age > 0.8 ? 1.0 : 0.0;
+    return out;
+  }
+  double age = 0.0;
+};
+
+/// Remembers when ticks were.
+struct Watcher final : TickObserver {
+  void see(const TickRecord& record, const TickTimes& times) override {
+    if (count > 0 && !(record.t > last)) backwards = true;
+    last = record.t;
+    ++count;
+    overruns = times.overruns;
+    state = record.state;
+    fault = record.fault;
+  }
+  int count = 0;
+  double last = 0.0;
+  bool backwards = false;
+  std::uint64_t overruns = 0;
+  GovernorState state = GovernorState::kWaiting;
+  Fault fault = Fault::kNone;
+};
+
+class ServoLoopTest : public testing::Test {
+ protected:
+  ServoLoop::Options at(double rate) {
+    ServoLoop::Options options;
+    options.rate = rate;
+    options.real_time = false;
+    return options;
+  }
+
+  SceneIndex index{make_scene(*make_surface("sphere"), {}), {}, {}};
+  ToolTracker contacts{index, Tool{}};
+  Handle device;
+  Push push;
+  Watcher watcher;
+  LoopClock clock;
+};
+
+// As many beats as fit the time, each either kept or counted as left out, whatever the machine does besides.
+TEST_F(ServoLoopTest, EveryBeatIsATickOrAnOverrun) {
+  ServoTick tick(device, {&push, &contacts});
+  const double begin = clock.now();
+  ServoLoop loop(tick, clock, {&watcher}, at(1000.0));
+  clock.sleep_until(begin + 0.5);
+  loop.stop();
+  const double beats = (clock.now() - begin) / 1e-3;
+  const auto counted = static_cast<double>(loop.statistics().ticks + loop.statistics().overruns);
+  EXPECT_LE(counted, beats + 1.0);
+  EXPECT_GE(counted, 0.7 * beats);  // the thread may begin late
+  EXPECT_EQ(watcher.count, static_cast<int>(loop.statistics().ticks));
+  EXPECT_FALSE(watcher.backwards);
+}
+
+TEST_F(ServoLoopTest, ATickThatTakesTooLongIsCountedAndSurvived) {
+  device.slow_every = 50;
+  device.slow = 5.5e-3;
+  ServoTick tick(device, {&push, &contacts});
+  ServoLoop loop(tick, clock, {&watcher}, at(1000.0));
+  while (loop.statistics().ticks < 200) clock.sleep_until(clock.now() + 1e-2);
+  loop.stop();
+  EXPECT_GE(loop.statistics().overruns, 4U * 5U);  // each leaves five out, at least
+  EXPECT_EQ(watcher.overruns, loop.statistics().overruns);
+  EXPECT_GE(loop.statistics().whole.max(), 5.5e-3);
+}
+
+TEST_F(ServoLoopTest, EndsWithNoForce) {
+  ServoTick tick(device, {&push, &contacts});
+  ServoLoop loop(tick, clock, {&watcher}, at(1000.0));
+  const double begin = clock.now();
+  while (device.last < 0.99 && clock.now() < begin + 10.0) clock.sleep_until(clock.now() + 1e-2);
+  ASSERT_GE(device.last, 0.99) << to_string(watcher.state) << ' ' << traits(watcher.fault).name;
+  loop.stop();
+  EXPECT_EQ(device.last, 0.0);
+}
+
+TEST_F(ServoLoopTest, SaysWhatTheSystemDoesNotPermit) {
+  ServoTick tick(device, {&push, &contacts});
+  ServoLoop::Options options;
+  options.priority.cpu = 1023;  // that is not there
+  ServoLoop loop(tick, clock, {}, options);
+  bool said = false;
+  for (const std::string& line : loop.refused())
+    said = said || line.find("processor 1023") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
+}  // namespace
+}  // namespace palpate

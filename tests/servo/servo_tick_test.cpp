@@ -1,0 +1,230 @@
+#include <palpate/servo/servo_tick.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <palpate/scene/procedural.h>
+
+#include "support/allocation_guard.h"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kTick = 1e-3;
+
+/// A device whose handle is where the test puts it.
+struct Handle final : HapticDevice {
+  Handle() {
+    can.force_max = 10.0;
+    can.torque_max = 0.5;
+    can.damping = 2.0;
+    can.damping_max = 20.0;
+  }
+  const DeviceCapabilities& capabilities() const override { return can; }
+  bool read(double t, DeviceReading& reading) override {
+    if (silent) return false;
+    reading = {t, pose, {}};
+    reading.pose.position.y() += 1e-6 * std::sin(100.0 * t);  // a hand is never still
+    return true;
+  }
+  void write(const Wrench& wrench) override { shown = wrench; }
+
+  DeviceCapabilities can;
+  Pose pose;
+  Wrench shown;
+  bool silent = false;
+};
+
+/// A wall at x = 0 of the world, felt for x < 0.
+struct Wall final : ForceModel {
+  explicit Wall(double stiffness) : k(stiffness) {}
+  bool wants_contacts() const override { return false; }
+  void reset() override {}
+  ForceOutput evaluate(const ForceInput& input) override {
+    const double depth = std::max(0.0, -input.tool.position.x());
+    ForceOutput out;
+    out.wrench.force.x() = k * depth;
+    out.proxy = input.tool;
+    out.stored = 0.5 * k * depth * depth;
+    out.stiffness = depth > 0.0 ? k : 0.0;
+    return out;
+  }
+  double k;
+};
+
+class ServoTickTest : public testing::Test {
+ protected:
+  const TickRecord& run(double seconds) {
+    const TickRecord* record = nullptr;
+    for (int k = 0; k < std::lround(seconds / kTick); ++k)
+      record = &loop->run(kTick * static_cast<double>(++count));
+    return *record;
+  }
+  void begin(const ServoTickOptions& options = {}) {
+    loop = std::make_unique<ServoTick>(device, FeltModel{&wall, &contacts}, options);
+  }
+  /// Puts the handle there within 20 ms, as fast as a hand might.
+  void go_to(double x) {
+    const double from = device.pose.position.x();
+    for (int k = 1; k <= 20; ++k) {
+      device.pose.position.x() = from + (x - from) * k / 20.0;
+      run(kTick);
+    }
+  }
+
+  SceneIndex index{make_scene(*make_surface("sphere"), {}), {}, {}};
+  ToolTracker contacts{index, Tool{}};
+  Handle device;
+  Wall wall{500.0};
+  std::unique_ptr<ServoTick> loop;
+  int count = 0;
+};
+
+TEST_F(ServoTickTest, WhatTheModelAsksForIsSentOnceTheGateIsOpen) {
+  begin();
+  device.pose.position.x() = 0.01;
+  EXPECT_EQ(run(1.0).state, GovernorState::kActive);
+  go_to(-0.01);
+  const TickRecord& now = run(0.05);
+  EXPECT_NEAR(device.shown.force.x(), 5.0, 1e-3);
+  EXPECT_NEAR(now.sent_force.x(), 5.0, 1e-3);
+  EXPECT_DOUBLE_EQ(now.felt.stiffness, 500.0);
+  EXPECT_NEAR(now.margin, 2.0 / (0.5 * kTick) / 500.0, 1e-9);  // b / (T / 2) over K
+}
+
+TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  loop->set_delay(0.5e-3);
+  EXPECT_NEAR(run(0.01).margin, 2.0 / 1e-3 / 500.0, 1e-9);
+}
+
+TEST_F(ServoTickTest, TheGainIsThereWithoutAJump) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  run(0.05);
+  loop->set_gain(0.5);
+  double before = device.shown.force.x();
+  for (int k = 0; k < 1000; ++k) {
+    run(kTick);
+    EXPECT_LE(std::abs(device.shown.force.x() - before), 0.05);
+    before = device.shown.force.x();
+  }
+  EXPECT_NEAR(before, 2.5, 0.01);
+  EXPECT_EQ(run(kTick).state, GovernorState::kActive);
+}
+
+TEST_F(ServoTickTest, AnotherModelComesThroughTheGate) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  run(0.05);
+  Wall other(200.0);
+  loop->use({&other, &contacts});
+  run(2.0);
+  EXPECT_EQ(device.shown.force.x(), 0.0);  // the tool is still in the wall
+  EXPECT_EQ(loop->governor().state(), GovernorState::kWaiting);
+  go_to(0.01);
+  EXPECT_EQ(run(1.0).state, GovernorState::kActive);
+  go_to(-0.01);
+  run(0.05);
+  EXPECT_NEAR(device.shown.force.x(), 2.0, 1e-3);
+}
+
+TEST_F(ServoTickTest, AnotherModelDoesNotEndAnEmergencyStop) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  loop->governor().stop();
+  run(0.2);
+  Wall other(200.0);
+  loop->use({&other, &contacts});
+  EXPECT_EQ(run(3.0).fault, Fault::kEmergencyStop);
+  EXPECT_EQ(loop->governor().state(), GovernorState::kStopped);
+}
+
+TEST_F(ServoTickTest, TheClutchMovesTheHandAndNotTheTool) {
+  begin();
+  device.pose.position.x() = 0.02;
+  run(1.0);
+  loop->press_clutch(true);
+  run(0.3);
+  const Vector3d held = run(kTick).tool.position;
+  go_to(0.10);
+  EXPECT_NEAR((run(kTick).tool.position - held).norm(), 0.0, 1e-5);
+  EXPECT_EQ(device.shown.force, Vector3d(Vector3d::Zero()));
+  loop->press_clutch(false);
+  run(1.5);
+  EXPECT_EQ(loop->governor().state(), GovernorState::kActive);
+  go_to(0.08);  // 20 mm back: the tool is at 0 again
+  EXPECT_NEAR(run(kTick).tool.position.x(), 0.0, 1e-5);
+  go_to(0.07);
+  run(0.05);
+  EXPECT_NEAR(device.shown.force.x(), 5.0, 0.02);
+}
+
+TEST_F(ServoTickTest, AMapScalesTheWayAndNotTheStiffness) {
+  ServoTickOptions options;
+  options.map.scale = 4.0;
+  options.map.rotation = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ());
+  options.map.offset = {0.04, 0, 0};
+  begin(options);  // x_world = 0.04 - 4 y_device
+  run(1.0);
+  for (int k = 1; k <= 40; ++k) {
+    device.pose.position.y() = 5e-4 * k;
+    run(kTick);
+  }
+  const TickRecord& now = run(0.05);
+  EXPECT_NEAR(now.tool.position.x(), -0.04, 1e-4);
+  EXPECT_NEAR(device.shown.force.y(), -500.0 * 0.01, 0.01);  // 10 mm of the hand's way in
+  EXPECT_NEAR(now.sent_force.x(), 5.0, 0.01);                // along the world's axes
+}
+
+TEST_F(ServoTickTest, ADeviceThatIsSilentIsNotHeld) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  run(0.05);
+  device.silent = true;
+  EXPECT_EQ(run(0.1).fault, Fault::kStalePose);
+  EXPECT_EQ(device.shown.force, Vector3d(Vector3d::Zero()));
+}
+
+TEST_F(ServoTickTest, ContactsAreThoseOfTheToolWhateverTheModelWants) {
+  begin();
+  device.pose.position = {0.15, 0, 0};  // on the sphere
+  run(0.1);
+  ContactSet fresh;
+  query(index, Tool{}, loop->look().tool, fresh);
+  EXPECT_GT(fresh.contacts.size(), 0U);
+  EXPECT_EQ(loop->look().contacts, fresh.contacts.size());
+  EXPECT_NEAR(loop->look().k_max, fresh.k_max(), 1e-9);
+}
+
+TEST_F(ServoTickTest, TakesNothingFromTheHeap) {
+  begin();
+  device.pose.position = {0.14, 0, 0};
+  run(1.0);
+  Wall other(200.0);
+  const test::AllocationGuard guard;
+  loop->use({&other, &contacts});
+  loop->set_gain(2.0);
+  for (int k = 0; k < 1000; ++k) {
+    run(kTick);
+    loop->look();
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace palpate
