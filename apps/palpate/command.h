@@ -25,6 +25,7 @@ struct CommonOptions {
 
 Command declare_info(CLI::App& parent);
 Command declare_query(CLI::App& parent);
+Command declare_run(CLI::App& parent);
 Command declare_replay(CLI::App& parent);
 Command declare_report(CLI::App& parent);
 Command declare_make_scene(CLI::App& parent);

@@ -85,10 +85,10 @@ void declare_registration(CLI::App& app, SceneOptions& options) {
 }  // namespace
 
 void SceneOptions::declare(CLI::App& app, As as) {
-  const bool positional = as == As::kPositional;
+  const bool positional = as != As::kOption;
   DeclaredOption scene =
       add_text(app, positional ? "SCENE" : "--scene", path, "", "3DGS scene, .ply or .splat");
-  if (positional) scene.required();
+  if (as == As::kPositional) scene.required();
 
   add_number(app, "--opacity-min", filter.opacity_min, 0.0, 1.0, "alpha",
              "keep Gaussians of opacity above this")
@@ -210,7 +210,7 @@ std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
 
 void ForceOptions::declare(CLI::App& app) {
   add_choice(
-      app, "--model", model, {"proxy", "field", "density"},
+      app, "--model", model, {kModels.begin(), kModels.end()},
       "force model: proxy follows the surface; field is the gradient of a potential; density is the paper's")
       .shows_default("proxy; density with --pipeline paper")
       .in_group(kForceGroup);
@@ -256,19 +256,25 @@ std::string ForceOptions::model_for(const ContactQuery& query) const {
 std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool,
                                                 const std::string& scene, const Progress& progress) const {
   const std::string name = model_for(query);
+  const auto* index = dynamic_cast<const SceneIndex*>(&query);
+  if (index != nullptr) return build(name, *index, tool, scene, nullptr, progress);
   if (name == "density") return std::make_unique<DensityForce>(tool, density);
   if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
-  const auto* index = dynamic_cast<const SceneIndex*>(&query);
-  if (index == nullptr) {
-    throw Error(
-        "--model proxy asks for contacts by itself, as --pipeline exact finds them; take that, or --model "
-        "density");
-  }
+  throw Error(
+      "--model proxy asks for contacts by itself, as --pipeline exact finds them; take that, or --model "
+      "density");
+}
+
+std::unique_ptr<ForceModel> ForceOptions::build(const std::string& name, const SceneIndex& index,
+                                                const Tool& tool, const std::string& scene,
+                                                Lookahead* lookahead, const Progress& progress) const {
+  if (name == "density") return std::make_unique<DensityForce>(tool, density);
+  if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
   ProxyParameters parameters = proxy;
   parameters.materials = std::make_shared<MaterialMap>(
       materials.empty() ? std::vector<MaterialRegion>{} : read_materials(materials),
       scene.empty() ? PlyMaterials{} : read_ply_materials(scene, progress));
-  return std::make_unique<ProxyForce>(*index, tool, parameters);
+  return std::make_unique<ProxyForce>(index, tool, parameters, lookahead);
 }
 
 }  // namespace palpate::cli

@@ -2,6 +2,7 @@
 /// Options that several commands share.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -30,6 +31,9 @@ namespace palpate::cli {
 
 inline constexpr int kMostThreads = 1024;  ///< of --threads
 
+/// The force models, the default first.
+inline constexpr std::array kModels{"proxy", "field", "density"};
+
 /// Which scene, which of its Gaussians, how large, and where.
 struct SceneOptions {
   std::string path;
@@ -37,8 +41,8 @@ struct SceneOptions {
   std::string frame = "as-is";
   Similarity registration;  ///< of --scale, --rotate, --translate; applied after `frame`
 
-  /// Declares the options, with the scene as positional argument SCENE or as option --scene.
-  enum class As { kPositional, kOption };
+  /// Declares the options, with the scene as positional argument SCENE, which may be optional, or as option --scene.
+  enum class As { kPositional, kOptionalPositional, kOption };
   void declare(CLI::App& app, As as);
 
   /// From the captured frame to the world: first turns the axis named by `frame` up, then registers.
@@ -92,6 +96,10 @@ struct ForceOptions {
   /// for broken materials.
   std::unique_ptr<ForceModel> build(const ContactQuery& query, const Tool& tool,
                                     const std::string& scene = {}, const Progress& progress = {}) const;
+  /// One of kModels on an index, which must outlive it, as `lookahead` must. \throws Error for broken materials.
+  std::unique_ptr<ForceModel> build(const std::string& name, const SceneIndex& index, const Tool& tool,
+                                    const std::string& scene, Lookahead* lookahead,
+                                    const Progress& progress) const;
 };
 
 }  // namespace palpate::cli

@@ -21,11 +21,12 @@ ForceOutput HeldForce::evaluate(const ForceInput& input) {
 }
 
 void HeldForce::take() {
-  if (question_.update()) taken_ = question_.front();
+  asked_ = question_.update();
+  if (asked_) taken_ = question_.front();
 }
 
 void HeldForce::finish() {
-  if (taken_.beginning == 0) return;  // nothing was asked yet
+  if (!asked_) return;
   const bool first = taken_.beginning != asked_since_;
   if (first) model_.reset();
   ForceInput input = taken_.input;

@@ -52,6 +52,7 @@ class HeldForce final : public ForceModel, public BackgroundWork {
   unsigned beginning_ = 1;
   // Of the other one.
   Question taken_;
+  bool asked_ = false;  ///< something, in this round
   ContactSet found_;
   double asked_at_ = 0.0;     ///< Unit: [s].
   unsigned asked_since_ = 0;  ///< Question::beginning of the last question

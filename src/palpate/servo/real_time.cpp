@@ -18,6 +18,8 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 std::optional<std::string> lock_memory() {
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
+  // An index larger than the memory: what has been touched stays, at least.
+  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return std::nullopt;
   return fmt::format(
       "memory is not locked ({}): a tick may wait for a page; raise 'ulimit -l', or give CAP_IPC_LOCK",
       reason(errno));

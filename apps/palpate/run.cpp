@@ -1,0 +1,327 @@
+// palpate run: a hand, a device, and a scene between them, live.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <palpate/base/error.h>
+#include <palpate/servo/real_time.h>
+#include <palpate/servo/recorder.h>
+
+#include "command.h"
+#include "keyboard.h"
+#include "live_system.h"
+#include "options.h"
+#include "output.h"
+#include "terminal.h"
+
+namespace palpate::cli {
+namespace {
+
+constexpr double kMicro = 1e6;
+/// Between two looks at the loop. Unit: [s].
+constexpr double kLook = 0.05;
+/// A press of + or -.
+constexpr double kStiffer = 1.25, kLeastGain = 0.05, kMostGain = 20.0;
+
+struct Options {
+  CommonOptions common;
+  SceneOptions scene;
+  QueryOptions query;
+  ForceOptions force;
+  DeviceOptions device;
+  LoopOptions loop;
+  std::string record;
+  double seconds = 0.0;  ///< 0: until someone ends it
+};
+
+/// \name Signals
+/// What a handler may touch: INT and TERM end the run, USR1 is an emergency stop.
+/// @{
+std::atomic<bool> ends = false;
+std::atomic<ServoTick*> stoppable = nullptr;
+static_assert(std::atomic<ServoTick*>::is_always_lock_free);
+
+extern "C" void end_run(int) { ends.store(true, std::memory_order_relaxed); }
+extern "C" void stop_motors(int) {
+  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->governor().stop();
+}
+
+/// Has the handlers in place as long as it lives.
+class Signals {
+ public:
+  explicit Signals(ServoTick& tick) {
+    stoppable.store(&tick, std::memory_order_release);
+    std::signal(SIGINT, end_run);
+    std::signal(SIGTERM, end_run);
+    std::signal(SIGUSR1, stop_motors);
+  }
+  ~Signals() {
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+    std::signal(SIGUSR1, SIG_IGN);
+    stoppable.store(nullptr, std::memory_order_release);
+  }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+};
+/// @}
+
+/// Every tick into the recording.
+class RecordingObserver final : public TickObserver {
+ public:
+  explicit RecordingObserver(Recorder& recorder) : recorder_(recorder) {}
+  void see(const TickRecord& record, const TickTimes& times) override {
+    recorder_.push(run_row(record, times.compute, times.age));
+  }
+
+ private:
+  Recorder& recorder_;
+};
+
+/// What a person at the terminal sees and does.
+class Console {
+ public:
+  Console(LiveSystem& system, LiveView& view, bool quiet)
+      : system_(system), view_(view), quiet_(quiet), draws_(!quiet && ::isatty(STDERR_FILENO) != 0) {}
+  ~Console() { clear(); }
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  /// Looks, and waits a little for a key. \returns false once someone wants to end.
+  bool look() {
+    view_.update();
+    tell_transitions();
+    if (draws_) draw();
+    const auto key = keyboard_.key(kLook);
+    return !(key && !act(*key)) && !ends.load(std::memory_order_relaxed);
+  }
+
+  void tell_transitions();
+
+  static constexpr const char* kHelp =
+      "keys: space pause and resume, e emergency stop, m model, + - stiffness, c clutch, q quit";
+
+ private:
+  void clear() const {
+    if (draws_) fmt::print(stderr, "\r\033[K");
+  }
+  void draw() const;
+  bool act(char key);
+
+  LiveSystem& system_;
+  LiveView& view_;
+  bool quiet_, draws_;
+  bool clutched_ = false;
+  Keyboard keyboard_;
+  std::size_t told_ = 0;
+};
+
+void Console::tell_transitions() {
+  const auto transitions = view_.transitions();
+  for (; told_ < transitions.size(); ++told_) {
+    const GovernorTransition& change = transitions[told_];
+    if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
+    clear();
+    notify(fmt::format("{:.3f} s: no force: {}: {}", change.t, traits(change.fault).name, traits(change.fault).advice));
+  }
+}
+
+void Console::draw() const {
+  const TickRecord& now = view_.newest();
+  const LoopStatistics& statistics = system_.loop().statistics();
+  const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
+  const std::string margin = now.margin > 0.0 ? fmt::format("{:.1f}x", now.margin) : "-";
+  fmt::print(stderr,
+             "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
+             "margin {}",
+             now.t, to_string(now.state), why, kModels[system_.model()],
+             system_.stiffness() * system_.tick().wanted_gain(), now.sent.force.norm(), now.contacts,
+             kMicro * statistics.whole.quantile(0.5), kMicro * statistics.whole.quantile(0.99),
+             statistics.overruns.load(), margin);
+  std::fflush(stderr);
+}
+
+bool Console::act(char key) {
+  SafetyGovernor& governor = system_.tick().governor();
+  const double gain = system_.tick().wanted_gain();
+  switch (key) {
+    case ' ':
+      if (view_.newest().fault == Fault::kNone) {
+        governor.stop(Fault::kPaused);
+      } else {
+        governor.resume();
+      }
+      break;
+    case 'e': governor.stop(); break;
+    case 'm': system_.use_model((system_.model() + 1) % kModels.size()); break;
+    case '+': system_.tick().set_gain(std::min(kMostGain, kStiffer * gain)); break;
+    case '-': system_.tick().set_gain(std::max(kLeastGain, gain / kStiffer)); break;
+    case 'c':
+      clutched_ = !clutched_;
+      system_.tick().press_clutch(clutched_);
+      break;
+    case 'q': return false;
+    default: break;
+  }
+  return true;
+}
+
+Json times_json(const TimeHistogram& times) {
+  return {{"p50", kMicro * times.quantile(0.5)},
+          {"p99", kMicro * times.quantile(0.99)},
+          {"p999", kMicro * times.quantile(0.999)},
+          {"max", kMicro * times.max()}};
+}
+
+/// The faults there were, once each, in order.
+std::vector<std::string> faults_of(const LiveView& view) {
+  std::vector<std::string> names;
+  for (const GovernorTransition& change : view.transitions()) {
+    const std::string name(traits(change.fault).name);
+    if (change.fault != Fault::kNone && std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  }
+  return names;
+}
+
+/// A run that is over.
+struct Outcome {
+  double seconds;
+  GovernorState state;  ///< before it was ended
+  std::vector<std::string> faults;
+};
+
+Json to_json(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
+  const LoopStatistics& statistics = system.loop().statistics();
+  const LiveTotals totals = view.totals();
+  return {{"ticks", statistics.ticks.load()},
+          {"rate_hz", static_cast<double>(statistics.ticks) / outcome.seconds},
+          {"overruns", statistics.overruns.load()},
+          {"tick_us", times_json(statistics.whole)},
+          {"age_us", times_json(statistics.age)},
+          {"late_us", times_json(statistics.late)},
+          {"contact_ticks", totals.contact_ticks},
+          {"contacts_max", totals.contacts_max},
+          {"force_max", totals.force_max},
+          {"port_energy", totals.port_energy},
+          {"margin_min", totals.margin_min},
+          {"state", to_string(outcome.state)},
+          {"faults", outcome.faults}};
+}
+
+void print_text(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
+  const LoopStatistics& statistics = system.loop().statistics();
+  const LiveTotals totals = view.totals();
+  const auto times = [](const char* name, const TimeHistogram& h) {
+    fmt::print("{:<16} p50 {:.1f} us, p99 {:.1f}, p99.9 {:.1f}, max {:.0f}\n", name, kMicro * h.quantile(0.5),
+               kMicro * h.quantile(0.99), kMicro * h.quantile(0.999), kMicro * h.max());
+  };
+  fmt::print("{} ticks in {:.1f} s, {:.0f} Hz, {} overruns; {}\n", statistics.ticks.load(), outcome.seconds,
+             static_cast<double>(statistics.ticks) / outcome.seconds, statistics.overruns.load(),
+             to_string(outcome.state));
+  times("tick", statistics.whole);
+  times("age of the force", statistics.age);
+  times("late", statistics.late);
+  fmt::print("in contact       {:.1f} % of the ticks, up to {} contacts, up to {:.2f} N\n",
+             100.0 * static_cast<double>(totals.contact_ticks) /
+                 static_cast<double>(std::max<std::uint64_t>(1, statistics.ticks)),
+             totals.contacts_max, totals.force_max);
+  fmt::print("port             put out at most {:.3f} mJ more than it took in; stiffness {}\n",
+             1e3 * totals.port_energy,
+             totals.margin_min > 0.0 ? fmt::format("could be {:.1f} times as large", totals.margin_min)
+                                     : "has no margin to tell");
+  if (!outcome.faults.empty()) fmt::print("faults           {}\n", fmt::join(outcome.faults, ", "));
+}
+
+/// What a user should know before a hand is near.
+void warn(const LiveSystem& system) {
+  const DeviceCapabilities& device = system.device();
+  if (system.stiffness() > device.stiffness_max) {
+    notify(fmt::format("warning: --stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
+                       system.stiffness(), device.name, device.stiffness_max));
+  }
+}
+
+void run(const Options& options) {
+  const Progress progress = terminal_progress(options.common.quiet);
+  LiveSystem system(options.scene, options.query, options.force, options.device, options.loop, progress);
+  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<RecordingObserver> recording;
+  const auto view = std::make_unique<LiveView>();
+  std::vector<TickObserver*> observers{view.get()};
+  if (!options.record.empty()) {
+    recorder = std::make_unique<Recorder>(options.record);
+    recording = std::make_unique<RecordingObserver>(*recorder);
+    observers.push_back(recording.get());
+  }
+  const bool talks = !options.common.quiet;
+  warn(system);
+  if (const auto refused = lock_memory(); refused && talks) notify("note: " + *refused);
+  system.start(observers);
+  const Signals signals(system.tick());
+  if (talks) {
+    for (const std::string& line : system.loop().refused()) notify("note: " + line);
+    notify(fmt::format("{}, {}, {} in contact with {} looked for {}", system.device().name,
+                       tool_text(options.query.tool), kModels[system.model()], system.scene_text(),
+                       system.contacts() == "inline" ? "in the loop" : "by a thread of its own"));
+  }
+
+  double until = options.seconds > 0.0 ? options.seconds : system.playback_length();
+  if (until == 0.0) until = std::numeric_limits<double>::infinity();
+  std::optional<std::string> failure;
+  {
+    Console console(system, *view, !talks);
+    if (talks && ::isatty(STDIN_FILENO) != 0) notify(Console::kHelp);
+    while (system.clock().now() < until && !failure && console.look()) {
+      if (recorder) failure = recorder->failure();
+    }
+    if (failure) system.tick().governor().stop(Fault::kRecorder);
+    view->update();
+    console.tell_transitions();
+  }
+  const Outcome outcome{system.clock().now(), view->newest().state, faults_of(*view)};
+  system.stop();
+  view->update();
+  if (recorder) {
+    recorder->close();
+    failure = recorder->failure();
+  }
+  if (options.common.json) {
+    fmt::print("{}\n", to_json(outcome, system, *view).dump(2));
+  } else if (talks) {
+    print_text(outcome, system, *view);
+    if (recorder && !failure) {
+      fmt::print("wrote {}: {} ticks, {} lost; next: palpate report {} --out report.html\n",
+                 printable(options.record), recorder->written(), recorder->lost(), printable(options.record));
+    }
+  }
+  if (failure) throw Error("{}", *failure);
+}
+
+}  // namespace
+
+Command declare_run(CLI::App& parent) {
+  CLI::App& app = add_command(parent, "run", "Feel a scene live: a servo loop between a device and a scene");
+  auto options = std::make_shared<Options>();
+  declare_common(app, options->common, "print the summary as JSON");
+  options->scene.declare(app, SceneOptions::As::kOptionalPositional);
+  add_number(app, "--seconds", options->seconds, 0.0, 1e7, "s", "how long (default: until q, or Ctrl-C)");
+  add_text(app, "--record", options->record, "RUN.csv", "every tick, for palpate report; must not exist");
+  options->device.declare(app);
+  options->loop.declare(app);
+  options->query.declare_tool(app);
+  add_flag(app, "--no-index-file", options->query.no_index_file,
+           "neither read nor write SCENE.palpate, the index beside the scene");
+  options->force.declare(app);
+  return {&app, [=] { run(*options); }};
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,31 @@
+#include <palpate/servo/live_view.h>
+
+#include <algorithm>
+
+namespace palpate {
+
+void LiveView::add(const TickRecord& record) {
+  totals_.contact_ticks += record.contacts != 0 ? 1 : 0;
+  totals_.contacts_max = std::max<std::uint64_t>(totals_.contacts_max, record.contacts);
+  totals_.force_max = std::max(totals_.force_max, record.sent.force.norm());
+  const bool off = record.state == GovernorState::kFalling || record.state == GovernorState::kStopped;
+  lowest_balance_ = off ? 0.0 : std::min(lowest_balance_, record.balance);
+  totals_.port_energy = std::max(totals_.port_energy, record.balance - lowest_balance_);
+  if (record.margin > 0.0)
+    totals_.margin_min = totals_.margin_min > 0.0 ? std::min(totals_.margin_min, record.margin) : record.margin;
+}
+
+void LiveView::see(const TickRecord& record, const TickTimes& times) {
+  add(record);
+  const std::size_t n = remembered_.load(std::memory_order_relaxed);
+  if ((record.state != state_ || record.fault != fault_) && n < kRemembered) {
+    transitions_[n] = {record.t, record.state, record.fault};
+    remembered_.store(n + 1, std::memory_order_release);
+  }
+  state_ = record.state;
+  fault_ = record.fault;
+  newest_.back() = {record, times, totals_};
+  newest_.publish();
+}
+
+}  // namespace palpate
