@@ -3,29 +3,13 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <palpate/base/progress.h>
-#include <palpate/geometry/pose.h>
+#include <palpate/servo/run_row.h>
 
 namespace palpate {
-
-/// One tick.
-struct RunRow {
-  double t = 0.0;              ///< Unit: [s].
-  Pose tool;                   ///< world frame
-  std::size_t candidates = 0;  ///< after the broad phase
-  std::size_t filtered = 0;    ///< after the bounding spheres, paper eq. 4
-  std::size_t colliding = 0;   ///< after the overlap test
-  double k_max = 0.0;          ///< largest K_min; 0 without contact
-  Wrench wrench;               ///< on the tool
-  Eigen::Vector3d proxy =
-      Eigen::Vector3d::Zero();  ///< the tool centre where the model has no proxy. Unit: [m].
-  double compute_us = 0.0;      ///< time for the force and the contacts that it is made of. Unit: [us].
-  std::optional<Eigen::Vector3d> user_force;  ///< measured at the handle, world frame. Unit: [N].
-};
 
 /// A recorded or replayed run, in order of time.
 struct Run {
