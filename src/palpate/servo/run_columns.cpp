@@ -25,11 +25,17 @@ constexpr RunColumn column(ColumnGroup group, std::string_view name, Field, int 
 }
 
 template <typename Field>
-constexpr RunColumn count(std::string_view name, Field field) {
-  RunColumn made = column(kAlways, name, field);
-  made.whole_number = "a count";
-  made.most = 4294967295.0;
+constexpr RunColumn whole(ColumnGroup group, std::string_view name, Field field, std::string_view what,
+                          double most) {
+  RunColumn made = column(group, name, field);
+  made.whole_number = what;
+  made.most = most;
   return made;
+}
+
+template <typename Field>
+constexpr RunColumn count(std::string_view name, Field field) {
+  return whole(kAlways, name, field, "a count", 4294967295.0);
 }
 
 const Eigen::Vector3d& user(const RunRow& row) {
@@ -42,6 +48,15 @@ Eigen::Vector3d& user(RunRow& row) {
 
 // A line a column.
 // clang-format off
+const LiveColumns& live(const RunRow& row) {
+  static const LiveColumns none;
+  return row.live ? *row.live : none;
+}
+LiveColumns& live(RunRow& row) { return row.live ? *row.live : row.live.emplace(); }
+
+constexpr auto kLastState = static_cast<double>(GovernorState::kStopped);
+constexpr auto kLastFault = static_cast<double>(kFaultCount - 1);
+
 constexpr std::array kColumns{
     column(kAlways, "t", [](auto& r) -> auto& { return r.t; }, 12),
     column(kAlways, "x", [](auto& r) -> auto& { return r.tool.position.x(); }),
@@ -68,6 +83,22 @@ constexpr std::array kColumns{
     column(kUserForce, "ufx", [](auto& r) -> auto& { return user(r).x(); }),
     column(kUserForce, "ufy", [](auto& r) -> auto& { return user(r).y(); }),
     column(kUserForce, "ufz", [](auto& r) -> auto& { return user(r).z(); }),
+    column(kLive, "vx", [](auto& r) -> auto& { return live(r).velocity.linear.x(); }),
+    column(kLive, "vy", [](auto& r) -> auto& { return live(r).velocity.linear.y(); }),
+    column(kLive, "vz", [](auto& r) -> auto& { return live(r).velocity.linear.z(); }),
+    column(kLive, "wx", [](auto& r) -> auto& { return live(r).velocity.angular.x(); }),
+    column(kLive, "wy", [](auto& r) -> auto& { return live(r).velocity.angular.y(); }),
+    column(kLive, "wz", [](auto& r) -> auto& { return live(r).velocity.angular.z(); }),
+    column(kLive, "sfx", [](auto& r) -> auto& { return live(r).sent.x(); }),
+    column(kLive, "sfy", [](auto& r) -> auto& { return live(r).sent.y(); }),
+    column(kLive, "sfz", [](auto& r) -> auto& { return live(r).sent.z(); }),
+    whole(kLive, "state", [](auto& r) -> auto& { return live(r).state; }, "a state", kLastState),
+    whole(kLive, "fault", [](auto& r) -> auto& { return live(r).fault; }, "a fault", kLastFault),
+    column(kLive, "energy", [](auto& r) -> auto& { return live(r).energy; }),
+    column(kLive, "stored", [](auto& r) -> auto& { return live(r).stored; }),
+    column(kLive, "damping", [](auto& r) -> auto& { return live(r).damping; }, 4),
+    column(kLive, "margin", [](auto& r) -> auto& { return live(r).margin; }, 4),
+    column(kLive, "age_us", [](auto& r) -> auto& { return live(r).age_us; }, 4),
 };
 // clang-format on
 
@@ -77,10 +108,15 @@ bool RunColumn::takes(double value) const {
   return whole_number.empty() || (value >= 0.0 && value <= most && value == std::floor(value));
 }
 
+RunGroups RunGroups::of(const RunRow& row) {
+  return {.user_force = row.user_force.has_value(), .live = row.live.has_value()};
+}
+
 bool RunGroups::has(ColumnGroup group) const {
   switch (group) {
     case kAlways: return true;
     case kUserForce: return user_force;
+    case kLive: return live;
   }
   return false;
 }

@@ -16,6 +16,7 @@ namespace palpate {
 enum class ColumnGroup : std::uint8_t {
   kAlways,
   kUserForce,  ///< RunRow::user_force
+  kLive,       ///< RunRow::live
 };
 
 /// One column.
@@ -35,9 +36,10 @@ struct RunColumn {
 /// Which columns a run has besides those that are always there.
 struct RunGroups {
   bool user_force = false;
+  bool live = false;
 
   /// Of a run that begins with this row.
-  static RunGroups of(const RunRow& row) { return {.user_force = row.user_force.has_value()}; }
+  static RunGroups of(const RunRow& row);
   bool has(ColumnGroup group) const;
 };
 

@@ -37,7 +37,9 @@ struct Source {
 std::vector<Source> sources_of(const CsvTable& table) {
   RunGroups groups;
   for (const RunColumn& column : run_columns()) {
-    if (column.group == ColumnGroup::kUserForce) groups.user_force |= table.has(column.name);
+    if (!table.has(column.name)) continue;
+    groups.user_force |= column.group == ColumnGroup::kUserForce;
+    groups.live |= column.group == ColumnGroup::kLive;
   }
   std::vector<Source> sources;
   for (const RunColumn& column : run_columns(groups)) sources.push_back({column, table.column(column.name)});
@@ -49,8 +51,8 @@ RunRow row_of(const CsvTable& table, std::size_t row, const std::vector<Source>&
   for (const auto& [column, index] : sources) {
     const double value = table.at(row, index);
     if (!column.takes(value)) {
-      throw Error("{}: line {}: column '{}': {} is not {}", table.source, table.lines[row], column.name,
-                  value, column.whole_number);
+      throw Error("{}: line {}: column '{}': {} is not {}; whole numbers from 0 to {} are", table.source,
+                  table.lines[row], column.name, value, column.whole_number, column.most);
     }
     column.set(made, value);
   }

@@ -18,12 +18,15 @@ struct Run {
 };
 
 /// Writes `t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,
-/// compute_us`, then `ufx,ufy,ufz` if the first row has a user force. Numbers read back exactly.
-/// The file appears whole or not at all.
+/// compute_us`, then `ufx,ufy,ufz` if the first row has a user force, then
+/// `vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,state, fault,energy,stored,damping,margin,age_us` if it is live; see
+/// run_columns(). Numbers read back exactly. The file appears whole or not at all. \pre every number is
+/// finite
 void write_run(const std::vector<RunRow>& rows, const std::string& path, const Progress& progress = {});
 
 /// Reads what write_run() writes, columns in any order, further columns ignored.
-/// \throws Error if a column is missing, a row is broken, or time does not increase.
+/// \throws Error if a column is missing (also of a group that the file has some of), a row is broken, or time
+/// does not increase.
 Run read_run(const std::string& path, const Progress& progress = {});
 
 /// A run in a few figures.
