@@ -1,15 +1,15 @@
 #include "report_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <functional>
 #include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <palpate/haptics/tool_query.h>
+#include <palpate/servo/run_columns.h>
 
 #include "output.h"
 #include "version.h"
@@ -29,7 +29,7 @@ std::size_t stride_for(std::size_t n, std::size_t most) {
 
 /// Appends `"name":[v0,v1,...]` with `digits` significant digits.
 template <typename Values>
-void append_array(std::string& out, const char* name, const Values& values, int digits) {
+void append_array(std::string& out, std::string_view name, const Values& values, int digits) {
   fmt::format_to(std::back_inserter(out), "{}\"{}\":[", out.ends_with('{') ? "" : ",", name);
   const char* separator = "";
   for (const auto& value : values) {
@@ -39,46 +39,13 @@ void append_array(std::string& out, const char* name, const Values& values, int 
   out += ']';
 }
 
-/// A column of the run, as the page knows it.
-struct Column {
-  const char* name;
-  std::function<double(const RunRow&)> value;
-  int digits = 7;  // more than a screen resolves, single precision's worth
-};
-
-std::vector<Column> columns_of(const Run& run) {
-  const auto vector = [](std::vector<Column>& columns, std::array<const char*, 3> names, auto get) {
-    for (int axis = 0; axis < 3; ++axis) {
-      columns.push_back(
-          {names[static_cast<std::size_t>(axis)], [get, axis](const RunRow& r) { return get(r)[axis]; }});
-    }
-  };
-  std::vector<Column> columns{{"t", [](const RunRow& r) { return r.t; }, 12}};
-  vector(columns, {"x", "y", "z"}, [](const RunRow& r) { return r.tool.position; });
-  columns.push_back({"qw", [](const RunRow& r) { return r.tool.orientation.w(); }});
-  vector(columns, {"qx", "qy", "qz"}, [](const RunRow& r) { return r.tool.orientation.vec().eval(); });
-  columns.push_back({"candidates", [](const RunRow& r) { return static_cast<double>(r.candidates); }});
-  columns.push_back({"filtered", [](const RunRow& r) { return static_cast<double>(r.filtered); }});
-  columns.push_back({"colliding", [](const RunRow& r) { return static_cast<double>(r.colliding); }});
-  columns.push_back({"k_max", [](const RunRow& r) { return r.k_max; }});
-  vector(columns, {"fx", "fy", "fz"}, [](const RunRow& r) { return r.wrench.force; });
-  vector(columns, {"tx", "ty", "tz"}, [](const RunRow& r) { return r.wrench.torque; });
-  vector(columns, {"px", "py", "pz"}, [](const RunRow& r) { return r.proxy; });
-  columns.push_back({"compute_us", [](const RunRow& r) { return r.compute_us; }, 4});
-  if (run.rows.front().user_force) {
-    vector(columns, {"ufx", "ufy", "ufz"},
-           [](const RunRow& r) { return r.user_force.value_or(Eigen::Vector3d::Zero()); });
-  }
-  return columns;
-}
-
 /// `"columns":{...}` of every stride-th row.
 std::string columns_json(const Run& run, std::size_t stride) {
   std::string out = "{";
   std::vector<double> values;
-  for (const Column& column : columns_of(run)) {
+  for (const RunColumn& column : run_columns(RunGroups::of(run.rows.front()))) {
     values.clear();
-    for (std::size_t i = 0; i < run.rows.size(); i += stride) values.push_back(column.value(run.rows[i]));
+    for (std::size_t i = 0; i < run.rows.size(); i += stride) values.push_back(column.get(run.rows[i]));
     append_array(out, column.name, values, column.digits);
   }
   return out + "}";
@@ -105,7 +72,7 @@ std::string contacts_json(const RunContacts& contacts, std::size_t run_stride) {
   using Point = RunContacts::Point;
   const std::size_t stride = stride_for(contacts.points.size(), kMaxContactPoints);
   std::string out = "{";
-  const auto column = [&](const char* name, int digits, auto get) {
+  const auto column = [&](std::string_view name, int digits, auto get) {
     std::vector<double> values;
     for (std::size_t i = 0; i < contacts.points.size(); i += stride)
       values.push_back(get(contacts.points[i]));

@@ -79,7 +79,7 @@ class RecordingObserver final : public TickObserver {
  public:
   explicit RecordingObserver(Recorder& recorder) : recorder_(recorder) {}
   void see(const TickRecord& record, const TickTimes& times) override {
-    recorder_.push(run_row(record, times.compute, times.age));
+    recorder_.push(run_row(record, times));
   }
 
  private:

@@ -58,6 +58,37 @@ TEST(WriteRun, AddsTheUserForceWhereThereIsOne) {
   EXPECT_EQ(file.bytes(), kHeader + ",ufx,ufy,ufz\n" + kNumberedLine + ",20,21,22\n");
 }
 
+const std::string kLiveHeader =
+    ",vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,state,fault,energy,stored,damping,margin,age_us";
+const std::string kLiveLine = ",23,24,25,26,27,28,29,30,31,3,5,-0.5,0.25,32,1.5,33";
+
+LiveColumns numbered_live() {
+  LiveColumns live;
+  live.velocity.linear << 23, 24, 25;
+  live.velocity.angular << 26, 27, 28;
+  live.sent << 29, 30, 31;
+  live.state = GovernorState::kFalling;
+  live.fault = Fault::kOverSpeed;
+  live.energy = -0.5;
+  live.stored = 0.25;
+  live.damping = 32;
+  live.margin = 1.5;
+  live.age_us = 33;
+  return live;
+}
+
+TEST(WriteRun, AddsWhatALiveLoopKnows) {
+  const TemporaryFile file("");
+  RunRow row = numbered_row();
+  row.live = numbered_live();
+  write_run({row}, file.path());
+  EXPECT_EQ(file.bytes(), kHeader + kLiveHeader + "\n" + kNumberedLine + kLiveLine + "\n");
+  row.user_force = Eigen::Vector3d(20, 21, 22);
+  write_run({row}, file.path());
+  EXPECT_EQ(file.bytes(),
+            kHeader + ",ufx,ufy,ufz" + kLiveHeader + "\n" + kNumberedLine + ",20,21,22" + kLiveLine + "\n");
+}
+
 TEST(WriteRun, WritesTheHeaderOfAnEmptyRun) {
   const TemporaryFile file("");
   write_run({}, file.path());
@@ -84,6 +115,25 @@ TEST(ReadRun, ReadsEveryColumnToItsPlace) {
   EXPECT_EQ(row.compute_us, 19.5);
   ASSERT_TRUE(row.user_force.has_value());
   EXPECT_EQ(*row.user_force, Eigen::Vector3d(20, 21, 22));
+}
+
+TEST(ReadRun, ReadsWhatALiveLoopKnows) {
+  const TemporaryFile file(kHeader + kLiveHeader + "\n" + kNumberedLine + kLiveLine + "\n");
+  const palpate::Run run = read_run(file.path());
+  ASSERT_EQ(run.rows.size(), 1U);
+  EXPECT_FALSE(run.rows[0].user_force.has_value());
+  ASSERT_TRUE(run.rows[0].live.has_value());
+  const LiveColumns &live = *run.rows[0].live, expected = numbered_live();
+  EXPECT_EQ(live.velocity.linear, expected.velocity.linear);
+  EXPECT_EQ(live.velocity.angular, expected.velocity.angular);
+  EXPECT_EQ(live.sent, expected.sent);
+  EXPECT_EQ(live.state, GovernorState::kFalling);
+  EXPECT_EQ(live.fault, Fault::kOverSpeed);
+  EXPECT_EQ(live.energy, -0.5);
+  EXPECT_EQ(live.stored, 0.25);
+  EXPECT_EQ(live.damping, 32);
+  EXPECT_EQ(live.margin, 1.5);
+  EXPECT_EQ(live.age_us, 33);
 }
 
 TEST(ReadRun, TakesColumnsInAnyOrderAndMore) {
@@ -120,6 +170,7 @@ TEST(Run, NumbersReadBackToTheBit) {
     row.proxy = vector();
     row.compute_us = any();
     row.user_force = vector();
+    row.live = LiveColumns{.velocity = {vector(), vector()}, .sent = vector(), .energy = any()};
     rows.push_back(row);
   }
   rows[3].wrench.force << -0.0, 5e-324, 0.0;
@@ -139,6 +190,7 @@ TEST(Run, NumbersReadBackToTheBit) {
       EXPECT_TRUE(same(run.rows[i].wrench.force[k], rows[i].wrench.force[k]));
       EXPECT_TRUE(same(run.rows[i].tool.position[k], rows[i].tool.position[k]));
       EXPECT_TRUE(same((*run.rows[i].user_force)[k], (*rows[i].user_force)[k]));
+      EXPECT_TRUE(same(run.rows[i].live->sent[k], rows[i].live->sent[k]));
     }
   }
   write_run(run.rows, again.path());
@@ -192,6 +244,38 @@ TEST(ReadRun, NamesAMissingColumn) {
   }
   EXPECT_THAT(message_for(kNumberedLine + ",20,21\n", kHeader + ",ufx,ufz"),
               AllOf(HasSubstr("run.csv"), HasSubstr("'ufy'")));
+}
+
+TEST(ReadRun, NamesAMissingColumnOfAGroup) {
+  for (const std::string& header : {kLiveHeader, std::string(",ufx,ufy,ufz")}) {
+    for (std::size_t at = 0; at != std::string::npos; at = header.find(',', at + 1)) {
+      const std::size_t end = header.find(',', at + 1);
+      std::string without = header, values;
+      without.erase(at, end == std::string::npos ? end : end - at);
+      for (const char c : without) values += c == ',' ? ",0" : "";
+      const std::string name = header.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+      EXPECT_THAT(message_for(kNumberedLine + values + "\n", kHeader + without),
+                  AllOf(HasSubstr("run.csv"), HasSubstr("line 1"), HasSubstr(quoted(name))));
+    }
+  }
+}
+
+TEST(ReadRun, NamesLineAndColumnOfWhatIsNoStateOrFault) {
+  // The last of each is read; the next is not.
+  const auto lines = [](const std::string& state, const std::string& fault) {
+    return kNumberedLine + ",0,0,0,0,0,0,0,0,0," + state + "," + fault + ",0,0,0,0,0\n";
+  };
+  const TemporaryFile good(kHeader + kLiveHeader + "\n" + lines("4", "10"));
+  EXPECT_EQ(read_run(good.path()).rows[0].live->state, GovernorState::kStopped);
+  EXPECT_EQ(read_run(good.path()).rows[0].live->fault, Fault::kEmergencyStop);
+  for (const std::string bad : {"5", "-1", "0.5"}) {
+    EXPECT_THAT(message_for(lines(bad, "0"), kHeader + kLiveHeader),
+                AllOf(HasSubstr("line 2"), HasSubstr("'state'"), HasSubstr(bad), HasSubstr("0 to 4")));
+  }
+  for (const std::string bad : {"11", "-1", "0.5"}) {
+    EXPECT_THAT(message_for(lines("0", bad), kHeader + kLiveHeader),
+                AllOf(HasSubstr("line 2"), HasSubstr("'fault'"), HasSubstr(bad), HasSubstr("0 to 10")));
+  }
 }
 
 TEST(ReadRun, NamesADuplicateColumn) {

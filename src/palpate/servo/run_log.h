@@ -3,29 +3,13 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <palpate/base/progress.h>
-#include <palpate/geometry/pose.h>
+#include <palpate/servo/run_row.h>
 
 namespace palpate {
-
-/// One tick.
-struct RunRow {
-  double t = 0.0;              ///< Unit: [s].
-  Pose tool;                   ///< world frame
-  std::size_t candidates = 0;  ///< after the broad phase
-  std::size_t filtered = 0;    ///< after the bounding spheres, paper eq. 4
-  std::size_t colliding = 0;   ///< after the overlap test
-  double k_max = 0.0;          ///< largest K_min; 0 without contact
-  Wrench wrench;               ///< on the tool
-  Eigen::Vector3d proxy =
-      Eigen::Vector3d::Zero();  ///< the tool centre where the model has no proxy. Unit: [m].
-  double compute_us = 0.0;      ///< time for the force and the contacts that it is made of. Unit: [us].
-  std::optional<Eigen::Vector3d> user_force;  ///< measured at the handle, world frame. Unit: [N].
-};
 
 /// A recorded or replayed run, in order of time.
 struct Run {
@@ -34,12 +18,15 @@ struct Run {
 };
 
 /// Writes `t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,
-/// compute_us`, then `ufx,ufy,ufz` if the first row has a user force. Numbers read back exactly.
-/// The file appears whole or not at all.
+/// compute_us`, then `ufx,ufy,ufz` if the first row has a user force, then
+/// `vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,state, fault,energy,stored,damping,margin,age_us` if it is live; see
+/// run_columns(). Numbers read back exactly. The file appears whole or not at all. \pre every number is
+/// finite
 void write_run(const std::vector<RunRow>& rows, const std::string& path, const Progress& progress = {});
 
 /// Reads what write_run() writes, columns in any order, further columns ignored.
-/// \throws Error if a column is missing, a row is broken, or time does not increase.
+/// \throws Error if a column is missing (also of a group that the file has some of), a row is broken, or time
+/// does not increase.
 Run read_run(const std::string& path, const Progress& progress = {});
 
 /// A run in a few figures.
