@@ -1,9 +1,7 @@
 // palpate evaluate: force models against surfaces that are known exactly.
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +16,7 @@
 #include "evaluate_table.h"
 #include "options.h"
 #include "output.h"
+#include "result_files.h"
 #include "terminal.h"
 
 namespace palpate::cli {
@@ -121,46 +120,17 @@ std::string setup_text(const Options& options) {
       options.places, options.pushes, options.force.proxy.stiffness);
 }
 
-/// A file that is opened before the work, so that it is not in vain, and written after it; or none.
-class Result {
- public:
-  explicit Result(const std::string& path) : path_(path) {
-    if (!path.empty()) file_.emplace(path);
-  }
-
-  void write(const std::string& bytes, std::vector<std::string>& written) {
-    if (!file_) return;
-    file_->write(bytes);
-    file_->commit();
-    written.push_back(path_);
-  }
-
- private:
-  std::string path_;
-  std::optional<OutputFile> file_;
-};
-
-void write_figures(const std::vector<Plot>& figures, const std::string& folder,
-                   std::vector<std::string>& written) {
-  for (const Plot& plot : figures) {
-    const auto path = std::filesystem::path(folder) / fmt::format("evaluate-{}.svg", plot.name);
-    write_file(path.string(), plot_document(plot));
-    written.push_back(path.string());
-  }
-}
-
 void run(const Options& options) {
   check_output(options.csv, {options.common.config}, "--csv");
   check_output(options.html, {options.common.config, options.csv}, "--html");
-  if (!options.svg.empty() && !std::filesystem::is_directory(options.svg))
-    throw Error("{}: --svg is not a folder", options.svg);
-  Result csv(options.csv), html(options.html);
+  check_figure_folder(options.svg);
+  ResultFile csv(options.csv), html(options.html);
   const std::vector<EvaluationRow> rows = measure_all(options);
   const std::vector<Plot> figures = evaluation_figures(rows, options.force.proxy.stiffness);
   std::vector<std::string> written;
   csv.write(evaluation_csv(rows), written);
   html.write(evaluation_page(rows, figures, setup_text(options)), written);
-  if (!options.svg.empty()) write_figures(figures, options.svg, written);
+  write_figures(figures, options.svg, "evaluate", written);
   if (options.common.json) {
     fmt::print("{}\n", evaluation_json(rows).dump(2));
     return;

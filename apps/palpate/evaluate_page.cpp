@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "markup.h"
+#include "page.h"
 
 namespace palpate::cli {
 namespace {
@@ -220,25 +221,6 @@ class Figures {
   std::vector<double> spacings_;
 };
 
-constexpr const char* kPageStyle = R"(
-:root{color-scheme:light dark;--page:#f4f5f7;--card:#fff;--ink:#1b2430;--muted:#576373;--border:#dde1e7}
-@media(prefers-color-scheme:dark){:root{--page:#0e1217;--card:#161b22;--ink:#e4e9f0;--muted:#98a5b5;--border:#2a323d}}
-*{box-sizing:border-box}
-body{margin:0 auto;padding:20px clamp(10px,2vw,28px);max-width:1280px;background:var(--page);color:var(--ink);
-font:14px/1.45 system-ui,-apple-system,'Segoe UI',Roboto,sans-serif}
-h1{font-size:22px;line-height:1.25;margin:0 0 4px}h2{font-size:16px;margin:26px 0 4px}
-p{margin:0 0 10px;color:var(--muted);max-width:80ch}
-figure,.table{margin:0;background:var(--card);border:1px solid var(--border);border-radius:10px;overflow:hidden}
-.figures{display:grid;gap:12px;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));margin:16px 0}
-figure svg{display:block;width:100%;height:auto}
-.table{overflow-x:auto}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;white-space:nowrap;width:100%}
-th,td{padding:4px 10px;text-align:right}th{color:var(--muted);font-weight:600}
-th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:var(--card)}
-th:nth-child(3),td:nth-child(3){text-align:left}
-tr.new td{border-top:1px solid var(--border)}
-)";
-
 std::string table_of(const EvaluationSection& section, const Rows& rows) {
   std::string html =
       "<div class='table' tabindex='0'><table>\n<tr><th>shape</th><th>spacing</th><th>model</th>";
@@ -268,22 +250,14 @@ std::vector<Plot> evaluation_figures(const Rows& rows, double stiffness) {
 }
 
 std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, const std::string& setup) {
-  std::string html =
-      "<!doctype html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
-      "<meta name='viewport' content='width=device-width, initial-scale=1'>\n"
-      "<title>How true the force models are</title>\n";
-  html += fmt::format("<style>{}{}</style>\n</head>\n<body>\n", kPageStyle, plot_style());
-  html += fmt::format("<h1>How true the force models are</h1>\n<p>{}</p>\n<div class='figures'>\n",
-                      markup_escaped(setup));
-  for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
-  html += "</div>\n";
+  std::string tables;
   for (const EvaluationSection& section : evaluation_sections()) {
     if (std::none_of(rows.begin(), rows.end(), [&](const EvaluationRow& r) { return section.has(r); }))
       continue;
-    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", markup_escaped(section.title),
-                        markup_escaped(section.note), table_of(section, rows));
+    tables += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", markup_escaped(section.title),
+                          markup_escaped(section.note), table_of(section, rows));
   }
-  return html + "</body>\n</html>\n";
+  return page_document("How true the force models are", setup, figures, tables);
 }
 
 }  // namespace palpate::cli

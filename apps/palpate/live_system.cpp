@@ -41,13 +41,13 @@ double contacts_across(const Tool& tool, double extent) {
 
 /// The same way, no faster than `most`.
 Trajectory slowed(Trajectory path, double most) {
-  double fastest = 0.0;
+  double gained = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double way = (path[i].pose.position - path[i - 1].pose.position).norm();
-    fastest = std::max(fastest, way / (path[i].t - path[i - 1].t));
+    const double now = path[i].t + gained;
+    path[i].t = std::max(now, path[i - 1].t + way / most);
+    gained += path[i].t - now;
   }
-  const double stretch = std::max(1.0, fastest / most);
-  for (TimedPose& p : path) p.t *= stretch;
   return path;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -102,12 +103,63 @@ TEST(PassivityController, ResetForgets) {
   PassivityController controller(kPeriod, 0.0, 10.0);
   const Wrench push{{0, 0, 5}, Vector3d::Zero()};
   for (int k = 0; k < 10; ++k) controller.correct(push, 0.0, push, at(0.001 * k));
-  EXPECT_NEAR(controller.balance(), 5 * 0.009, 1e-12);
+  EXPECT_NEAR(controller.put_out(), 5 * 0.009, 1e-12);
   EXPECT_GT(controller.excess(), 0.0);
   controller.reset();
   EXPECT_EQ(controller.excess(), 0.0);
   EXPECT_EQ(controller.correct(push, 0.0, push, at(1.0)).force, push.force);
-  EXPECT_EQ(controller.balance(), 0.0);
+  EXPECT_NEAR(controller.put_out(), 5 * 0.009, 1e-12);  // what is done is done
+}
+
+/// Moves from z = 0 to z and back, in steps of 0.1 mm, against a spring.
+void press_and_let_go(PassivityController& controller, const Wall& wall, double z, Wrench& sent) {
+  const int steps = static_cast<int>(std::lround(std::abs(z) / 1e-4));
+  for (int k = 0; k <= 2 * steps; ++k) {
+    const Pose pose = at(-1e-4 * (k <= steps ? k : 2 * steps - k));
+    controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose);
+    sent = wall.wrench(pose);
+  }
+}
+
+// Held from step to step, the spring pushes back less on the way in and more on the way out: by K d^2 / 2 in each of
+// 100 steps there and back.
+TEST(PassivityController, ASampledSpringPutsOutMoreThanItTakes) {
+  PassivityController controller(kPeriod, 0.0, 0.0);
+  Wrench sent;
+  press_and_let_go(controller, {1000.0}, -0.01, sent);
+  EXPECT_NEAR(controller.put_out(), 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
+}
+
+// What winds up by itself has made nothing until it comes out.
+TEST(PassivityController, WhatWindsUpByItselfCountsWhenItComesOut) {
+  PassivityController controller(kPeriod, 0.0, 0.0);
+  const auto force = [](double f) { return Wrench{{0, 0, f}, Vector3d::Zero()}; };
+  controller.correct(force(0), 0.0, force(0), at(0.0));
+  for (int k = 0; k < 10; ++k) controller.correct(force(k), 0.01 * k, force(k), at(0.0));
+  EXPECT_EQ(controller.put_out(), 0.0);
+  controller.correct(force(10), 0.0, force(10), at(0.005));
+  EXPECT_NEAR(controller.put_out(), 10 * 0.005, 1e-12);
+}
+
+// Of what was put in, a spring that gives way keeps no more than it holds.
+TEST(PassivityController, WhatTheSpringHasLostDoesNotComeBack) {
+  PassivityController controller(kPeriod, 0.0, 0.0);
+  const Wrench push{{0, 0, 4}, Vector3d::Zero()};
+  controller.correct(push, 0.0, push, at(0.0));
+  controller.correct(push, 1.0, push, at(-0.010));  // 40 mJ in
+  controller.correct(push, 0.008, push, at(-0.010));  // 8 are left
+  controller.correct(push, 0.0, push, at(-0.005));  // 20 come out
+  EXPECT_NEAR(controller.put_out(), 0.012, 1e-12);
+}
+
+TEST(PassivityController, OnlyObservesWhatHasNoPotential) {
+  PassivityController controller(kPeriod, 0.0, 100.0);
+  const double unknown = std::numeric_limits<double>::infinity();
+  const Wrench push{{0, 0, 4}, Vector3d::Zero()};
+  for (int k = 0; k < 10; ++k)
+    EXPECT_EQ(controller.correct(push, unknown, push, at(0.001 * k)).force, push.force);
+  EXPECT_NEAR(controller.put_out(), 4 * 0.009, 1e-12);
+  EXPECT_EQ(controller.added_damping(), 0.0);
 }
 
 }  // namespace

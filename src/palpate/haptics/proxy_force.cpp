@@ -83,6 +83,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
 void ProxyForce::reset() {
   started_ = held_ = false;
   hold_ = {};
+  reserve_ = kReserve;
   velocity_.setZero();
   direction_.setZero();
   for (Part& part : parts_) part.patches.clear();
@@ -142,7 +143,25 @@ ProxyForce::Hold ProxyForce::hold() const {
   return {sum.push, sum.confidence / sum.push, sum.stiffness / sum.push, sum.damping / sum.push};
 }
 
-double ProxyForce::step(const Pose& target, double longest) {
+namespace {
+
+/// Product of motions whose squared length is length_of()^2.
+double product(const Motion& a, const Motion& b, double gyration) {
+  return a.translation.dot(b.translation) + gyration * gyration * a.rotation.dot(b.rotation);
+}
+
+/// The largest share s of `motion` in [0, 1] with |wanted - s motion| <= stretch; 0 if there is none.
+double share_within(const Motion& wanted, const Motion& motion, double stretch, double gyration) {
+  const double a = product(motion, motion, gyration), b = product(wanted, motion, gyration);
+  const double c = product(wanted, wanted, gyration) - stretch * stretch;
+  const double root = b * b - a * c;
+  if (a == 0.0) return 1.0;
+  return root < 0.0 ? 0.0 : std::clamp((b + std::sqrt(root)) / a, 0.0, 1.0);
+}
+
+}  // namespace
+
+double ProxyForce::step(const Pose& target, double longest, double stretch) {
   find_obstacles();
   const Motion wanted = motion_between(proxy_, target);
   Motion motion = constrained_motion(wanted, obstacles_.planes, gyration_);
@@ -152,7 +171,8 @@ double ProxyForce::step(const Pose& target, double longest) {
   const double farthest = motion.translation.norm() + radius_ * motion.rotation.norm();
   const double length = length_of(motion, gyration_);
   const double share =
-      std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300)});
+      std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300),
+                share_within(wanted, motion, stretch, gyration_)});
   if (!held_ && share == 1.0) {
     proxy_ = target;  // not to rounding
   } else {
@@ -195,10 +215,14 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
                      : length_of(motion_between(tool_, input.tool), gyration_) + catch_up() * input.dt;
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
+  // The spring as it is before the proxy moves, and how much longer it may get.
+  const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
+  const double stretch = first || hold_.stiffness == 0.0 ? std::numeric_limits<double>::infinity()
+                                                          : std::sqrt(slack * slack + 2.0 * reserve_ / hold_.stiffness);
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
-    const double moved = step(input.tool, way);
+    const double moved = step(input.tool, way, stretch);
     way -= moved;
     held_steps += held_ ? 1 : 0;
     if (moved < kSettled * step_) break;
@@ -206,6 +230,8 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   remember(proxy_.position - before);
   const Motion spring = motion_between(input.tool, proxy_);
   const double length = length_of(spring, gyration_);
+  if (!first)
+    reserve_ = std::clamp(reserve_ + 0.5 * hold_.stiffness * (slack * slack - length * length), 0.0, kReserve);
   if (length == 0.0) return {Wrench{}, proxy_, 1.0};
   const double k = hold_.stiffness, push = damped(k * spring.translation);
   return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},

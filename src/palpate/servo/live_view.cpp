@@ -8,9 +8,7 @@ void LiveView::add(const TickRecord& record) {
   totals_.contact_ticks += record.contacts != 0 ? 1 : 0;
   totals_.contacts_max = std::max<std::uint64_t>(totals_.contacts_max, record.contacts);
   totals_.force_max = std::max(totals_.force_max, record.sent.force.norm());
-  const bool off = record.state == GovernorState::kFalling || record.state == GovernorState::kStopped;
-  lowest_balance_ = off ? 0.0 : std::min(lowest_balance_, record.balance);
-  totals_.port_energy = std::max(totals_.port_energy, record.balance - lowest_balance_);
+  totals_.port_energy = record.put_out;
   if (record.margin > 0.0)
     totals_.margin_min = totals_.margin_min > 0.0 ? std::min(totals_.margin_min, record.margin) : record.margin;
 }

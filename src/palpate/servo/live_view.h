@@ -17,7 +17,7 @@ struct LiveTotals {
   std::uint64_t contact_ticks = 0;  ///< in which the tool touched something
   std::uint64_t contacts_max = 0;
   double force_max = 0.0;    ///< that was sent. Unit: [N].
-  double port_energy = 0.0;  ///< the most that the port has put out beyond what it took in and stored. Unit: [J].
+  double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
   double margin_min = 0.0;   ///< the least of TickRecord::margin; 0 if there was none
 };
 
@@ -53,7 +53,6 @@ class LiveView final : public TickObserver {
   std::atomic<std::size_t> remembered_ = 0;
   // Of the servo thread.
   LiveTotals totals_;
-  double lowest_balance_ = 0.0;  ///< since PassivityController began anew. Unit: [J].
   GovernorState state_ = GovernorState::kWaiting;
   Fault fault_ = Fault::kNone;
 };

@@ -14,7 +14,7 @@ PassivityController::PassivityController(double period, double damping, double d
 
 void PassivityController::reset() {
   started_ = false;
-  stored_ = excess_ = balance_ = added_ = 0.0;
+  stored_ = excess_ = added_ = held_ = 0.0;
 }
 
 Wrench PassivityController::correct(const Wrench& wanted, double stored, const Wrench& sent,
@@ -30,16 +30,20 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   const auto work = [&](const Wrench& w) {
     return w.force.dot(way) + turn.angle() * w.torque.dot(turn.axis());
   };
+  held_ -= work(sent);
+  put_out_ += std::max(0.0, -held_);
+  held_ = std::clamp(held_, 0.0, stored);
+  pose_ = pose;
+  added_ = 0.0;
+  if (std::isinf(stored)) return wanted;
+
   const double sampling = 0.5 * (work(sent) - work(wanted));
   const double model = work(sent) - sampling + stored - stored_;
   const double squared = way.squaredNorm();
-  balance_ += model + sampling;
   excess_ = std::max(
       0.0, excess_ + model + std::max(std::min(0.0, sampling), sampling - damping_ * squared / period_));
-  pose_ = pose;
   stored_ = stored;
 
-  added_ = 0.0;
   if (excess_ == 0.0 || squared == 0.0) return wanted;
   added_ = std::min(damping_max_, excess_ * period_ / squared);  // D = alpha |v|^2 T
   Wrench damped = wanted;

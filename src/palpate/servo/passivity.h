@@ -37,26 +37,31 @@ class PassivityController {
   /// [N s/m]. 0: only observes
   PassivityController(double period, double damping, double damping_max);
 
-  /// What to send at a pose, in place of `wanted`. \param stored S at this pose. Unit: [J]. \param sent what
-  /// was sent at the last call, by whoever was last to change it
+  /// What to send at a pose, in place of `wanted`. \param stored S at this pose; infinite if nobody knows: it is then
+  /// only observed. Unit: [J]. \param sent what was sent at the last call, by whoever was last to change it
   Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose);
 
   /// D. Unit: [J].
   double excess() const { return excess_; }
-  /// Work on the hand less what was stored, since the beginning: positive if the port has been active. Unit:
-  /// [J].
-  double balance() const { return balance_; }
+  /// All that the port has put out beyond what it had stored, ever: of the work of the hand on it, what the spring
+  /// still holds. With E what is stored, for a step as above
+  ///
+  ///     E' = E - f_sent . d         out += max(0, -E'),  E = min(max(0, E'), S)
+  ///
+  /// A spring that winds up by itself has made nothing until that comes out. Unit: [J].
+  double put_out() const { return put_out_; }
   /// That is added now. Unit: [N s/m].
   double added_damping() const { return added_; }
 
-  /// As at the beginning, with the next pose the first.
+  /// As at the beginning, with the next pose the first, but for put_out().
   void reset();
 
  private:
   double period_, damping_, damping_max_;
   bool started_ = false;
   Pose pose_;
-  double stored_ = 0.0, excess_ = 0.0, balance_ = 0.0, added_ = 0.0;
+  double stored_ = 0.0, excess_ = 0.0, added_ = 0.0;
+  double held_ = 0.0, put_out_ = 0.0;  ///< E, and what put_out() tells. Unit: [J].
 };
 
 }  // namespace palpate

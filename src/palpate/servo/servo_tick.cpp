@@ -1,6 +1,8 @@
 #include <palpate/servo/servo_tick.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -31,6 +33,18 @@ void ServoTick::use(const FeltModel& model) {
 
 void ServoTick::press_clutch(bool pressed) { clutch_pressed_.store(pressed, std::memory_order_relaxed); }
 
+/// What a spring of energy `stored` and force `wrench` gives back at most through a device that clamps it:
+///
+///     rho = F_max / F < 1:   S (2 rho - rho^2)
+///
+/// the work of the clamped force along the way that S was stored on.
+double returnable(double stored, const Wrench& wrench, const DeviceCapabilities& device) {
+  const auto share = [](double most, double asked) { return asked > most ? most / asked : 1.0; };
+  const double rho = std::min(share(device.force_max, wrench.force.norm()),
+                              device.torque_max > 0.0 ? share(device.torque_max, wrench.torque.norm()) : 1.0);
+  return stored * (2.0 * rho - rho * rho);
+}
+
 /// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
 void ServoTick::change() {
   gain_ += -std::expm1(-period_ / kGainFilter) * (wanted_gain_.load(std::memory_order_relaxed) - gain_);
@@ -57,10 +71,10 @@ void ServoTick::feel() {
   felt.stored *= gain_;
   felt.stiffness *= gain_;
   const Wrench wanted = map_.to_device(felt.wrench);
-  const bool has_potential = !std::isnan(felt.stored);
-  const Wrench passive = passivity_.correct(wanted, has_potential ? map_.to_device(felt.stored) : 0.0,
-                                            record_.sent, reading.pose);
-  wanted_ = has_potential ? passive : wanted;
+  const double stored = std::isnan(felt.stored)
+                            ? std::numeric_limits<double>::infinity()
+                            : returnable(map_.to_device(felt.stored), wanted, device_.capabilities());
+  wanted_ = passivity_.correct(wanted, stored, record_.sent, reading.pose);
 }
 
 const TickRecord& ServoTick::look() {
@@ -80,7 +94,7 @@ void ServoTick::tell() {
   record_.fault = governor_.fault();
   record_.energy = governor_.energy();
   record_.excess = passivity_.excess();
-  record_.balance = passivity_.balance();
+  record_.put_out = passivity_.put_out();
   record_.added_damping = passivity_.added_damping();
   const double bound =
       passive_stiffness(device.damping, 0.0, 1.0 / device.rate, delay_.load(std::memory_order_relaxed));

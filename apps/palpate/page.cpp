@@ -1,0 +1,43 @@
+#include "page.h"
+
+#include <fmt/format.h>
+
+#include "markup.h"
+
+namespace palpate::cli {
+namespace {
+
+constexpr const char* kPageStyle = R"(
+:root{color-scheme:light dark;--page:#f4f5f7;--card:#fff;--ink:#1b2430;--muted:#576373;--border:#dde1e7}
+@media(prefers-color-scheme:dark){:root{--page:#0e1217;--card:#161b22;--ink:#e4e9f0;--muted:#98a5b5;--border:#2a323d}}
+*{box-sizing:border-box}
+body{margin:0 auto;padding:20px clamp(10px,2vw,28px);max-width:1280px;background:var(--page);color:var(--ink);
+font:14px/1.45 system-ui,-apple-system,'Segoe UI',Roboto,sans-serif}
+h1{font-size:22px;line-height:1.25;margin:0 0 4px}h2{font-size:16px;margin:26px 0 4px}
+p{margin:0 0 10px;color:var(--muted);max-width:80ch}
+figure,.table{margin:0;background:var(--card);border:1px solid var(--border);border-radius:10px;overflow:hidden}
+.figures{display:grid;gap:12px;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));margin:16px 0}
+figure svg{display:block;width:100%;height:auto}
+.table{overflow-x:auto}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;white-space:nowrap;width:100%}
+th,td{padding:4px 10px;text-align:right}th{color:var(--muted);font-weight:600}
+th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:var(--card)}
+th:nth-child(3),td:nth-child(3){text-align:left}
+tr.new td{border-top:1px solid var(--border)}
+)";
+
+}  // namespace
+
+std::string page_document(const std::string& title, const std::string& intro, const std::vector<Plot>& figures,
+                          const std::string& body) {
+  std::string html =
+      "<!doctype html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
+      "<meta name='viewport' content='width=device-width, initial-scale=1'>\n";
+  html += fmt::format("<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n", markup_escaped(title), kPageStyle,
+                      plot_style());
+  html += fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class='figures'>\n", markup_escaped(title), markup_escaped(intro));
+  for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
+  return html + "</div>\n" + body + "</body>\n</html>\n";
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,17 @@
+/// \file
+/// Pages of figures and tables that need no network.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plot.h"
+
+namespace palpate::cli {
+
+/// A whole page: `title`, then `intro` in a paragraph (both text), the figures, and `body` (HTML; a table in a div of
+/// class 'table' scrolls by itself).
+std::string page_document(const std::string& title, const std::string& intro, const std::vector<Plot>& figures,
+                          const std::string& body);
+
+}  // namespace palpate::cli

@@ -1,0 +1,37 @@
+/// \file
+/// Files for what a long measurement finds.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <palpate/base/file.h>
+
+#include "plot.h"
+
+namespace palpate::cli {
+
+/// A file that is opened before the work, so that it is not in vain, and written after it; or none.
+class ResultFile {
+ public:
+  /// \param path empty: none. \throws Error if it cannot be written.
+  explicit ResultFile(const std::string& path);
+
+  /// Writes all of it, and adds its name to `written`. \throws Error.
+  void write(const std::string& bytes, std::vector<std::string>& written);
+
+ private:
+  std::string path_;
+  std::optional<OutputFile> file_;
+};
+
+/// \throws Error if `folder`, the value of --svg, is neither empty nor a folder.
+void check_figure_folder(const std::string& folder);
+
+/// Every figure as FOLDER/COMMAND-NAME.svg, whose names are added to `written`; nothing if `folder` is empty.
+/// \throws Error.
+void write_figures(const std::vector<Plot>& figures, const std::string& folder, const std::string& command,
+                   std::vector<std::string>& written);
+
+}  // namespace palpate::cli

@@ -1,0 +1,26 @@
+/// \file
+/// What `palpate stability` has measured, as figures and as a page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plot.h"
+#include "stability_table.h"
+
+namespace palpate::cli {
+
+/// A hand that rests and slides, felt through one of the sources.
+struct StabilityTrace {
+  std::string name;
+  std::vector<StabilityTick> ticks;
+};
+
+/// \param traces of one device, hand and model, told by `trace_subtitle`
+std::vector<Plot> stability_figures(const StabilityTables& tables, const std::vector<StabilityTrace>& traces,
+                                    const std::string& trace_subtitle);
+
+/// A whole page that needs no network. `setup` says in a sentence what was done.
+std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures, const std::string& setup);
+
+}  // namespace palpate::cli

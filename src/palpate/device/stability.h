@@ -1,0 +1,97 @@
+/// \file
+/// How firmly a scene can be held on to: trials of the whole loop with a simulated hand, in virtual time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <palpate/device/profiles.h>
+#include <palpate/haptics/tool_query.h>
+#include <palpate/scene/scene_filter.h>
+#include <palpate/servo/servo_tick.h>
+
+namespace palpate {
+
+/// Where a surface is pressed and slid along.
+struct PressPlace {
+  Pose touch;              ///< of the tool at first contact, world frame
+  Eigen::Vector3d inward;  ///< unit vector, along which the hand comes
+  Eigen::Vector3d along;   ///< unit vector across it, along which the hand slides
+};
+
+/// At most `count` places of a scene that differ, as touch_path() finds them. \throws Error as that does.
+std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool, int count,
+                                     std::uint64_t seed);
+
+/// One session of a hand with a device: it comes in along PressPlace::inward once the force is on, presses kPress
+/// beyond first contact, or as far as takes kForceShare of what the device can hold, rests there for kRest, and
+/// slides at kSlideSpeed for kSlide.
+struct StabilityTrial {
+  const SceneIndex* index = nullptr;
+  Tool tool;
+  DeviceProfile profile;
+  HandProperties hand;
+  /// Makes the force model, which looks for contacts through `lookahead` where that is not null.
+  std::function<std::unique_ptr<ForceModel>(Lookahead* lookahead)> model;
+  double gain = 1.0;          ///< ServoTickOptions::gain
+  bool passivity = true;      ///< ServoTickOptions::passivity
+  double worker_delay = 0.0;  ///< of the thread that looks for contacts ahead; 0: the loop looks. Unit: [s].
+  double hold = 0.0;          ///< for how long a force is computed and then held (HeldForce); 0: not. Unit: [s].
+  bool governed = true;       ///< false: the governor does not end what puts out energy, so that it is seen whole
+
+  static constexpr double kTick = 1e-3;  ///< Unit: [s].
+  static constexpr double kPress = 0.01;       ///< Unit: [m].
+  static constexpr double kForceShare = 0.5;
+  static constexpr double kRest = 2.0, kSlide = 0.5;  ///< Unit: [s].
+  static constexpr double kSlideSpeed = 0.1;  ///< Unit: [m/s].
+};
+
+/// What was seen in one tick of a trial.
+struct StabilityTick {
+  double t = 0.0;      ///< Unit: [s].
+  double depth = 0.0;  ///< of the handle along PressPlace::inward, from first contact. Unit: [m].
+  double force = 0.0;  ///< that was sent. Unit: [N].
+};
+
+/// What came of a trial.
+struct StabilityOutcome {
+  double limit_cycle = 0.0;  ///< peak to peak of the handle in the last second of the rest. Unit: [m].
+  double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
+  int contact_changes = 0;  ///< how often force began or ended
+  double rest_force = 0.0;  ///< mean, in that second. Unit: [N].
+  GovernorState state = GovernorState::kWaiting;  ///< at the end
+  Fault fault = Fault::kNone;                     ///< the first
+  std::vector<StabilityTick> ticks;               ///< all of them, if asked for
+};
+
+StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, bool keeps_ticks = false);
+
+/// No more than this is at rest; a fingertip feels some 0.1 mm at the frequencies that a hand allows. Unit: [m].
+inline constexpr double kLimitCycleMax = 0.05e-3;
+
+/// By bisection, the largest stiffness with which the hand rests within kLimitCycleMax and the governor has nothing to
+/// end, for a model that has `stiffness` at gain 1. At most kStiffest. Unit: [N/m].
+double z_width(const StabilityTrial& trial, const PressPlace& place, double stiffness);
+inline constexpr double kStiffest = 5e4;
+
+/// \name An ideal wall
+/// A spring on one side of a plane, against which a device without dry friction or encoder steps is pushed with a
+/// constant force, so that nothing damps it but the device itself.
+/// @{
+
+/// By bisection, the stiffness above which what is left of a disturbance grows. \param passivity with the
+/// PassivityController. Unit: [N/m].
+double wall_z_width(const DeviceProfile& profile, double period, bool passivity);
+
+/// The same, in theory: the largest K for which all eigenvalues of the sampled loop
+///
+///     m x'' + b x' = -K x_k - B (x_k - x_(k-1)) / T,    held from tick to tick,
+///
+/// are in the unit circle, with the best B from 0 to `added_damping`. Without any, it is 2 b / T (Colgate and
+/// Schenkel 1997) but for what the mass changes. Unit: [N/m].
+double wall_bound(const DeviceProfile& profile, double period, double added_damping);
+/// @}
+
+}  // namespace palpate
