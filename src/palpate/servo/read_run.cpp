@@ -1,4 +1,4 @@
-// Runs from files: a day at 1 kHz is 86 million rows in 30 GB, of which somebody wants to see a minute.
+// Runs from files: a day at 1 kHz is 86 million rows in 50 GB, of which somebody wants to see a minute.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
