@@ -54,5 +54,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const palpate::Episode& e : palpate::contact_episodes(run.rows))
       require(e.first <= e.peak && e.peak <= e.last && e.last < run.rows.size());
   });
+  try_to([&] {
+    for (const palpate::RunRow& row : palpate::read_run(path, {.from = 0.5, .to = 2.0}).rows)
+      require(row.t >= 0.5 && row.t <= 2.0);
+  });
   return 0;
 }

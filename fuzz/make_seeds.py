@@ -13,7 +13,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 sys.path.insert(0, os.path.join(ROOT, "tests", "cli"))
 
 import broken_inputs  # noqa: E402
-from support import INRIA, RUN_HEADER, path_csv, ply, random_rows, splat  # noqa: E402
+from support import INRIA, LIVE_HEADER, RUN_HEADER, path_csv, ply, random_rows, splat  # noqa: E402
 
 MAX_BYTES = 8192
 FOLDERS = {".ply": ["ply"], ".splat": ["ply"], ".csv": ["csv"], ".toml": ["config", "materials", "tool"]}
@@ -39,6 +39,7 @@ def sound_files():
     yield "csv", path_csv([(0, 0, 0, 1), (0.5, 1e-3, -2, 3)]).encode()
     yield "csv", path_csv([(0, 0, 0, 1, 1, 0, 0, 0, 4, 5, 6)], "t,x,y,z,qw,qx,qy,qz,ufx,ufy,ufz").encode()
     yield "csv", (RUN_HEADER + "\r\n" + ",".join(["0"] * 4 + ["1"] + ["2"] * 17) + "\r\n").encode()
+    yield "csv", (RUN_HEADER + LIVE_HEADER + "\n" + ("1," * 31 + "4,10" + ",0" * 5 + "\n") + "2,0").encode()
     yield "config", (b'# options\nsigma = 1.5\ntool = [0.01, 0.02, 0.03]\njson = true\nframe = "y-up"\n'
                      b"[table]\na.b = {c = 1, d = 1979-05-27T07:32:00Z}\n'x y' = '''\nz'''\n")
     with open(os.path.join(ROOT, "examples", "materials", "table.toml"), "rb") as file:

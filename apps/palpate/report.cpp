@@ -30,6 +30,7 @@ struct Options {
   SceneOptions scene;
   QueryOptions query;
   std::string run;
+  RunWindow window;
   std::string out;
 };
 
@@ -55,7 +56,9 @@ void warn_if_different(const RunContacts& contacts, const Options& options) {
 void run(const Options& options) {
   check_output(options.out, {options.run, options.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
-  const Run recorded = read_run(options.run, progress);
+  const Run recorded = read_run(options.run, options.window, progress);
+  if (recorded.cut)
+    notify(fmt::format("{}: the last line is cut and left out (the recording was interrupted)", options.run));
   std::string json;
   if (options.scene.path.empty()) {
     json = report_json(recorded, nullptr, nullptr, nullptr);
@@ -71,14 +74,24 @@ void run(const Options& options) {
   if (!options.common.quiet) fmt::print("wrote {}\n", printable(options.out));
 }
 
+void declare_window(CLI::App& app, RunWindow& window) {
+  add_parsed(app, "--from", "S", "leave out what was before, s on the run's clock",
+             [&window](const std::string& text) { window.from = parse_number(text); });
+  add_parsed(app, "--to", "S", "leave out what came after", [&window](const std::string& text) {
+    window.to = parse_number(text);
+    if (window.to < window.from) throw BadValue(fmt::format("{} is before --from {}", text, window.from));
+  });
+}
+
 }  // namespace
 
 Command declare_report(CLI::App& parent) {
   CLI::App& app = add_command(parent, "report", "The run as an interactive, self-contained page");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common);
-  add_text(app, "RUN.csv", options->run, "", "a run, as replay writes it").required();
+  add_text(app, "RUN.csv", options->run, "", "a run, as replay writes it, or a recording").required();
   add_text(app, "--out", options->out, "R.html", "the page").required();
+  declare_window(app, options->window);
   options->scene.declare(app, SceneOptions::As::kOption);
   options->query.declare_tool(app);
   return {&app, [=] { run(*options); }};

@@ -125,6 +125,63 @@ TEST(Csv, RowsAreCommaSeparatedAndShort) {
   EXPECT_EQ(text, "x\n0.1,2,-3.5\n1e-07\n");
 }
 
+/// What a CsvReader that takes a cut last line says to "a,b\n1,2\n" and these bytes.
+std::string outcome_of(const std::string& tail) {
+  const TemporaryFile file("a,b\n1,2\n" + tail, "t.csv");
+  CsvReader reader(file.path(), CsvReader::LastLine::kMaybeCut);
+  std::size_t rows = 0;
+  try {
+    while (reader.next()) ++rows;
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return std::to_string(rows) + (reader.cut() ? " cut" : "");
+}
+
+TEST(CsvReader, LeavesOutALastLineThatIsCut) {
+  for (const std::string tail : {"3", "3,", "3,-", "3,1e", "3,1.5e-", "-", "3,.", "\n\n3,"})
+    EXPECT_EQ(outcome_of(tail), "1 cut") << tail;
+  EXPECT_EQ(outcome_of("3,4\n5"), "2 cut");
+  EXPECT_EQ(outcome_of("3,4"), "2");  // nothing tells that it is
+  EXPECT_EQ(outcome_of("  "), "1");
+}
+
+TEST(CsvReader, RefusesALastLineThatIsMoreThanCut) {
+  EXPECT_THAT(outcome_of("x,4"), AllOf(HasSubstr("line 3"), HasSubstr("'a'")));
+  EXPECT_THAT(outcome_of(",4"), HasSubstr("'a'"));
+  EXPECT_THAT(outcome_of("3,nan"), HasSubstr("'b'"));
+  EXPECT_THAT(outcome_of("3,4,5"), HasSubstr("more than 2"));
+  EXPECT_THAT(outcome_of("3\n"), AllOf(HasSubstr("line 3"), HasSubstr("cut")));
+  EXPECT_THAT(outcome_of("3,\n"), AllOf(HasSubstr("line 3"), HasSubstr("'b'")));
+  EXPECT_THAT(outcome_of("3\n5,6\n"), AllOf(HasSubstr("line 3"), HasSubstr("cut")));
+}
+
+TEST(CsvReader, SeeksTheLineThatBeginsBehindAByte) {
+  const std::string text = "a,b\n1,2\n33,4\n\n5,6\n7,8";
+  const TemporaryFile file(text, "t.csv");
+  CsvReader reader(file.path());
+  for (std::size_t offset = 3; offset < text.size(); ++offset) {
+    reader.seek(offset);
+    std::size_t start = text.find('\n', offset);
+    start = start == std::string::npos ? text.size() : start + 1;
+    if (start < text.size() && text[start] == '\n') ++start;  // the blank line
+    const auto row = reader.next();
+    ASSERT_EQ(row.has_value(), start < text.size()) << offset;
+    if (!row) continue;
+    EXPECT_EQ((*row)[0], std::stod(text.substr(start))) << offset;
+    EXPECT_EQ(reader.row_start(), start) << offset;
+    EXPECT_EQ(reader.where(), "byte " + std::to_string(start));
+  }
+}
+
+TEST(CsvReader, NamesTheByteBehindASeek) {
+  const TemporaryFile file("a,b\n1,2\n3,x\n", "t.csv");
+  CsvReader reader(file.path());
+  reader.seek(3);
+  reader.next();
+  EXPECT_THAT(message_of<Error>([&] { reader.next(); }), AllOf(HasSubstr("byte 8"), HasSubstr("'b'")));
+}
+
 TEST(Csv, ReportsProgressOnLongFiles) {
   std::string text = "a\n";
   for (int i = 0; i < 200000; ++i) text += "1\n";

@@ -1,4 +1,3 @@
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -6,12 +5,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
+#include <support/full_disk.h>
 #include <support/temporary_file.h>
 
 namespace palpate {
@@ -253,16 +252,9 @@ TEST(OutputFile, SaysWhenTheDiskIsFull) {
 
 TEST(OutputFile, AFailedWriteLeavesTheEarlierFile) {
   const TemporaryFile temporary("before");
-  struct rlimit before {};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
-  const struct rlimit small { 1 << 20, before.rlim_max };
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-  const std::string message =
-      message_of<Error>([&] { write_file(temporary.path(), std::string(4 << 20, 'x')); });
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  ::signal(SIGXFSZ, ignored);
-  EXPECT_THAT(message, AllOf(HasSubstr(temporary.path()), HasSubstr("File too large")));
+  const test::FileSizeLimit limit(1 << 20);
+  EXPECT_THAT(message_of<Error>([&] { write_file(temporary.path(), std::string(4 << 20, 'x')); }),
+              AllOf(HasSubstr(temporary.path()), HasSubstr("File too large")));
   EXPECT_EQ(temporary.bytes(), "before");
   EXPECT_EQ(entries(temporary.folder()), 1U);
 }

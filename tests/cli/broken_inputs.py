@@ -8,7 +8,7 @@ sound scene `a.ply`, trajectory `path.csv` and run `run.csv`.
 import struct
 from dataclasses import dataclass, field
 
-from support import INRIA, RUN_HEADER, path_csv, ply, ply_header, splat
+from support import INRIA, LIVE_HEADER, RUN_HEADER, path_csv, ply, ply_header, splat
 
 
 @dataclass
@@ -190,7 +190,7 @@ def tables(command, good, width):
     table("infinity", good + b"1,-inf" + b",0" * (width - 2) + b"\n", ["line 3", "'x'"], command)
     table("1e400", good + b"1,1e400" + b",0" * (width - 2) + b"\n", ["line 3", "'x'"], command)
     table("an empty cell", good + b"1," + b",0" * (width - 2) + b"\n", ["line 3", "'x'"], command)
-    table("a cut line", good + b"1,0,0", ["line 3"], command)
+    table("a cut line", good + b"1,0,0\n", ["line 3", "cut"], command)
     table("a line too long", good + b"1" + b",0" * width + b"\n", ["line 3"], command)
     table("time that stands still", good + good.split(b"\n")[1] + b"\n", "order of time", command)
     table("binary", bytes(range(1, 256)) * 64, "line ", command)
@@ -210,6 +210,20 @@ tables("report", GOOD_RUN, 22)
 row("replay: missing", ["replay", "a.ply", "--trajectory", "no.csv", "--out", "out.csv"], ["no.csv", "No such file"])
 row("report: missing", ["report", "no.csv", "--out", "out.html"], ["no.csv", "No such file"])
 row("replay: a folder", ["replay", "a.ply", "--trajectory", ".", "--out", "out.csv"], "folder")
+table("a cut last line", GOOD_PATH + b"1,0,0", ["line 3", "cut"])
+table("nothing but a cut line", GOOD_RUN.split(b"\n")[0] + b"\n0,0,0", "no rows", "report")
+table("a last line that is worse than cut", GOOD_RUN + b"1,0,zero", ["line 3", "'y'"], "report")
+table("a last line too long", GOOD_RUN + b"1" + b",0" * 22, ["line 3", "more than 22"], "report")
+table("half a user force", GOOD_RUN.replace(b"compute_us", b"compute_us,ufy").replace(b"0\n", b"0,0\n"), "'ufx'", "report")
+table("half of a live run", GOOD_RUN.replace(b"compute_us", b"compute_us,state").replace(b"0\n", b"0,0\n"), "'vx'", "report")
+LIVE_RUN = GOOD_RUN.replace(b"compute_us", b"compute_us" + LIVE_HEADER.encode()).replace(b"0\n", b"0" + b",0" * 16 + b"\n")
+table("a state that is none", LIVE_RUN.replace(b",0,0,0,0,0,0,0\n", b",5,0,0,0,0,0,0\n"), ["line 2", "'state'", "5"], "report")
+table("a fault that is none", LIVE_RUN.replace(b",0,0,0,0,0,0\n", b",1.5,0,0,0,0,0\n"), ["line 2", "'fault'", "1.5"], "report")
+table("a live run of a line that is not ended", LIVE_RUN[:-1], "no rows", "report")
+for args, words in ((["--from", "1"], ["from 1 s on", "last is at 0 s"]), (["--to", "-1"], ["up to -1 s", "first is at 0 s"])):
+    row("report: no rows " + args[0], ["report", "run.csv", "--out", "out.html", *args], ["run.csv", *words])
+for args in (["--from", "x"], ["--to", "nan"], ["--from", "2", "--to", "1"]):
+    option(args, args[-2], ("report", "run.csv", "--out", "out.html"))
 table("zero quaternion", GOOD_PATH + b"1,0,0,0,0,0,0,0\n", ["line 3", "quaternion"])
 table("half a quaternion", b"t,x,y,z,qw,qx\n0,0,0,0,1,0\n", "'qy'")
 table("half a user force", b"t,x,y,z,ufx\n0,0,0,0,1\n", "'ufy'")

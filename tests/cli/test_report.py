@@ -98,6 +98,20 @@ class Report(Case):
         document = json.loads(self.report().document)
         self.assertEqual(document["columns"]["ufy"], [2, 5])
 
+    def test_a_cut_recording_is_shown_up_to_where_it_is_cut(self):
+        text = self.read("run.csv")
+        self.write("cut.csv", text[:text.rindex(b",")])
+        result = self.succeed("report", "cut.csv", "--out", "page.html", "-q")
+        self.assertEqual(result.err, b"palpate: cut.csv: the last line is cut and left out (the recording was interrupted)\n")
+        document = json.loads(Page(self.read("page.html").decode()).document)
+        self.assertEqual(len(document["columns"]["t"]), 599)
+
+    def test_a_part_of_a_run(self):
+        document = json.loads(self.report("run.csv", "--from", "0.1", "--to", "0.2").document)
+        self.assertEqual(document["columns"]["t"], [k / 1000 for k in range(100, 201)])
+        self.assertEqual(json.loads(self.report("run.csv", "--from", "0.5").document)["columns"]["t"][0], 0.5)
+        self.assertEqual(json.loads(self.report("run.csv", "--to", "0.5").document)["columns"]["t"][-1], 0.5)
+
     def test_nothing_is_loaded_from_anywhere(self):
         page = self.report("run.csv", "--scene", "a.ply")
         for address in page.addresses:

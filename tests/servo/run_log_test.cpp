@@ -1,16 +1,21 @@
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
+#include <palpate/servo/run_columns.h>
 #include <palpate/servo/run_log.h>
 #include <support/temporary_file.h>
 
@@ -20,6 +25,7 @@ namespace {
 using test::message_of;
 using test::TemporaryFile;
 using testing::AllOf;
+using testing::AnyOf;
 using testing::HasSubstr;
 
 const std::string kHeader =
@@ -170,7 +176,9 @@ TEST(Run, NumbersReadBackToTheBit) {
     row.proxy = vector();
     row.compute_us = any();
     row.user_force = vector();
-    row.live = LiveColumns{.velocity = {vector(), vector()}, .sent = vector(), .energy = any()};
+    row.live.emplace().velocity = {vector(), vector()};
+    row.live->sent = vector();
+    row.live->energy = any();
     rows.push_back(row);
   }
   rows[3].wrench.force << -0.0, 5e-324, 0.0;
@@ -311,6 +319,176 @@ TEST(ReadRun, NamesLineAndColumnWhereTimeDoesNotIncrease) {
 
 TEST(ReadRun, RefusesARunWithoutRows) {
   EXPECT_THAT(message_for(""), AllOf(HasSubstr("run.csv"), HasSubstr("no rows")));
+}
+
+/// Rows at these times, whose other numbers differ.
+std::vector<RunRow> rows_at(const std::vector<double>& times, bool live) {
+  std::mt19937_64 engine(112);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  std::vector<RunRow> rows;
+  for (const double t : times) {
+    RunRow row = numbered_row();
+    row.t = t;
+    row.wrench.force << any(engine), any(engine), any(engine);
+    row.compute_us = 100.0 * any(engine);
+    if (live) row.live.emplace().age_us = any(engine);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// What write_run() makes of them.
+std::string text_of(const std::vector<RunRow>& rows) {
+  const auto columns = run_columns(RunGroups::of(rows.front()));
+  std::string text = run_header(columns);
+  for (const RunRow& row : rows) append_run_row(text, row, columns);
+  return text;
+}
+
+TEST(ReadRun, OfARecordingCutAnywhereTakesTheWholeLines) {
+  const std::string text = text_of(rows_at({0.001, 0.002, 0.003}, true));
+  const std::size_t header = text.find('\n') + 1;
+  for (std::size_t length = text.find('\n', header) + 1; length <= text.size(); ++length) {
+    const std::string left = text.substr(0, length);
+    const TemporaryFile file(left, "run.csv");
+    const palpate::Run run = read_run(file.path());
+    EXPECT_EQ(run.cut, left.back() != '\n') << length;
+    EXPECT_EQ(text_of(run.rows), left.substr(0, left.rfind('\n') + 1)) << length;
+  }
+}
+
+TEST(ReadRun, OfACutReplayTakesTheLinesWithAllNumbers) {
+  const std::string text = text_of(rows_at({0.001, 0.002}, false));
+  const std::size_t second = text.find("\n0.002") + 1, last_number = text.rfind(',') + 1;
+  for (std::size_t length = second; length < last_number; ++length) {
+    const TemporaryFile file(text.substr(0, length), "run.csv");
+    const palpate::Run run = read_run(file.path());
+    EXPECT_EQ(run.cut, length != second) << length;
+    EXPECT_EQ(run.rows.size(), 1U) << length;
+  }
+  const TemporaryFile unended(text.substr(0, text.size() - 1), "run.csv");  // as some editors leave it
+  EXPECT_EQ(read_run(unended.path()).rows.size(), 2U);
+  EXPECT_FALSE(read_run(unended.path()).cut);
+}
+
+TEST(ReadRun, OfACutLineAloneHasNoRows) {
+  EXPECT_THAT(message_for("1.5,2"), AllOf(HasSubstr("run.csv"), HasSubstr("no rows")));
+  EXPECT_THAT(message_for(kNumberedLine + kLiveLine, kHeader + kLiveHeader), HasSubstr("no rows"));
+}
+
+/// A file of two megabytes, more than is read through at once.
+struct LongRun {
+  LongRun() {
+    std::mt19937_64 engine(113);
+    std::uniform_real_distribution<double> step(0.0005, 0.0015);
+    std::vector<double> times{-3.0};
+    while (times.size() < 12000) times.push_back(times.back() + step(engine));
+    rows = rows_at(times, false);
+    write_run(rows, file.path());
+  }
+
+  TemporaryFile file{"", "run.csv"};
+  std::vector<RunRow> rows;
+};
+
+TEST(ReadRun, OfAWindowReadsItsRowsAndNoOthers) {
+  const LongRun run;
+  ASSERT_GT(run.file.bytes().size(), 1'500'000U);
+  const double first = run.rows.front().t, last = run.rows.back().t;
+  std::mt19937_64 engine(114);
+  std::uniform_real_distribution<double> anywhere(first - 0.5, last + 0.5);
+  for (int i = 0; i < 150; ++i) {
+    double from = anywhere(engine), to = anywhere(engine);
+    if (from > to) std::swap(from, to);
+    if (i % 3 == 0) from = run.rows[engine() % run.rows.size()].t;  // both ends belong to it
+    if (i % 4 == 0) to = std::max(from, run.rows[engine() % run.rows.size()].t);
+    std::vector<double> expected, found;
+    for (const RunRow& row : run.rows) {
+      if (row.t >= from && row.t <= to) expected.insert(expected.end(), {row.t, row.wrench.force.z()});
+    }
+    if (expected.empty()) {
+      EXPECT_THAT(message_of<Error>([&] { read_run(run.file.path(), {.from = from, .to = to}); }),
+                  HasSubstr("no rows"));
+      continue;
+    }
+    for (const RunRow& row : read_run(run.file.path(), {.from = from, .to = to}).rows)
+      found.insert(found.end(), {row.t, row.wrench.force.z()});
+    EXPECT_EQ(found, expected) << i;
+  }
+  EXPECT_EQ(read_run(run.file.path(), {.from = last}).rows.size(), 1U);
+  EXPECT_EQ(read_run(run.file.path(), {.to = first}).rows.size(), 1U);
+}
+
+TEST(ReadRun, OfAWindowWithoutRowsNamesTheNearest) {
+  const TemporaryFile file(text_of(rows_at({1, 2, 8}, false)), "run.csv");
+  const auto message = [&](const RunWindow& window) {
+    return message_of<Error>([&] { read_run(file.path(), window); });
+  };
+  EXPECT_THAT(message({.from = 3, .to = 7}),
+              AllOf(HasSubstr("run.csv"), HasSubstr("from 3 s to 7 s"), HasSubstr("2 s and 8 s")));
+  EXPECT_THAT(message({.from = 9}), AllOf(HasSubstr("from 9 s on"), HasSubstr("last is at 8 s")));
+  EXPECT_THAT(message({.to = 0.5}), AllOf(HasSubstr("up to 0.5 s"), HasSubstr("first is at 1 s")));
+}
+
+TEST(ReadRun, OfAWindowWithTooManyRowsSaysWhatThereIs) {
+  const LongRun run;
+  const auto message = [&](const RunWindow& window) {
+    return message_of<Error>([&] { read_run(run.file.path(), window); });
+  };
+  EXPECT_EQ(read_run(run.file.path(), {.most_rows = 12000}).rows.size(), 12000U);
+  EXPECT_THAT(message({.most_rows = 11999}),
+              AllOf(HasSubstr("run.csv"), HasSubstr("11999 rows"), HasSubstr("from -3 s"),
+                    HasSubstr(fmt::format("to {} s", run.rows.back().t)), HasSubstr("--from")));
+  EXPECT_THAT(message({.from = 0, .to = 2.5, .most_rows = 100}), HasSubstr("to 2.5 s"));
+}
+
+TEST(ReadRun, OfAWindowInTheMiddleNamesTheByte) {
+  const LongRun run;
+  std::string text = run.file.bytes();
+  const std::size_t line = text.find(fmt::format("\n{},", run.rows[6000].t)) + 1;
+  const std::size_t comma = text.find(',', line);
+  text[comma + 1] = 'x';
+  const TemporaryFile broken(text, "run.csv");
+  EXPECT_THAT(message_of<Error>([&] { read_run(broken.path(), {.from = run.rows[5990].t}); }),
+              AllOf(HasSubstr("run.csv"), HasSubstr(fmt::format("byte {}:", line)), HasSubstr("'x'")));
+  EXPECT_THAT(message_of<Error>([&] { read_run(broken.path()); }), HasSubstr("line 6002:"));
+  EXPECT_EQ(read_run(broken.path(), {.to = run.rows[5990].t}).rows.size(), 5991U);
+}
+
+TEST(ReadRun, OfAWindowOfTimesInDisorderEnds) {
+  LongRun run;
+  std::mt19937_64 engine(115);
+  std::shuffle(run.rows.begin(), run.rows.end(), engine);
+  write_run(run.rows, run.file.path());
+  for (int i = 0; i < 20; ++i) {
+    const double from = -3.0 + 0.6 * i;
+    try {
+      for (const RunRow& row : read_run(run.file.path(), {.from = from, .to = from + 1.0}).rows)
+        EXPECT_TRUE(row.t >= from && row.t <= from + 1.0);
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), AnyOf(HasSubstr("order of time"), HasSubstr("no rows")));
+    }
+  }
+}
+
+/// Bytes that this process has asked files for; nothing where the system does not tell.
+std::optional<std::uint64_t> bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string name;
+  std::uint64_t count = 0;
+  if (io >> name >> count && name == "rchar:") return count;
+  return std::nullopt;
+}
+
+TEST(ReadRun, OfAWindowLeavesMostOfTheFileAlone) {
+  std::string text = kHeader + "\n";
+  const std::string rest = kNumberedLine.substr(kNumberedLine.find(',')) + "\n";
+  for (int i = 0; i < 500'000; ++i) text.append(std::to_string(i)).append(rest);
+  const TemporaryFile file(text, "run.csv");
+  const auto before = bytes_read();
+  if (!before) GTEST_SKIP() << "no /proc/self/io";
+  EXPECT_EQ(read_run(file.path(), {.from = 300'000, .to = 300'009}).rows.size(), 10U);
+  EXPECT_LT(*bytes_read() - *before, text.size() / 2);
 }
 
 /// Rows 10 ms apart with these numbers of contacts and forces.

@@ -22,85 +22,113 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// Calls visit(cell) for every comma-separated cell of `line`.
+/// Calls visit(cell, it is the last one) for every comma-separated cell of `line`.
 template <typename Visit>
 void for_each_cell(std::string_view line, Visit&& visit) {
   for (;;) {
     const std::size_t comma = line.find(',');
-    visit(trimmed(line.substr(0, comma)));
+    visit(trimmed(line.substr(0, comma)), comma == std::string_view::npos);
     if (comma == std::string_view::npos) return;
     line.remove_prefix(comma + 1);
   }
 }
 
-void read_header(CsvTable& table, std::string_view line) {
-  for_each_cell(line, [&](std::string_view name) {
-    if (table.columns.size() == kMaxColumns) {
-      throw Error("{}: line 1: more than {} columns; it is not a table of this kind", table.source,
-                  kMaxColumns);
+CsvHeader read_header(const std::string& source, std::string_view line) {
+  CsvHeader header{source, {}};
+  for_each_cell(line, [&](std::string_view name, bool) {
+    if (header.columns.size() == kMaxColumns) {
+      throw Error("{}: line 1: more than {} columns; it is not a table of this kind", source, kMaxColumns);
     }
-    if (name.empty())
-      throw Error("{}: line 1: column {} has no name", table.source, table.columns.size() + 1);
-    if (table.has(name)) throw Error("{}: line 1: two columns are called '{}'", table.source, name);
-    table.columns.emplace_back(name);
+    if (name.empty()) throw Error("{}: line 1: column {} has no name", source, header.columns.size() + 1);
+    if (header.has(name)) throw Error("{}: line 1: two columns are called '{}'", source, name);
+    header.columns.emplace_back(name);
   });
+  return header;
 }
 
-void read_row(CsvTable& table, std::string_view line, std::size_t line_number) {
-  const std::size_t width = table.columns.size();
-  const std::size_t before = table.values.size();
-  for_each_cell(line, [&](std::string_view cell) {
-    const std::size_t k = table.values.size() - before;
-    if (k == width) throw Error("{}: line {}: more than {} values", table.source, line_number, width);
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(cell.begin(), cell.end(), value);
-    if (cell.empty() || error != std::errc{} || end != cell.end() || !std::isfinite(value)) {
-      throw Error("{}: line {}: column '{}': '{}' is not a finite number", table.source, line_number,
-                  table.columns[k], cell);
-    }
-    table.values.push_back(value);
-  });
-  if (table.values.size() - before != width) {
-    throw Error("{}: line {}: {} values for {} columns; the line is cut", table.source, line_number,
-                table.values.size() - before, width);
-  }
+/// True if more characters could make it a number.
+bool begins_a_number(std::string_view cell) {
+  return cell.find_first_not_of("0123456789+-.eE") == std::string_view::npos;
 }
 
 }  // namespace
 
-std::size_t CsvTable::column(std::string_view name) const {
+std::size_t CsvHeader::column(std::string_view name) const {
   const auto found = std::find(columns.begin(), columns.end(), name);
   if (found == columns.end())
     throw Error("{}: line 1: column '{}' is missing; the header must name it", source, name);
   return static_cast<std::size_t>(found - columns.begin());
 }
 
-bool CsvTable::has(std::string_view name) const {
+bool CsvHeader::has(std::string_view name) const {
   return std::find(columns.begin(), columns.end(), name) != columns.end();
 }
 
-CsvTable read_csv(const std::string& path, const Progress& progress) {
-  constexpr std::size_t kLinesPerReport = 1 << 16;
-  const std::string text = read_text_file(path, kMaxBytes);
-  CsvTable table;
-  table.source = path;
-  std::string_view rest = text;
-  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
-  for (std::size_t line_number = 1; !rest.empty(); ++line_number) {
-    const std::size_t end = rest.find('\n');
-    const std::string_view line = trimmed(rest.substr(0, end));
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-    if (line_number == 1) {
-      read_header(table, line);
-    } else if (!line.empty()) {
-      read_row(table, line, line_number);
-      table.lines.push_back(line_number);
-    }
-    if (line_number % kLinesPerReport == 0) {
-      report(progress, "reading", 1.0 - static_cast<double>(rest.size()) / static_cast<double>(text.size()));
+CsvReader::CsvReader(const std::string& path, LastLine last_line) : file_(path), last_line_(last_line) {
+  auto line = lines_.emplace(file_, 0).next();
+  if (!line) throw Error("{}: is empty; a header line and rows are needed", path);
+  if (line->starts_with(kByteOrderMark)) line->remove_prefix(kByteOrderMark.size());
+  header_ = read_header(path, lines_->line_number() == 1 ? *line : "");
+  row_.reserve(header_.columns.size());
+}
+
+std::optional<std::span<const double>> CsvReader::next() {
+  const auto line = lines_->next();
+  if (!line) return std::nullopt;
+  row_.clear();
+  for_each_cell(*line, [&](std::string_view cell, bool last) { cut_ = !read_cell(cell, last); });
+  if (!cut_ && row_.size() != header_.columns.size()) {
+    cut_ = may_be_cut();
+    if (!cut_) {
+      throw Error("{}: {}: {} values for {} columns; the line is cut", header_.source, where(), row_.size(),
+                  header_.columns.size());
     }
   }
-  if (table.columns.empty()) throw Error("{}: is empty; a header line and rows are needed", path);
+  if (cut_) return std::nullopt;
+  return row_;
+}
+
+/// False if the cell is the cut end of the file. \param last of its line
+bool CsvReader::read_cell(std::string_view cell, bool last) {
+  const std::size_t width = header_.columns.size();
+  if (row_.size() == width) throw Error("{}: {}: more than {} values", header_.source, where(), width);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(cell.begin(), cell.end(), value);
+  if (cell.empty() || error != std::errc{} || end != cell.end() || !std::isfinite(value)) {
+    if (last && may_be_cut() && begins_a_number(cell)) return false;
+    throw Error("{}: {}: column '{}': '{}' is not a finite number", header_.source, where(),
+                header_.columns[row_.size()], cell);
+  }
+  row_.push_back(value);
+  return true;
+}
+
+void CsvReader::seek(std::uint64_t offset) {
+  lines_.emplace(file_, offset).skip_line();
+  sought_ = true;
+  cut_ = false;
+}
+
+std::string CsvReader::where() const {
+  return sought_ ? fmt::format("byte {}", row_start()) : fmt::format("line {}", line());
+}
+
+CsvTable read_csv(const std::string& path, const Progress& progress) {
+  constexpr std::size_t kRowsPerReport = 1 << 16;
+  CsvReader reader(path);
+  if (reader.size() > kMaxBytes) {
+    throw Error("{}: is {} bytes, more than the {} this kind of file may have", path, reader.size(),
+                kMaxBytes);
+  }
+  CsvTable table{reader.header(), {}, {}};
+  while (const auto row = reader.next()) {
+    table.values.insert(table.values.end(), row->begin(), row->end());
+    table.lines.push_back(reader.line());
+    if (table.lines.size() % kRowsPerReport == 0) {
+      report(progress, "reading",
+             static_cast<double>(reader.row_start()) / static_cast<double>(reader.size()));
+    }
+  }
   return table;
 }
 

@@ -3,35 +3,89 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <palpate/base/file.h>
+#include <palpate/base/line_reader.h>
 #include <palpate/base/progress.h>
 
 namespace palpate {
 
-/// A table of doubles, row by row.
-struct CsvTable {
+/// What the header line of a CSV file says.
+struct CsvHeader {
   std::string source;                ///< file name, for messages
-  std::vector<std::string> columns;  ///< names, from the header line
-  std::vector<double> values;        ///< rows() * columns.size(), row-major
-
-  std::vector<std::size_t> lines;  ///< of each row: its line in the file, from 1, for messages
-
-  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
-  double at(std::size_t row, std::size_t column) const { return values[row * columns.size() + column]; }
+  std::vector<std::string> columns;  ///< names
 
   /// Index of the column `name`. \throws Error if there is none.
   std::size_t column(std::string_view name) const;
   bool has(std::string_view name) const;
 };
 
-/// Reads a CSV file of finite numbers: one header line of distinct names, then rows of as many
-/// numbers; LF or CR LF; blank lines are skipped.
-/// \throws Error naming the line and column of the first thing that is not so.
+/// Reads a CSV file of finite numbers row by row, in little memory: one header line of distinct names, then
+/// rows of as many numbers; LF or CR LF; blank lines are skipped. On one thread at a time.
+class CsvReader {
+ public:
+  /// What is thought of a last line without a terminator and with too few values or a part of a number.
+  enum class LastLine {
+    kWhole,     ///< it is an error, as anywhere else
+    kMaybeCut,  ///< the writer was interrupted: it is left out
+  };
+
+  /// \throws Error if the file cannot be read or its header is not one.
+  explicit CsvReader(const std::string& path, LastLine last_line = LastLine::kWhole);
+
+  const CsvHeader& header() const { return header_; }
+  /// Of the file, when it was opened. Unit: [bytes].
+  std::uint64_t size() const { return file_.size(); }
+
+  /// The next row, valid until the next call; nothing at the end.
+  /// \throws Error naming the place of the first thing that is not a row of finite numbers.
+  std::optional<std::span<const double>> next();
+
+  /// Goes to the first line that begins behind byte `offset`. \pre `offset` is not in the header line
+  void seek(std::uint64_t offset);
+
+  /// \name The row last handed out
+  /// @{
+  std::uint64_t row_start() const { return lines_->line_start(); }  ///< Unit: [bytes].
+  std::size_t line() const { return lines_->line_number(); }        ///< in the file, from 1. \pre no seek()
+  bool terminated() const { return lines_->terminated(); }          ///< its line has an end
+  std::string where() const;  ///< for messages: "line 3", or "byte 1234" after a seek()
+  /// @}
+
+  /// True if next() has left out a last line that is cut.
+  bool cut() const { return cut_; }
+
+ private:
+  bool read_cell(std::string_view cell, bool last);
+  bool may_be_cut() const { return last_line_ == LastLine::kMaybeCut && !terminated(); }
+
+  InputFile file_;
+  LastLine last_line_;
+  std::optional<LineReader> lines_;
+  CsvHeader header_;
+  std::vector<double> row_;
+  bool sought_ = false;
+  bool cut_ = false;
+};
+
+/// A table of doubles, row by row.
+struct CsvTable : CsvHeader {
+  std::vector<double> values;  ///< rows() * columns.size(), row-major
+
+  std::vector<std::size_t> lines;  ///< of each row: its line in the file, from 1, for messages
+
+  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
+  double at(std::size_t row, std::size_t column) const { return values[row * columns.size() + column]; }
+};
+
+/// Reads all of a CSV file as CsvReader does.
+/// \throws Error naming the line and column of the first thing that is not a table of finite numbers.
 CsvTable read_csv(const std::string& path, const Progress& progress = {});
 
 /// Appends `values` as one line, each number as short as reads back exactly.

@@ -31,6 +31,7 @@ std::string_view advice(int error_number) {
     case EROFS: return "; check the permissions";
     case ENOSPC:
     case EDQUOT: return "; free some space or choose another folder";
+    case EFBIG: return "; raise the limit on the size of files";
     default: return "";
   }
 }
@@ -56,13 +57,14 @@ std::string resolve_links(const std::string& path) {
 
 }  // namespace
 
+void throw_file_error(const std::string& path, std::string_view action, int error_number) {
+  throw Error("{}: cannot {}: {}{}", path, action, error_text(error_number), advice(error_number));
+}
+
 InputFile::InputFile(const std::string& path) : path_(path) {
   // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
   descriptor_ = retry_open(path.c_str(), O_RDONLY | O_NONBLOCK);
-  if (descriptor_ < 0) {
-    const int error_number = errno;
-    throw Error("{}: cannot open: {}{}", path, error_text(error_number), advice(error_number));
-  }
+  if (descriptor_ < 0) throw_file_error(path, "open", errno);
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;
   if (!known || !S_ISREG(status.st_mode)) {
@@ -144,7 +146,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(std::string_view action, int error_number) const {
-  throw Error("{}: cannot {}: {}{}", path_, action, error_text(error_number), advice(error_number));
+  throw_file_error(path_, action, error_number);
 }
 
 void OutputFile::write(std::string_view bytes) {

@@ -37,6 +37,10 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
+/// \throws Error "PATH: cannot ACTION: REASON", and what a person can do about it, for a system call that
+/// failed. \param error_number errno
+[[noreturn]] void throw_file_error(const std::string& path, std::string_view action, int error_number);
+
 /// The whole of a text file of at most `max_bytes`. \throws Error if it is larger or unreadable.
 std::string read_text_file(const std::string& path, std::uint64_t max_bytes);
 

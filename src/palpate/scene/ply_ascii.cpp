@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <palpate/base/error.h>
-#include <palpate/scene/line_reader.h>
+#include <palpate/base/line_reader.h>
 #include <palpate/scene/ply_rows.h>
 
 namespace palpate {

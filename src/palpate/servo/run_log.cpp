@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <palpate/base/csv.h>
-#include <palpate/base/error.h>
+#include <palpate/base/file.h>
 #include <palpate/base/quantile.h>
 #include <palpate/servo/run_columns.h>
 
@@ -24,59 +23,6 @@ void write_run(const std::vector<RunRow>& rows, const std::string& path, const P
   file.write(text);
   file.commit();
   report(progress, "writing", 1.0);
-}
-
-namespace {
-
-/// A column of a run, and which of the table's it is.
-struct Source {
-  RunColumn column;
-  std::size_t index;
-};
-
-std::vector<Source> sources_of(const CsvTable& table) {
-  RunGroups groups;
-  for (const RunColumn& column : run_columns()) {
-    if (!table.has(column.name)) continue;
-    groups.user_force |= column.group == ColumnGroup::kUserForce;
-    groups.live |= column.group == ColumnGroup::kLive;
-  }
-  std::vector<Source> sources;
-  for (const RunColumn& column : run_columns(groups)) sources.push_back({column, table.column(column.name)});
-  return sources;
-}
-
-RunRow row_of(const CsvTable& table, std::size_t row, const std::vector<Source>& sources) {
-  RunRow made;
-  for (const auto& [column, index] : sources) {
-    const double value = table.at(row, index);
-    if (!column.takes(value)) {
-      throw Error("{}: line {}: column '{}': {} is not {}; whole numbers from 0 to {} are", table.source,
-                  table.lines[row], column.name, value, column.whole_number, column.most);
-    }
-    column.set(made, value);
-  }
-  return made;
-}
-
-}  // namespace
-
-Run read_run(const std::string& path, const Progress& progress) {
-  const CsvTable table = read_csv(path, progress);
-  const std::vector<Source> sources = sources_of(table);
-  if (table.rows() == 0) throw Error("{}: has no rows; replay a trajectory first", path);
-
-  Run run{path, {}};
-  run.rows.reserve(table.rows());
-  for (std::size_t k = 0; k < table.rows(); ++k) {
-    const RunRow row = row_of(table, k, sources);
-    if (!run.rows.empty() && !(row.t > run.rows.back().t)) {
-      throw Error("{}: line {}: column 't': {} does not follow {}; rows must be in order of time", path,
-                  table.lines[k], row.t, run.rows.back().t);
-    }
-    run.rows.push_back(row);
-  }
-  return run;
 }
 
 RunSummary summarize(const std::vector<RunRow>& rows) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,14 @@ namespace palpate {
 struct Run {
   std::string source;  ///< file name, for titles and messages
   std::vector<RunRow> rows;
+  bool cut = false;  ///< the last line of the file is cut, and left out: its writer was interrupted
+};
+
+/// A part of a run: the rows from one time to another, both inclusive. All of it by default.
+struct RunWindow {
+  double from = -std::numeric_limits<double>::infinity();  ///< on the run's clock. Unit: [s].
+  double to = std::numeric_limits<double>::infinity();     ///< Unit: [s].
+  std::size_t most_rows = 10'000'000;                      ///< that fit: close to three hours at 1 kHz, 4 GB
 };
 
 /// Writes `t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,
@@ -24,9 +33,17 @@ struct Run {
 /// finite
 void write_run(const std::vector<RunRow>& rows, const std::string& path, const Progress& progress = {});
 
-/// Reads what write_run() writes, columns in any order, further columns ignored.
-/// \throws Error if a column is missing (also of a group that the file has some of), a row is broken, or time
-/// does not increase.
+/// Reads what write_run() and Recorder write, columns in any order, further columns ignored. What is outside
+/// the window is not read, but for a few steps to find where it begins.
+///
+/// A recording ends anywhere if its writer is killed. A last line without an end is left out if it has too
+/// few values or a part of a number, and always in a run with live columns, whose last number may be cut as
+/// well.
+///
+/// \throws Error if a column is missing (also of a group that the file has some of), a row is broken, time
+/// does not increase, or the window has no rows or too many.
+Run read_run(const std::string& path, const RunWindow& window, const Progress& progress = {});
+/// All of it.
 Run read_run(const std::string& path, const Progress& progress = {});
 
 /// A run in a few figures.

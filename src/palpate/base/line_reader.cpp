@@ -1,4 +1,4 @@
-#include <palpate/scene/line_reader.h>
+#include <palpate/base/line_reader.h>
 
 #include <algorithm>
 
@@ -23,9 +23,20 @@ std::optional<std::string_view> LineReader::next() {
     const std::size_t length = std::min(end, buffer_.size()) - at_;
     const std::string_view line(buffer_.data() + at_, length);
     line_start_ = position();
+    terminated_ = end != std::string::npos;
+    ++line_number_;
     at_ = std::min(at_ + length + 1, buffer_.size());
     if (line.find_first_not_of(" \t\r") != std::string_view::npos) return line;
   }
+}
+
+void LineReader::skip_line() {
+  for (;;) {
+    const std::size_t end = buffer_.find('\n', at_);
+    at_ = end == std::string::npos ? buffer_.size() : end + 1;
+    if (end != std::string::npos || !refill()) break;
+  }
+  ++line_number_;
 }
 
 bool LineReader::refill() {

@@ -22,8 +22,16 @@ class LineReader {
   /// \throws Error when the read fails or a line is unreasonably long.
   std::optional<std::string_view> next();
 
+  /// Goes behind the next terminator, or to the end of the file without one.
+  /// \throws Error when the read fails.
+  void skip_line();
+
   /// Byte offset in the file of the line last handed out.
   std::uint64_t line_start() const { return line_start_; }
+  /// Its number from the offset on, from 1; blank lines count.
+  std::uint64_t line_number() const { return line_number_; }
+  /// True if it has a terminator; the last of a file may have none.
+  bool terminated() const { return terminated_; }
   /// Bytes of the file behind that line.
   std::uint64_t bytes_left() const { return file_.size() - position(); }
 
@@ -37,6 +45,8 @@ class LineReader {
   std::size_t at_ = 0;
   std::uint64_t next_read_;
   std::uint64_t line_start_;
+  std::uint64_t line_number_ = 0;
+  bool terminated_ = false;
 };
 
 }  // namespace palpate

@@ -1,0 +1,58 @@
+#include <palpate/base/growing_file.h>
+
+#include <cerrno>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <palpate/base/error.h>
+#include <palpate/base/file.h>
+
+namespace palpate {
+
+GrowingFile::GrowingFile(std::string path, std::string_view lines) : path_(std::move(path)) {
+  constexpr mode_t kMode = 0666;  // less the user's umask, as any program's output
+  do descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, kMode);
+  while (descriptor_ < 0 && errno == EINTR);
+  if (descriptor_ < 0 && errno == EEXIST)
+    throw Error("{}: exists already; move it away or give another name", path_);
+  if (descriptor_ < 0) throw_file_error(path_, "open for writing", errno);
+  try {
+    append(lines);
+  } catch (const Error&) {
+    ::close(descriptor_);
+    ::unlink(path_.c_str());
+    throw;
+  }
+}
+
+GrowingFile::~GrowingFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void GrowingFile::append(std::string_view lines) {
+  std::size_t done = 0;
+  while (done < lines.size()) {
+    const ssize_t n = ::write(descriptor_, lines.data() + done, lines.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      const int error_number = n < 0 ? errno : EIO;
+      size_ += lines.substr(0, done).rfind('\n') + 1;  // npos + 1 is 0
+      // Where this fails too, the file ends with a cut line, which readers leave out.
+      [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(size_));
+      throw_file_error(path_, "write", error_number);
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  size_ += done;
+}
+
+void GrowingFile::finish() {
+  const int descriptor = std::exchange(descriptor_, -1);
+  const int error_number = ::fsync(descriptor) == 0 ? 0 : errno;
+  if (::close(descriptor) != 0 && error_number == 0) throw_file_error(path_, "write", errno);
+  if (error_number != 0) throw_file_error(path_, "write", error_number);
+}
+
+}  // namespace palpate
