@@ -8,8 +8,8 @@
 
 namespace palpate::cli {
 
-/// Takes single keys from the terminal on standard input, without echo, and gives it back as it was. Where standard
-/// input is no terminal there are no keys.
+/// Takes single keys from the terminal on standard input, without echo, and gives it back as it was. Where
+/// standard input is no terminal there are no keys.
 class Keyboard {
  public:
   Keyboard();

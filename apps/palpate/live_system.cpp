@@ -65,8 +65,9 @@ void DeviceOptions::declare(CLI::App& app) {
       .in_group(kDeviceGroup);
   add_choice(app, "--profile", profile, profile_names(), "whose forces and mechanics it has")
       .in_group(kDeviceGroup);
-  add_text(app, "--trajectory", trajectory, "T.csv",
-           "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)")
+  add_text(
+      app, "--trajectory", trajectory, "T.csv",
+      "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)")
       .in_group(kDeviceGroup);
   add_parsed(app, "--hand", "m,b,k", "the simulated hand: kg, N s/m and N/m",
              [this](const std::string& text) {
@@ -76,10 +77,12 @@ void DeviceOptions::declare(CLI::App& app) {
              })
       .shows_default(fmt::format("{},{},{}", hand.mass, hand.damping, hand.stiffness))
       .in_group(kDeviceGroup);
-  add_number(app, "--workspace-scale", map.scale, 1e-3, 1e6, "1", "metres of the world a metre of the hand's way")
+  add_number(app, "--workspace-scale", map.scale, 1e-3, 1e6, "1",
+             "metres of the world a metre of the hand's way")
       .in_group(kDeviceGroup);
-  add_parsed(app, "--workspace-rotate", "qw,qx,qy,qz", "rotation from the device to the world",
-             [this](const std::string& text) { map.rotation = parse_quaternion(parse_numbers(text, 4, 4).data()); })
+  add_parsed(
+      app, "--workspace-rotate", "qw,qx,qy,qz", "rotation from the device to the world",
+      [this](const std::string& text) { map.rotation = parse_quaternion(parse_numbers(text, 4, 4).data()); })
       .in_group(kDeviceGroup);
   add_vector3(app, "--workspace-offset", map.offset, "m", "where the device's origin is in the world")
       .in_group(kDeviceGroup);
@@ -87,9 +90,10 @@ void DeviceOptions::declare(CLI::App& app) {
 
 void LoopOptions::declare(CLI::App& app) {
   add_number(app, "--rate", rate, 10.0, 1e4, "Hz", "ticks a second").in_group(kLoopGroup);
-  add_choice(app, "--contacts", contacts, {"auto", "inline", "worker", "hold"},
-             "who looks for contacts: the loop, a thread that looks ahead of it, or one whose force is held (the "
-             "paper's)")
+  add_choice(
+      app, "--contacts", contacts, {"auto", "inline", "worker", "hold"},
+      "who looks for contacts: the loop, a thread that looks ahead of it, or one whose force is held (the "
+      "paper's)")
       .in_group(kLoopGroup);
   add_number(app, "--worker-delay", worker_delay, 0.0, 1.0, "s",
              "how much longer that thread takes than it must, to see what comes of it")

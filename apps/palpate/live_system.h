@@ -31,10 +31,10 @@ struct DeviceOptions {
 
 /// How the loop runs.
 struct LoopOptions {
-  double rate = 1000.0;          ///< Unit: [Hz].
+  double rate = 1000.0;  ///< Unit: [Hz].
   std::string contacts = "auto";
-  double worker_delay = 0.0;     ///< Unit: [s].
-  int cpu = -1;                  ///< to pin the servo thread to; -1: none
+  double worker_delay = 0.0;  ///< Unit: [s].
+  int cpu = -1;               ///< to pin the servo thread to; -1: none
 
   void declare(CLI::App& app);
 };

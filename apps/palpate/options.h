@@ -41,7 +41,8 @@ struct SceneOptions {
   std::string frame = "as-is";
   Similarity registration;  ///< of --scale, --rotate, --translate; applied after `frame`
 
-  /// Declares the options, with the scene as positional argument SCENE, which may be optional, or as option --scene.
+  /// Declares the options, with the scene as positional argument SCENE, which may be optional, or as option
+  /// --scene.
   enum class As { kPositional, kOptionalPositional, kOption };
   void declare(CLI::App& app, As as);
 
@@ -96,7 +97,8 @@ struct ForceOptions {
   /// for broken materials.
   std::unique_ptr<ForceModel> build(const ContactQuery& query, const Tool& tool,
                                     const std::string& scene = {}, const Progress& progress = {}) const;
-  /// One of kModels on an index, which must outlive it, as `lookahead` must. \throws Error for broken materials.
+  /// One of kModels on an index, which must outlive it, as `lookahead` must. \throws Error for broken
+  /// materials.
   std::unique_ptr<ForceModel> build(const std::string& name, const SceneIndex& index, const Tool& tool,
                                     const std::string& scene, Lookahead* lookahead,
                                     const Progress& progress) const;

@@ -28,14 +28,15 @@ tr.new td{border-top:1px solid var(--border)}
 
 }  // namespace
 
-std::string page_document(const std::string& title, const std::string& intro, const std::vector<Plot>& figures,
-                          const std::string& body) {
+std::string page_document(const std::string& title, const std::string& intro,
+                          const std::vector<Plot>& figures, const std::string& body) {
   std::string html =
       "<!doctype html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
       "<meta name='viewport' content='width=device-width, initial-scale=1'>\n";
-  html += fmt::format("<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n", markup_escaped(title), kPageStyle,
-                      plot_style());
-  html += fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class='figures'>\n", markup_escaped(title), markup_escaped(intro));
+  html += fmt::format("<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n", markup_escaped(title),
+                      kPageStyle, plot_style());
+  html += fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class='figures'>\n", markup_escaped(title),
+                      markup_escaped(intro));
   for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
   return html + "</div>\n" + body + "</body>\n</html>\n";
 }

@@ -9,9 +9,9 @@
 
 namespace palpate::cli {
 
-/// A whole page: `title`, then `intro` in a paragraph (both text), the figures, and `body` (HTML; a table in a div of
-/// class 'table' scrolls by itself).
-std::string page_document(const std::string& title, const std::string& intro, const std::vector<Plot>& figures,
-                          const std::string& body);
+/// A whole page: `title`, then `intro` in a paragraph (both text), the figures, and `body` (HTML; a table in
+/// a div of class 'table' scrolls by itself).
+std::string page_document(const std::string& title, const std::string& intro,
+                          const std::vector<Plot>& figures, const std::string& body);
 
 }  // namespace palpate::cli

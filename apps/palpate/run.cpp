@@ -106,6 +106,13 @@ class Console {
 
   void tell_transitions();
 
+  /// Until a fall that was asked for is over, so that its reason is told, and recorded where that is
+  /// possible.
+  void wait_for_no_force() {
+    while (look() && view_.newest().state != GovernorState::kStopped) {
+    }
+  }
+
   static constexpr const char* kHelp =
       "keys: space pause and resume, e emergency stop, m model, + - stiffness, c clutch, q quit";
 
@@ -130,7 +137,8 @@ void Console::tell_transitions() {
     const GovernorTransition& change = transitions[told_];
     if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
     clear();
-    notify(fmt::format("{:.3f} s: no force: {}: {}", change.t, traits(change.fault).name, traits(change.fault).advice));
+    notify(fmt::format("{:.3f} s: no force: {}: {}", change.t, traits(change.fault).name,
+                       traits(change.fault).advice));
   }
 }
 
@@ -139,13 +147,14 @@ void Console::draw() const {
   const LoopStatistics& statistics = system_.loop().statistics();
   const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
   const std::string margin = now.margin > 0.0 ? fmt::format("{:.1f}x", now.margin) : "-";
-  fmt::print(stderr,
-             "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
-             "margin {}",
-             now.t, to_string(now.state), why, kModels[system_.model()],
-             system_.stiffness() * system_.tick().wanted_gain(), now.sent.force.norm(), now.contacts,
-             kMicro * statistics.whole.quantile(0.5), kMicro * statistics.whole.quantile(0.99),
-             statistics.overruns.load(), margin);
+  fmt::print(
+      stderr,
+      "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
+      "margin {}",
+      now.t, to_string(now.state), why, kModels[system_.model()],
+      system_.stiffness() * system_.tick().wanted_gain(), now.sent.force.norm(), now.contacts,
+      kMicro * statistics.whole.quantile(0.5), kMicro * statistics.whole.quantile(0.99),
+      statistics.overruns.load(), margin);
   std::fflush(stderr);
 }
 
@@ -269,9 +278,9 @@ void run(const Options& options) {
   const Signals signals(system.tick());
   if (talks) {
     for (const std::string& line : system.loop().refused()) notify("note: " + line);
-    notify(fmt::format("{}, {}, {} in contact with {} looked for {}", system.device().name,
-                       tool_text(options.query.tool), kModels[system.model()], system.scene_text(),
-                       system.contacts() == "inline" ? "in the loop" : "by a thread of its own"));
+    notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
+                       options.device.device, tool_text(options.query.tool), kModels[system.model()],
+                       system.contacts(), system.scene_text()));
   }
 
   double until = options.seconds > 0.0 ? options.seconds : system.playback_length();
@@ -283,7 +292,10 @@ void run(const Options& options) {
     while (system.clock().now() < until && !failure && console.look()) {
       if (recorder) failure = recorder->failure();
     }
-    if (failure) system.tick().governor().stop(Fault::kRecorder);
+    if (failure) {
+      system.tick().governor().stop(Fault::kRecorder);
+      console.wait_for_no_force();
+    }
     view->update();
     console.tell_transitions();
   }

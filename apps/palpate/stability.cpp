@@ -45,7 +45,8 @@ struct Options {
 std::vector<HandProperties> usual_hands() {
   std::vector<HandProperties> hands;
   for (const double mass : {0.05, 0.15, 0.3}) {
-    for (const auto& [damping, stiffness] : {std::pair(1.0, 100.0), std::pair(3.0, 400.0), std::pair(10.0, 1000.0)})
+    for (const auto& [damping, stiffness] :
+         {std::pair(1.0, 100.0), std::pair(3.0, 400.0), std::pair(10.0, 1000.0)})
       hands.push_back({mass, damping, stiffness});
   }
   return hands;
@@ -70,14 +71,17 @@ Ground ground_of(const Options& options, const Progress& progress) {
   if (options.scene.path.empty()) {
     ground.name = "the built-in table";
     loaded.scene = make_scene(*make_surface("table"), {});
-    loaded.kept = filter_scene(loaded.scene, options.scene.filter, options.scene.world_from_scene(), loaded.filtered);
+    loaded.kept =
+        filter_scene(loaded.scene, options.scene.filter, options.scene.world_from_scene(), loaded.filtered);
   } else {
     ground.name = options.scene.path;
     loaded = load(options.scene, progress);
   }
-  ground.index = std::make_unique<SceneIndex>(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
+  ground.index = std::make_unique<SceneIndex>(loaded.scene, options.scene.filter,
+                                              options.scene.world_from_scene(), progress);
   try {
-    ground.places = press_places(*ground.index, loaded.kept, options.query.tool, options.places, options.seed);
+    ground.places =
+        press_places(*ground.index, loaded.kept, options.query.tool, options.places, options.seed);
   } catch (const Error& error) {
     throw Error("{}: {}", ground.name, error.what());
   }
@@ -128,7 +132,8 @@ void measure(StabilityRow& row, const Options& options, const Ground& ground) {
       row.force_off = std::max(row.force_off, force_off(outcome, hold_on(in_loop, place, true)));
     first = false;
   }
-  if (row.model != "density") row.z_width = z_width(trial, ground.places.front(), options.force.proxy.stiffness);
+  if (row.model != "density")
+    row.z_width = z_width(trial, ground.places.front(), options.force.proxy.stiffness);
 }
 
 std::vector<StabilityRow> rows_of(const Options& options) {
@@ -165,8 +170,9 @@ StabilityTables measure_all(const Options& options, const Ground& ground, const 
     const DeviceProfile& profile = device_profile(name);
     const double period = 1.0 / profile.capabilities.rate;
     for (const bool passivity : {false, true}) {
-      tables.walls.push_back({name, passivity, wall_z_width(profile, period, passivity),
-                              wall_bound(profile, period, passivity ? profile.capabilities.damping_max : 0.0)});
+      tables.walls.push_back(
+          {name, passivity, wall_z_width(profile, period, passivity),
+           wall_bound(profile, period, passivity ? profile.capabilities.damping_max : 0.0)});
     }
   }
   report(progress, "holding", 1.0);
@@ -174,8 +180,8 @@ StabilityTables measure_all(const Options& options, const Ground& ground, const 
 }
 
 /// The first profile and model, in the hand that is in the middle, with every source.
-std::vector<StabilityTrace> traces_of(const Options& options, const Ground& ground, const StabilityTables& tables,
-                                      std::string& subtitle) {
+std::vector<StabilityTrace> traces_of(const Options& options, const Ground& ground,
+                                      const StabilityTables& tables, std::string& subtitle) {
   std::vector<StabilityTrace> traces;
   const HandProperties& hand = options.hands[options.hands.size() / 2];
   for (const StabilityRow& row : tables.rows) {
@@ -186,18 +192,21 @@ std::vector<StabilityTrace> traces_of(const Options& options, const Ground& grou
                                  : fmt::format("{}, {:g} ms", to_string(row.source), 1e3 * row.delay);
     traces.push_back({name, hold_on(trial_of(options, ground, row), ground.places.front(), true).ticks});
   }
-  subtitle = fmt::format("{}, {}, a hand of {}", options.profiles.front(), options.models.front(), hand_text(hand));
+  subtitle =
+      fmt::format("{}, {}, a hand of {}", options.profiles.front(), options.models.front(), hand_text(hand));
   return traces;
 }
 
 std::string setup_text(const Options& options, const Ground& ground) {
   return fmt::format(
-      "A simulated hand comes in to {} at {} places, presses {:g} mm beyond first contact (or with half of what the device can), rests for {:g} s and slides "
-      "for {:g} s at {:g} m/s; 1 kHz in virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and hold are {:g} ms "
+      "A simulated hand comes in to {} at {} places, presses {:g} mm beyond first contact (or with half of "
+      "what the device can), rests for {:g} s and slides "
+      "for {:g} s at {:g} m/s; 1 kHz in virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and "
+      "hold are {:g} ms "
       "late.",
-      ground.name, ground.places.size(), 1e3 * StabilityTrial::kPress, StabilityTrial::kRest, StabilityTrial::kSlide,
-      StabilityTrial::kSlideSpeed, tool_text(options.query.tool), options.force.proxy.stiffness,
-      options.force.proxy.friction, 1e3 * options.delay);
+      ground.name, ground.places.size(), 1e3 * StabilityTrial::kPress, StabilityTrial::kRest,
+      StabilityTrial::kSlide, StabilityTrial::kSlideSpeed, tool_text(options.query.tool),
+      options.force.proxy.stiffness, options.force.proxy.friction, 1e3 * options.delay);
 }
 
 void run(const Options& options) {
@@ -226,8 +235,9 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_stability(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "stability",
-                              "How firmly a scene can be held on to: devices, hands and models, in virtual time");
+  CLI::App& app =
+      add_command(parent, "stability",
+                  "How firmly a scene can be held on to: devices, hands and models, in virtual time");
   auto options = std::make_shared<Options>();
   options->profiles = profile_names();
   options->hands = usual_hands();
@@ -247,7 +257,8 @@ Command declare_stability(CLI::App& parent) {
              });
   add_count(app, "--places", options->places, 1, 100, "where the scene is pressed");
   add_seed(app, options->seed, "of the choice of places");
-  add_number(app, "--delay", options->delay, 0.0, 0.09, "s", "of the worker, and of the force that is held; 0: neither");
+  add_number(app, "--delay", options->delay, 0.0, 0.09, "s",
+             "of the worker, and of the force that is held; 0: neither");
   add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, a line a row");
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
   add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");

@@ -29,7 +29,8 @@ std::string series_name(const StabilityRow& row) {
   return fmt::format("{}, {} {:g} ms", row.model, to_string(row.source), kMilli * row.delay);
 }
 
-/// A dot with a bar for the hands of every profile; one series for each of at most kColors of what `shows` chooses.
+/// A dot with a bar for the hands of every profile; one series for each of at most kColors of what `shows`
+/// chooses.
 template <class Shows, class Value>
 void add_dots(Plot& plot, const StabilityTables& tables, const Shows& shows, const Value& value) {
   const std::vector<std::string>& profiles = plot.x.categories;
@@ -37,10 +38,12 @@ void add_dots(Plot& plot, const StabilityTables& tables, const Shows& shows, con
     const StabilityRow& row = *summary.any;
     if (!shows(row)) continue;
     const std::string name = series_name(row);
-    auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const PlotSeries& s) { return s.name == name; });
+    auto series = std::find_if(plot.series.begin(), plot.series.end(),
+                               [&](const PlotSeries& s) { return s.name == name; });
     if (series == plot.series.end()) {
       if (plot.series.size() == PlotSeries::kColors) continue;
-      series = plot.series.insert(plot.series.end(), {name, Style::kDots, static_cast<int>(plot.series.size()), {}});
+      series = plot.series.insert(plot.series.end(),
+                                  {name, Style::kDots, static_cast<int>(plot.series.size()), {}});
     }
     const auto at = std::find(profiles.begin(), profiles.end(), row.profile) - profiles.begin();
     if (const auto point = value(static_cast<double>(at), summary)) series->points.push_back(*point);
@@ -51,13 +54,19 @@ void add_dots(Plot& plot, const StabilityTables& tables, const Shows& shows, con
 }
 
 PlotSeries level(const std::string& name, std::size_t profiles, double value) {
-  return {name, Style::kLine, PlotSeries::kTruth, {{-0.5, value}, {static_cast<double>(profiles) - 0.5, value}}};
+  return {
+      name, Style::kLine, PlotSeries::kTruth, {{-0.5, value}, {static_cast<double>(profiles) - 0.5, value}}};
 }
 
 bool is_not_late_worker(const StabilityRow& row) { return row.source != ContactSource::kWorker; }
 
 Plot limit_cycles(const StabilityTables& tables) {
-  Plot plot{"cycle", "At rest on the surface", "how far the handle swings, the worst of all hands and places", {}, {}, {}};
+  Plot plot{"cycle",
+            "At rest on the surface",
+            "how far the handle swings, the worst of all hands and places",
+            {},
+            {},
+            {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"peak to peak, mm", true, kLeastCycle, {}, {}};
   add_dots(plot, tables, is_not_late_worker, [](double at, const StabilitySummary& s) {
@@ -68,7 +77,12 @@ Plot limit_cycles(const StabilityTables& tables) {
 }
 
 Plot energies(const StabilityTables& tables) {
-  Plot plot{"energy", "What the port puts out", "beyond what it took in and stored, the worst of all hands and places", {}, {}, {}};
+  Plot plot{"energy",
+            "What the port puts out",
+            "beyond what it took in and stored, the worst of all hands and places",
+            {},
+            {},
+            {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"energy, mJ", true, kLeastEnergy, {}, {}};
   add_dots(plot, tables, is_not_late_worker, [](double at, const StabilitySummary& s) {
@@ -79,23 +93,30 @@ Plot energies(const StabilityTables& tables) {
 }
 
 Plot widths(const StabilityTables& tables) {
-  Plot plot{"z-width", "Z-width", "the stiffest surface that a hand can rest on; from the worst hand to the best", {}, {}, {}};
+  Plot plot{
+      "z-width", "Z-width", "the stiffest surface that a hand can rest on; from the worst hand to the best",
+      {},        {},        {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"stiffness, N/m", true, {}, {}, {}};
-  add_dots(plot, tables, is_not_late_worker, [](double at, const StabilitySummary& s) -> std::optional<PlotPoint> {
-    if (!s.z_low) return std::nullopt;
-    return PlotPoint(at, *s.z_low, *s.z_low, *s.z_high);
-  });
+  add_dots(plot, tables, is_not_late_worker,
+           [](double at, const StabilitySummary& s) -> std::optional<PlotPoint> {
+             if (!s.z_low) return std::nullopt;
+             return PlotPoint(at, *s.z_low, *s.z_low, *s.z_high);
+           });
   return plot;
 }
 
 Plot walls(const StabilityTables& tables) {
-  Plot plot{"wall", "An ideal wall", "measured by bisection, and in theory (2 b / T, Colgate and Schenkel)", {}, {}, {}};
+  Plot plot{
+      "wall", "An ideal wall", "measured by bisection, and in theory (2 b / T, Colgate and Schenkel)", {}, {},
+      {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"stiffness, N/m", true, {}, {}, {}};
   for (const bool passivity : {false, true}) {
-    PlotSeries measured{passivity ? "measured, passivity controlled" : "measured", Style::kDots, passivity ? 1 : 0, {}};
-    PlotSeries theory{passivity ? "in theory, with its damping" : "in theory", Style::kDots, passivity ? 3 : 2, {}};
+    PlotSeries measured{
+        passivity ? "measured, passivity controlled" : "measured", Style::kDots, passivity ? 1 : 0, {}};
+    PlotSeries theory{
+        passivity ? "in theory, with its damping" : "in theory", Style::kDots, passivity ? 3 : 2, {}};
     for (const WallRow& wall : tables.walls) {
       const auto found = std::find(plot.x.categories.begin(), plot.x.categories.end(), wall.profile);
       if (wall.passivity != passivity || found == plot.x.categories.end()) continue;
@@ -111,8 +132,12 @@ Plot walls(const StabilityTables& tables) {
 
 Plot traces_of(const std::vector<StabilityTrace>& traces, const std::string& subtitle) {
   constexpr std::size_t kEvery = 4;  // [ticks]
-  Plot plot{"trace", "Pressing, resting, sliding", subtitle, {"time, s", false, {}, {}, {}},
-            {"depth of the handle, mm", false, {}, {}, {}}, {}};
+  Plot plot{"trace",
+            "Pressing, resting, sliding",
+            subtitle,
+            {"time, s", false, {}, {}, {}},
+            {"depth of the handle, mm", false, {}, {}, {}},
+            {}};
   for (const StabilityTrace& trace : traces) {
     PlotSeries line{trace.name, Style::kLine, static_cast<int>(plot.series.size()), {}};
     for (std::size_t i = 0; i < trace.ticks.size(); i += kEvery)
@@ -124,17 +149,20 @@ Plot traces_of(const std::vector<StabilityTrace>& traces, const std::string& sub
 
 std::string rows_table(const std::vector<StabilityRow>& rows) {
   std::string html =
-      "<div class='table' tabindex='0'><table>\n<tr><th>profile</th><th>hand</th><th>model</th><th>contacts</th>"
-      "<th>limit cycle mm</th><th>energy mJ</th><th>changes</th><th>rest N</th><th>slide off</th><th>fault</th>"
+      "<div class='table' "
+      "tabindex='0'><table>\n<tr><th>profile</th><th>hand</th><th>model</th><th>contacts</th>"
+      "<th>limit cycle mm</th><th>energy mJ</th><th>changes</th><th>rest N</th><th>slide "
+      "off</th><th>fault</th>"
       "<th>Z-width N/m</th></tr>\n";
   std::string last;
   for (const StabilityRow& r : rows) {
     html += fmt::format(
         "<tr{}><td>{}</td><td>{}</td><td>{}</td><td>{} {:g} ms</td><td>{:.4f}</td><td>{:.4f}</td><td>{}</td>"
         "<td>{:.2f}</td><td>{:.1f} %</td><td>{}</td><td>{}</td></tr>\n",
-        r.profile == last ? "" : " class='new'", markup_escaped(r.profile), hand_text(r.hand), markup_escaped(r.model),
-        to_string(r.source), kMilli * r.delay, kMilli * r.limit_cycle, kMilli * r.port_energy, r.contact_changes,
-        r.rest_force, 100.0 * r.force_off, traits(r.fault).name, r.z_width ? fmt::format("{:.0f}", *r.z_width) : "-");
+        r.profile == last ? "" : " class='new'", markup_escaped(r.profile), hand_text(r.hand),
+        markup_escaped(r.model), to_string(r.source), kMilli * r.delay, kMilli * r.limit_cycle,
+        kMilli * r.port_energy, r.contact_changes, r.rest_force, 100.0 * r.force_off, traits(r.fault).name,
+        r.z_width ? fmt::format("{:.0f}", *r.z_width) : "-");
     last = r.profile;
   }
   return html + "</table></div>\n";
@@ -146,8 +174,8 @@ std::string walls_table(const std::vector<WallRow>& walls) {
       "<th>in theory N/m</th><th>ratio</th></tr>\n";
   for (const WallRow& w : walls) {
     html += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.0f}</td><td>{:.0f}</td><td>{:.3f}</td></tr>\n",
-                        markup_escaped(w.profile), w.passivity ? "controlled" : "observed", w.z_width, w.bound,
-                        w.z_width / w.bound);
+                        markup_escaped(w.profile), w.passivity ? "controlled" : "observed", w.z_width,
+                        w.bound, w.z_width / w.bound);
   }
   return html + "</table></div>\n";
 }
@@ -156,19 +184,23 @@ std::string walls_table(const std::vector<WallRow>& walls) {
 
 std::vector<Plot> stability_figures(const StabilityTables& tables, const std::vector<StabilityTrace>& traces,
                                     const std::string& trace_subtitle) {
-  return {limit_cycles(tables), energies(tables), traces_of(traces, trace_subtitle), widths(tables), walls(tables)};
+  return {limit_cycles(tables), energies(tables), traces_of(traces, trace_subtitle), widths(tables),
+          walls(tables)};
 }
 
-std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures, const std::string& setup) {
-  return page_document(
-      "How firmly it can be held", setup, figures,
-      "<h2>A hand on a scene</h2>\n<p>The worst of the places. Contacts: looked for in the loop; by a worker that looks "
-      "ahead and is late; or a force that is computed late and held. Slide off: how far the force is from that of "
-      "the loop, in 95 of 100 ticks.</p>\n" +
-          rows_table(tables.rows) +
-          "<h2>An ideal wall</h2>\n<p>The stiffest on which a disturbance dies out, without dry friction, encoder steps or "
-          "a hand, by bisection and by the eigenvalues of the sampled loop.</p>\n" +
-          walls_table(tables.walls));
+std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
+                           const std::string& setup) {
+  return page_document("How firmly it can be held", setup, figures,
+                       "<h2>A hand on a scene</h2>\n<p>The worst of the places. Contacts: looked for in the "
+                       "loop; by a worker that looks "
+                       "ahead and is late; or a force that is computed late and held. Slide off: how far the "
+                       "force is from that of "
+                       "the loop, in 95 of 100 ticks.</p>\n" +
+                           rows_table(tables.rows) +
+                           "<h2>An ideal wall</h2>\n<p>The stiffest on which a disturbance dies out, without "
+                           "dry friction, encoder steps or "
+                           "a hand, by bisection and by the eigenvalues of the sampled loop.</p>\n" +
+                           walls_table(tables.walls));
 }
 
 }  // namespace palpate::cli

@@ -21,6 +21,7 @@ std::vector<Plot> stability_figures(const StabilityTables& tables, const std::ve
                                     const std::string& trace_subtitle);
 
 /// A whole page that needs no network. `setup` says in a sentence what was done.
-std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures, const std::string& setup);
+std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
+                           const std::string& setup);
 
 }  // namespace palpate::cli

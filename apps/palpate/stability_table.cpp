@@ -37,7 +37,8 @@ std::string hand_text(const HandProperties& hand) {
 std::vector<StabilitySummary> summarize(const std::vector<StabilityRow>& rows) {
   std::vector<StabilitySummary> all;
   for (const StabilityRow& row : rows) {
-    auto s = std::find_if(all.begin(), all.end(), [&](const StabilitySummary& x) { return same_row(*x.any, row); });
+    auto s = std::find_if(all.begin(), all.end(),
+                          [&](const StabilitySummary& x) { return same_row(*x.any, row); });
     if (s == all.end()) s = all.insert(all.end(), StabilitySummary{&row, 0.0, 0.0, 0.0, 0, {}, {}});
     s->limit_cycle = std::max(s->limit_cycle, row.limit_cycle);
     s->port_energy = std::max(s->port_energy, row.port_energy);
@@ -82,31 +83,36 @@ std::string stability_csv(const StabilityTables& tables) {
       "profile,hand_mass,hand_damping,hand_stiffness,model,contacts,delay_ms,limit_cycle_mm,port_energy_mj,"
       "contact_changes,rest_force_n,slide_force_off,fault,z_width_n_m\n";
   for (const StabilityRow& r : tables.rows) {
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.profile, r.hand.mass,
-                   r.hand.damping, r.hand.stiffness, r.model, to_string(r.source), kMilli * r.delay,
-                   kMilli * r.limit_cycle, kMilli * r.port_energy, r.contact_changes, r.rest_force, r.force_off,
-                   traits(r.fault).name, r.z_width ? fmt::format("{}", *r.z_width) : "");
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.profile,
+                   r.hand.mass, r.hand.damping, r.hand.stiffness, r.model, to_string(r.source),
+                   kMilli * r.delay, kMilli * r.limit_cycle, kMilli * r.port_energy, r.contact_changes,
+                   r.rest_force, r.force_off, traits(r.fault).name,
+                   r.z_width ? fmt::format("{}", *r.z_width) : "");
   }
   return csv;
 }
 
 std::string stability_text(const StabilityTables& tables) {
-  std::string text = fmt::format("{:<9} {:<8} {:<13} {:>12} {:>11} {:>8} {:>10} {:>15}\n", "profile", "model", "contacts",
-                                 "cycle mm", "energy mJ", "changes", "slide off", "Z-width N/m");
+  std::string text = fmt::format("{:<9} {:<8} {:<13} {:>12} {:>11} {:>8} {:>10} {:>15}\n", "profile", "model",
+                                 "contacts", "cycle mm", "energy mJ", "changes", "slide off", "Z-width N/m");
   for (const StabilitySummary& s : summarize(tables.rows)) {
     const StabilityRow& row = *s.any;
-    const std::string source =
-        row.source == ContactSource::kLoop ? "loop" : fmt::format("{} {:g} ms", to_string(row.source), kMilli * row.delay);
+    const std::string source = row.source == ContactSource::kLoop
+                                   ? "loop"
+                                   : fmt::format("{} {:g} ms", to_string(row.source), kMilli * row.delay);
     const std::string width = s.z_low ? fmt::format("{:.0f} - {:.0f}", *s.z_low, *s.z_high) : "-";
-    fmt::format_to(std::back_inserter(text), "{:<9} {:<8} {:<13} {:>12.4f} {:>11.4f} {:>8} {:>9.1f}% {:>15}\n",
-                   row.profile, row.model, source, kMilli * s.limit_cycle, kMilli * s.port_energy, s.contact_changes,
+    fmt::format_to(std::back_inserter(text),
+                   "{:<9} {:<8} {:<13} {:>12.4f} {:>11.4f} {:>8} {:>9.1f}% {:>15}\n", row.profile, row.model,
+                   source, kMilli * s.limit_cycle, kMilli * s.port_energy, s.contact_changes,
                    100.0 * s.force_off, width);
   }
   if (tables.walls.empty()) return text;
-  text += fmt::format("\n{:<9} {:<10} {:>14} {:>11} {:>7}\n", "wall on", "passivity", "Z-width N/m", "in theory", "ratio");
+  text += fmt::format("\n{:<9} {:<10} {:>14} {:>11} {:>7}\n", "wall on", "passivity", "Z-width N/m",
+                      "in theory", "ratio");
   for (const WallRow& wall : tables.walls) {
     fmt::format_to(std::back_inserter(text), "{:<9} {:<10} {:>14.0f} {:>11.0f} {:>7.3f}\n", wall.profile,
-                   wall.passivity ? "controlled" : "observed", wall.z_width, wall.bound, wall.z_width / wall.bound);
+                   wall.passivity ? "controlled" : "observed", wall.z_width, wall.bound,
+                   wall.z_width / wall.bound);
   }
   return text;
 }

@@ -25,15 +25,16 @@ struct StabilityRow {
   std::string profile, model;
   HandProperties hand;
   ContactSource source = ContactSource::kLoop;
-  double delay = 0.0;  ///< of `source`. Unit: [s].
+  double delay = 0.0;                           ///< of `source`. Unit: [s].
   double limit_cycle = 0.0, port_energy = 0.0;  ///< StabilityOutcome
   int contact_changes = 0;
   double rest_force = 0.0;  ///< the least
   Fault fault = Fault::kNone;
-  /// While sliding, from the force of the same trial with ContactSource::kLoop, in 95 of 100 ticks at most, as a share of
-  /// that.
+  /// While sliding, from the force of the same trial with ContactSource::kLoop, in 95 of 100 ticks at most,
+  /// as a share of that.
   double force_off = 0.0;
-  std::optional<double> z_width;  ///< z_width(), at the first place; none for a model without a stiffness. Unit: [N/m].
+  std::optional<double>
+      z_width;  ///< z_width(), at the first place; none for a model without a stiffness. Unit: [N/m].
 };
 
 /// An ideal wall on a device.

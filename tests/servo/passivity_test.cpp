@@ -121,13 +121,20 @@ void press_and_let_go(PassivityController& controller, const Wall& wall, double 
   }
 }
 
-// Held from step to step, the spring pushes back less on the way in and more on the way out: by K d^2 / 2 in each of
-// 100 steps there and back.
+// Held from step to step, the spring pushes back less on the way in and more on the way out: by K d^2 / 2 in
+// each of 100 steps there and back.
 TEST(PassivityController, ASampledSpringPutsOutMoreThanItTakes) {
   PassivityController controller(kPeriod, 0.0, 0.0);
   Wrench sent;
   press_and_let_go(controller, {1000.0}, -0.01, sent);
   EXPECT_NEAR(controller.put_out(), 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
+}
+
+TEST(PassivityController, WhatTheDeviceAbsorbsDoesNotReachTheHand) {
+  PassivityController controller(kPeriod, 0.3, 0.0);  // K T / 2 = 0.5 N s/m
+  Wrench sent;
+  press_and_let_go(controller, {1000.0}, -0.01, sent);
+  EXPECT_NEAR(controller.put_out(), (0.5 - 0.3) / 0.5 * 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
 }
 
 // What winds up by itself has made nothing until it comes out.
@@ -146,9 +153,9 @@ TEST(PassivityController, WhatTheSpringHasLostDoesNotComeBack) {
   PassivityController controller(kPeriod, 0.0, 0.0);
   const Wrench push{{0, 0, 4}, Vector3d::Zero()};
   controller.correct(push, 0.0, push, at(0.0));
-  controller.correct(push, 1.0, push, at(-0.010));  // 40 mJ in
+  controller.correct(push, 1.0, push, at(-0.010));    // 40 mJ in
   controller.correct(push, 0.008, push, at(-0.010));  // 8 are left
-  controller.correct(push, 0.0, push, at(-0.005));  // 20 come out
+  controller.correct(push, 0.0, push, at(-0.005));    // 20 come out
   EXPECT_NEAR(controller.put_out(), 0.012, 1e-12);
 }
 

@@ -273,16 +273,17 @@ TEST(ReadRun, NamesLineAndColumnOfWhatIsNoStateOrFault) {
   const auto lines = [](const std::string& state, const std::string& fault) {
     return kNumberedLine + ",0,0,0,0,0,0,0,0,0," + state + "," + fault + ",0,0,0,0,0\n";
   };
-  const TemporaryFile good(kHeader + kLiveHeader + "\n" + lines("4", "10"));
+  const TemporaryFile good(kHeader + kLiveHeader + "\n" + lines("4", std::to_string(kFaultCount - 1)));
   EXPECT_EQ(read_run(good.path()).rows[0].live->state, GovernorState::kStopped);
   EXPECT_EQ(read_run(good.path()).rows[0].live->fault, Fault::kEmergencyStop);
   for (const std::string bad : {"5", "-1", "0.5"}) {
     EXPECT_THAT(message_for(lines(bad, "0"), kHeader + kLiveHeader),
                 AllOf(HasSubstr("line 2"), HasSubstr("'state'"), HasSubstr(bad), HasSubstr("0 to 4")));
   }
-  for (const std::string bad : {"11", "-1", "0.5"}) {
+  for (const std::string& bad : {std::to_string(kFaultCount), std::string("-1"), std::string("0.5")}) {
     EXPECT_THAT(message_for(lines("0", bad), kHeader + kLiveHeader),
-                AllOf(HasSubstr("line 2"), HasSubstr("'fault'"), HasSubstr(bad), HasSubstr("0 to 10")));
+                AllOf(HasSubstr("line 2"), HasSubstr("'fault'"), HasSubstr(bad),
+                      HasSubstr("0 to " + std::to_string(kFaultCount - 1))));
   }
 }
 

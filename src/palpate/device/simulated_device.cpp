@@ -75,8 +75,8 @@ void SimulatedDevice::step(double h) {
   velocity_.linear =
       stepped(before, h, plant_.mass + hand_.mass, shown.force, wanted_.position - pose_.position,
               hand_velocity, hand_, plant_.damping, plant_.coulomb);
-  // Of both ends of the step: with one end alone, the force would act half a step too soon or too late, which is a
-  // twentieth of what makes a wall active.
+  // Of both ends of the step: with one end alone, the force would act half a step too soon or too late, which
+  // is a twentieth of what makes a wall active.
   pose_.position += 0.5 * h * (before + velocity_.linear);
   hand_force_ = hand_.stiffness * (wanted.position - pose_.position) +
                 hand_.damping * (hand_velocity - velocity_.linear);

@@ -27,7 +27,8 @@ HandPath path_at(const PressPlace& place, double press) {
     const double in = std::clamp((t - kComes) / (kThere - kComes), 0.0, 1.0);
     const double depth = -kAway + (kAway + press) * in * in * (3.0 - 2.0 * in);
     Pose pose = place.touch;
-    pose.position += depth * place.inward + StabilityTrial::kSlideSpeed * std::max(0.0, t - kSlides) * place.along;
+    pose.position +=
+        depth * place.inward + StabilityTrial::kSlideSpeed * std::max(0.0, t - kSlides) * place.along;
     return pose;
   };
 }
@@ -46,9 +47,9 @@ class Extent {
   Vector3d low_ = Vector3d::Constant(kFar), high_ = Vector3d::Constant(-kFar);
 };
 
-/// Where, going up from `low`, `holds` is true for the last time before it is false; `low` if it never is, `most` if it
-/// always is. To a hundredth. What holds again farther up does not count: a loop that is shaken as far as its motors
-/// can looks quiet.
+/// Where, going up from `low`, `holds` is true for the last time before it is false; `low` if it never is,
+/// `most` if it always is. To a hundredth. What holds again farther up does not count: a loop that is shaken
+/// as far as its motors can looks quiet.
 double last_that_holds(double low, double most, const std::function<bool(double)>& holds) {
   constexpr double kStride = 1.3;
   double high = low;
@@ -66,8 +67,8 @@ double last_that_holds(double low, double most, const std::function<bool(double)
 
 }  // namespace
 
-std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool, int count,
-                                     std::uint64_t seed) {
+std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool,
+                                     int count, std::uint64_t seed) {
   TouchPathOptions options;
   options.touches = count;
   options.seed = seed;
@@ -193,7 +194,8 @@ double wall_swing(const DeviceProfile& profile, double period, bool passivity, d
 double growth(const DeviceProfile& profile, double period, double k, double added) {
   const double m = profile.plant.mass, b = profile.plant.damping;
   const double kept = std::exp(-b * period / m), way = (1.0 - kept) * m / b;
-  // A force that is held for a period moves the handle by `by` a newton, and makes it faster by (1 - kept) / b.
+  // A force that is held for a period moves the handle by `by` a newton, and makes it faster by (1 - kept) /
+  // b.
   const double by = (period - way) / b, faster = (1.0 - kept) / b;
   const double now = -k - added / period, before = added / period;  // of the force, by x_k and x_(k-1)
   Eigen::Matrix3d loop;
@@ -218,8 +220,9 @@ double wall_bound(const DeviceProfile& profile, double period, double added_damp
   double best = 0.0;
   for (int n = 0; n <= kTried; ++n) {
     const double added = added_damping * n / kTried;
-    best = std::max(best,
-                    last_that_holds(kSoftest, kStiff, [&](double k) { return growth(profile, period, k, added) <= 1.0; }));
+    best = std::max(best, last_that_holds(kSoftest, kStiff, [&](double k) {
+                      return growth(profile, period, k, added) <= 1.0;
+                    }));
   }
   return best;
 }

@@ -22,12 +22,12 @@ struct PressPlace {
 };
 
 /// At most `count` places of a scene that differ, as touch_path() finds them. \throws Error as that does.
-std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool, int count,
-                                     std::uint64_t seed);
+std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool,
+                                     int count, std::uint64_t seed);
 
-/// One session of a hand with a device: it comes in along PressPlace::inward once the force is on, presses kPress
-/// beyond first contact, or as far as takes kForceShare of what the device can hold, rests there for kRest, and
-/// slides at kSlideSpeed for kSlide.
+/// One session of a hand with a device: it comes in along PressPlace::inward once the force is on, presses
+/// kPress beyond first contact, or as far as takes kForceShare of what the device can hold, rests there for
+/// kRest, and slides at kSlideSpeed for kSlide.
 struct StabilityTrial {
   const SceneIndex* index = nullptr;
   Tool tool;
@@ -38,14 +38,14 @@ struct StabilityTrial {
   double gain = 1.0;          ///< ServoTickOptions::gain
   bool passivity = true;      ///< ServoTickOptions::passivity
   double worker_delay = 0.0;  ///< of the thread that looks for contacts ahead; 0: the loop looks. Unit: [s].
-  double hold = 0.0;          ///< for how long a force is computed and then held (HeldForce); 0: not. Unit: [s].
-  bool governed = true;       ///< false: the governor does not end what puts out energy, so that it is seen whole
+  double hold = 0.0;     ///< for how long a force is computed and then held (HeldForce); 0: not. Unit: [s].
+  bool governed = true;  ///< false: the governor does not end what puts out energy, so that it is seen whole
 
-  static constexpr double kTick = 1e-3;  ///< Unit: [s].
-  static constexpr double kPress = 0.01;       ///< Unit: [m].
+  static constexpr double kTick = 1e-3;   ///< Unit: [s].
+  static constexpr double kPress = 0.01;  ///< Unit: [m].
   static constexpr double kForceShare = 0.5;
   static constexpr double kRest = 2.0, kSlide = 0.5;  ///< Unit: [s].
-  static constexpr double kSlideSpeed = 0.1;  ///< Unit: [m/s].
+  static constexpr double kSlideSpeed = 0.1;          ///< Unit: [m/s].
 };
 
 /// What was seen in one tick of a trial.
@@ -59,8 +59,8 @@ struct StabilityTick {
 struct StabilityOutcome {
   double limit_cycle = 0.0;  ///< peak to peak of the handle in the last second of the rest. Unit: [m].
   double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
-  int contact_changes = 0;  ///< how often force began or ended
-  double rest_force = 0.0;  ///< mean, in that second. Unit: [N].
+  int contact_changes = 0;   ///< how often force began or ended
+  double rest_force = 0.0;   ///< mean, in that second. Unit: [N].
   GovernorState state = GovernorState::kWaiting;  ///< at the end
   Fault fault = Fault::kNone;                     ///< the first
   std::vector<StabilityTick> ticks;               ///< all of them, if asked for
@@ -68,17 +68,18 @@ struct StabilityOutcome {
 
 StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, bool keeps_ticks = false);
 
-/// No more than this is at rest; a fingertip feels some 0.1 mm at the frequencies that a hand allows. Unit: [m].
+/// No more than this is at rest; a fingertip feels some 0.1 mm at the frequencies that a hand allows. Unit:
+/// [m].
 inline constexpr double kLimitCycleMax = 0.05e-3;
 
-/// By bisection, the largest stiffness with which the hand rests within kLimitCycleMax and the governor has nothing to
-/// end, for a model that has `stiffness` at gain 1. At most kStiffest. Unit: [N/m].
+/// By bisection, the largest stiffness with which the hand rests within kLimitCycleMax and the governor has
+/// nothing to end, for a model that has `stiffness` at gain 1. At most kStiffest. Unit: [N/m].
 double z_width(const StabilityTrial& trial, const PressPlace& place, double stiffness);
 inline constexpr double kStiffest = 5e4;
 
 /// \name An ideal wall
-/// A spring on one side of a plane, against which a device without dry friction or encoder steps is pushed with a
-/// constant force, so that nothing damps it but the device itself.
+/// A spring on one side of a plane, against which a device without dry friction or encoder steps is pushed
+/// with a constant force, so that nothing damps it but the device itself.
 /// @{
 
 /// By bisection, the stiffness above which what is left of a disturbance grows. \param passivity with the

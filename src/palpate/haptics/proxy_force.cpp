@@ -170,9 +170,8 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   if (held_) hold_ = held;  // what is let go slowly stays what it was
   const double farthest = motion.translation.norm() + radius_ * motion.rotation.norm();
   const double length = length_of(motion, gyration_);
-  const double share =
-      std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300),
-                share_within(wanted, motion, stretch, gyration_)});
+  const double share = std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300),
+                                 share_within(wanted, motion, stretch, gyration_)});
   if (!held_ && share == 1.0) {
     proxy_ = target;  // not to rounding
   } else {
@@ -217,8 +216,9 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const Eigen::Vector3d before = proxy_.position;
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
-  const double stretch = first || hold_.stiffness == 0.0 ? std::numeric_limits<double>::infinity()
-                                                          : std::sqrt(slack * slack + 2.0 * reserve_ / hold_.stiffness);
+  const double stretch = first || hold_.stiffness == 0.0
+                             ? std::numeric_limits<double>::infinity()
+                             : std::sqrt(slack * slack + 2.0 * reserve_ / hold_.stiffness);
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
@@ -231,7 +231,8 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const Motion spring = motion_between(input.tool, proxy_);
   const double length = length_of(spring, gyration_);
   if (!first)
-    reserve_ = std::clamp(reserve_ + 0.5 * hold_.stiffness * (slack * slack - length * length), 0.0, kReserve);
+    reserve_ =
+        std::clamp(reserve_ + 0.5 * hold_.stiffness * (slack * slack - length * length), 0.0, kReserve);
   if (length == 0.0) return {Wrench{}, proxy_, 1.0};
   const double k = hold_.stiffness, push = damped(k * spring.translation);
   return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},

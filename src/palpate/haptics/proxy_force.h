@@ -51,10 +51,12 @@ ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel);
 ///  3. again, until it hardly moves, at most kMostSteps times, or kMostFreeSteps out of contact and at first,
 ///     where the tool may begin inside something. In all, it moves no farther than the tool did and a little,
 ///     so that the force does not jump where patches come and go;
-///  4. What is there may change from one moment to the next, where a fit finds another patch, and push the proxy away from
-///     the tool, which would wind up the spring with energy that no hand has put in. The spring is therefore no longer
-///     after the proxy has moved than before, for the tool where it is, but for a reserve that is filled by what
-///     the spring loses otherwise, kReserve at most. The proxy stays in such a patch until the tool has made way.
+///  4. What is there may change from one moment to the next, where a fit finds another patch, and push the
+///  proxy away from
+///     the tool, which would wind up the spring with energy that no hand has put in. The spring is therefore
+///     no longer after the proxy has moved than before, for the tool where it is, but for a reserve that is
+///     filled by what the spring loses otherwise, kReserve at most. The proxy stays in such a patch until the
+///     tool has made way.
 ///  5. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the tool's
 ///  radius of
 ///     gyration. Zero where nothing holds the proxy back or has held it. With damping b, the force changes by
@@ -84,8 +86,8 @@ class ProxyForce final : public ForceModel {
   /// quarter.
   static constexpr double kTurning = 3.0;
 
-  /// Of what the spring has lost, the most that the proxy may put back into it by moving away from the tool: what a fit
-  /// of noisy splats goes up and down by as the tool slides. Unit: [J].
+  /// Of what the spring has lost, the most that the proxy may put back into it by moving away from the tool:
+  /// what a fit of noisy splats goes up and down by as the tool slides. Unit: [J].
   static constexpr double kReserve = 2e-4;
 
   static constexpr int kMostSteps = 4;       ///< in contact
@@ -123,8 +125,8 @@ class ProxyForce final : public ForceModel {
     double stiffness = 0.0, damping = 0.0;
   };
 
-  /// Moves the proxy one step towards `target`, by at most `longest`, and at most to where the spring is `stretch` long.
-  /// \returns how far. Unit: [m].
+  /// Moves the proxy one step towards `target`, by at most `longest`, and at most to where the spring is
+  /// `stretch` long. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
   /// The patches of all parts as obstacles.
   void find_obstacles();
@@ -149,11 +151,11 @@ class ProxyForce final : public ForceModel {
   Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
-  bool held_ = false;  ///< by something, in the last step
-  Hold hold_;          ///< of the last step in which it was held
+  bool held_ = false;          ///< by something, in the last step
+  Hold hold_;                  ///< of the last step in which it was held
   double reserve_ = kReserve;  ///< what the proxy may yet put into the spring by itself. Unit: [J].
-  Pose tool_;          ///< of the last call, world frame
-  Pose proxy_;         ///< world frame
+  Pose tool_;                  ///< of the last call, world frame
+  Pose proxy_;                 ///< world frame
 };
 
 }  // namespace palpate

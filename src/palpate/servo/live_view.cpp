@@ -10,7 +10,8 @@ void LiveView::add(const TickRecord& record) {
   totals_.force_max = std::max(totals_.force_max, record.sent.force.norm());
   totals_.port_energy = record.put_out;
   if (record.margin > 0.0)
-    totals_.margin_min = totals_.margin_min > 0.0 ? std::min(totals_.margin_min, record.margin) : record.margin;
+    totals_.margin_min =
+        totals_.margin_min > 0.0 ? std::min(totals_.margin_min, record.margin) : record.margin;
 }
 
 void LiveView::see(const TickRecord& record, const TickTimes& times) {

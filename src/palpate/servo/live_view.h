@@ -21,8 +21,8 @@ struct LiveTotals {
   double margin_min = 0.0;   ///< the least of TickRecord::margin; 0 if there was none
 };
 
-/// Keeps the newest tick, what has come together, and every change of the governor's state. The servo thread calls
-/// see(); the rest is for one other thread, unless it says more.
+/// Keeps the newest tick, what has come together, and every change of the governor's state. The servo thread
+/// calls see(); the rest is for one other thread, unless it says more.
 class LiveView final : public TickObserver {
  public:
   void see(const TickRecord& record, const TickTimes& times) override;

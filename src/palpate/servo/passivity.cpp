@@ -30,18 +30,17 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   const auto work = [&](const Wrench& w) {
     return w.force.dot(way) + turn.angle() * w.torque.dot(turn.axis());
   };
-  held_ -= work(sent);
+  const double squared = way.squaredNorm();
+  const double sampling = 0.5 * (work(sent) - work(wanted));
+  const double absorbed = std::clamp(sampling, 0.0, damping_ * squared / period_);
+  held_ -= work(sent) - absorbed;
   put_out_ += std::max(0.0, -held_);
   held_ = std::clamp(held_, 0.0, stored);
   pose_ = pose;
   added_ = 0.0;
   if (std::isinf(stored)) return wanted;
 
-  const double sampling = 0.5 * (work(sent) - work(wanted));
-  const double model = work(sent) - sampling + stored - stored_;
-  const double squared = way.squaredNorm();
-  excess_ = std::max(
-      0.0, excess_ + model + std::max(std::min(0.0, sampling), sampling - damping_ * squared / period_));
+  excess_ = std::max(0.0, excess_ + work(sent) - absorbed + stored - stored_);
   stored_ = stored;
 
   if (excess_ == 0.0 || squared == 0.0) return wanted;

@@ -19,16 +19,16 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 /// A passivity observer and controller at the port between device and model (Hannaford and Ryu 2002). The
 /// observer is the energy balance of a spring in sampled time, over a step d = x - x_before:
 ///
-///     W = f_sent . d + S - S_before            made at the port: work on the hand, and what was stored
-///     Z = (f_sent - f_wanted) . d / 2          of that, because the force was held from tick to tick
-///     D += W - Z + max(0, Z - b |d|^2 / T)     D >= 0
+///     W = f_sent . d                          work on the hand, exact, since the force was held on the way
+///     Z = (f_sent - f_wanted) . d / 2         of that, what is because it was held
+///     A = min(max(0, Z), b |d|^2 / T)         of that, what the device's own damping b absorbs
+///     D += W - A + S - S_before,  D >= 0
 ///
-/// with f_sent the force that was held since the last tick, f_wanted the model's now, S the energy in the
-/// model's spring, and b the device's own damping, which may absorb what sampling makes and nothing else. W
-/// is exact, since the force did not change on the way. What was absorbed long ago does not excuse D. A
-/// spring of stiffness K makes Z = K |v T|^2 / 2 in each tick, pressing or letting go: as much as damping K T
-/// / 2 absorbs, which is Colgate's bound again. The controller adds the damping that absorbs D within a tick,
-/// up to `damping_max`.
+/// with f_sent the force that was held since the last tick, f_wanted the model's now, and S the energy in the
+/// model's spring. The damping may absorb what sampling makes, and nothing else. What was absorbed long ago
+/// does not excuse D. A spring of stiffness K makes Z = K |v T|^2 / 2 in each tick, pressing or letting go:
+/// as much as damping K T / 2 absorbs, which is Colgate's bound again. The controller adds the damping that
+/// absorbs D within a tick, up to `damping_max`.
 ///
 /// One object a port and thread; takes nothing from the heap.
 class PassivityController {
@@ -37,16 +37,17 @@ class PassivityController {
   /// [N s/m]. 0: only observes
   PassivityController(double period, double damping, double damping_max);
 
-  /// What to send at a pose, in place of `wanted`. \param stored S at this pose; infinite if nobody knows: it is then
-  /// only observed. Unit: [J]. \param sent what was sent at the last call, by whoever was last to change it
+  /// What to send at a pose, in place of `wanted`. \param stored S at this pose; infinite if nobody knows: it
+  /// is then only observed. Unit: [J]. \param sent what was sent at the last call, by whoever was last to
+  /// change it
   Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose);
 
   /// D. Unit: [J].
   double excess() const { return excess_; }
-  /// All that the port has put out beyond what it had stored, ever: of the work of the hand on it, what the spring
-  /// still holds. With E what is stored, for a step as above
+  /// All that the port has put out beyond what it had stored, ever: of the work of the hand on it, what the
+  /// spring still holds. With E what is stored, for a step as above
   ///
-  ///     E' = E - f_sent . d         out += max(0, -E'),  E = min(max(0, E'), S)
+  ///     E' = E - W + A        out += max(0, -E'),  E = min(max(0, E'), S)
   ///
   /// A spring that winds up by itself has made nothing until that comes out. Unit: [J].
   double put_out() const { return put_out_; }

@@ -1,0 +1,281 @@
+"""palpate run: the live loop as a black box. Nothing about how long a tick takes is asserted: the machine is shared."""
+
+import csv
+import io
+import json
+import os
+import pty
+import random
+import select
+import signal
+import subprocess
+import time
+import unittest
+
+from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, path_csv, ply, wall_rows
+
+KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
+        "port_energy", "margin_min", "state", "faults"]
+RATE = "200" if SANITIZED else "1000"
+
+
+def press_path(depth=0.004, seconds=6.0):
+    """A hand that waits in front of the wall at z = 0, and presses once a second from then on."""
+    rows = []
+    for k in range(int(seconds * 100) + 1):
+        t = k / 100
+        phase = (t - 1.5) % 1.0 if t > 1.5 else 0.0
+        down = min(phase / 0.3, 1.0) * min((1.0 - phase) / 0.3, 1.0) if t > 1.5 else 0.0
+        rows.append((t, 0.0, 0.0, 0.05 - (0.05 - 0.01 + depth) * down))
+    return path_csv(rows)
+
+
+class Live(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("wall.ply", ply(wall_rows()))
+        self.write("hand.csv", press_path())
+
+    def arguments(self, *more):
+        return ["run", "wall.ply", "--trajectory", "hand.csv", "--tool", "0.01,0.01,0.01", "--rate", RATE, *more]
+
+    def start(self, *more, **options):
+        process = subprocess.Popen([PALPATE, *self.arguments(*more)], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+    def rows(self, name):
+        return list(csv.DictReader(io.StringIO(self.read(name).decode())))
+
+
+class Summary(Live):
+    def test_json_is_the_only_thing_on_stdout(self):
+        document = self.succeed(*self.arguments("--seconds", "4", "--json")).json
+        self.assertEqual(list(document), KEYS)
+        self.assertEqual(list(document["tick_us"]), ["p50", "p99", "p999", "max"])
+        times = list(document["tick_us"].values())
+        self.assertEqual(times, sorted(times))
+        self.assertGreater(document["ticks"], 100)
+        self.assertGreater(document["contact_ticks"], 10)
+        self.assertGreater(document["contacts_max"], 0)
+        self.assertEqual(document["state"], "active")
+        self.assertEqual(document["faults"], [])
+        self.assertLess(document["port_energy"], 1e-3)
+
+    def test_every_beat_is_a_tick_or_an_overrun(self):
+        document = self.succeed(*self.arguments("--seconds", "2", "--json")).json
+        beats = document["ticks"] + document["overruns"]
+        self.assertGreaterEqual(beats, 0.8 * 2 * float(RATE))
+        self.assertLessEqual(beats, 1.3 * 2 * float(RATE) + 100)
+
+    def test_the_force_is_the_stiffness_times_the_depth(self):
+        force = {}
+        for stiffness in ("100", "400"):
+            # A hand so firm that it is where it wants to be.
+            document = self.succeed(*self.arguments("--seconds", "4", "--json", "--stiffness", stiffness, "--hand",
+                                                    "0.1,30,20000")).json
+            force[stiffness] = document["force_max"]
+        self.assertGreater(force["100"], 0.2)
+        self.assertAlmostEqual(force["400"] / force["100"], 4.0, delta=0.4)
+
+    def test_the_builtin_scene_is_explored_without_any_file(self):
+        document = self.succeed("run", "--seconds", "5", "--json", "--rate", RATE).json
+        self.assertEqual(document["state"], "active")
+        self.assertGreater(document["contact_ticks"], 0)
+        self.assertEqual(self.files(), ["hand.csv", "wall.ply"])
+
+    def test_text_says_what_was_felt(self):
+        result = self.succeed(*self.arguments("--seconds", "2"))
+        for word in ("ticks", "overruns", "p99.9", "in contact", "port"):
+            self.assertIn(word, result.out.decode())
+
+    def test_quiet_says_nothing(self):
+        result = self.succeed(*self.arguments("--seconds", "1", "-q"))
+        self.assertEqual((result.out, result.err), (b"", b""))
+
+    def test_a_config_file_is_heard(self):
+        self.write("live.toml", f'seconds = 1.0\nrate = {RATE}\nprofile = "falcon"\nmodel = "field"\n')
+        result = self.succeed("run", "wall.ply", "--trajectory", "hand.csv", "--config", "live.toml", "--json")
+        self.assertLess(result.json["ticks"], 2 * float(RATE))
+        self.assertIn(b"falcon", result.err)
+        self.assertIn(b"field", result.err)
+
+
+class Contacts(Live):
+    def test_a_late_worker_feels_the_same_as_the_loop(self):
+        force = {}
+        for who in (["inline"], ["worker", "--worker-delay", "0.05"]):
+            document = self.succeed(*self.arguments("--seconds", "4", "--json", "--contacts", *who)).json
+            self.assertEqual(document["faults"], [], who)
+            force[who[0]] = document["force_max"]
+        self.assertAlmostEqual(force["worker"], force["inline"], delta=0.15 * force["inline"])
+
+    def test_a_worker_that_stalls_takes_the_force_away(self):
+        document = self.succeed(*self.arguments("--seconds", "4", "--json", "--contacts", "worker", "--worker-delay",
+                                                "0.5")).json
+        self.assertEqual(document["faults"], ["late-contacts"])
+
+
+class Recording(Live):
+    def record(self, *more):
+        return self.succeed(*self.arguments("--seconds", "4", "--record", "run.csv", *more))
+
+    def test_has_every_tick_in_the_run_format(self):
+        document = self.record("--json").json
+        self.assertEqual(self.read("run.csv").split(b"\n", 1)[0].decode(), RUN_HEADER + LIVE_HEADER)
+        rows = self.rows("run.csv")
+        self.assertGreaterEqual(len(rows), document["ticks"])  # and those in which it came to its end
+        self.assertLess(len(rows) - document["ticks"], float(RATE))
+        times = [float(row["t"]) for row in rows]
+        self.assertEqual(times, sorted(set(times)))
+        self.assertEqual(max(int(row["colliding"]) for row in rows), document["contacts_max"])
+        sent = max(sum(float(row[f"sf{axis}"]) ** 2 for axis in "xyz") ** 0.5 for row in rows)
+        self.assertAlmostEqual(sent, document["force_max"], places=9)
+        self.assertEqual(float(rows[-1]["sfz"]), 0.0)  # it ends with no force
+
+    def test_report_shows_it(self):
+        self.record()
+        self.succeed("report", "run.csv", "--out", "report.html")
+        self.assertIn(b"run.csv", self.read("report.html"))
+
+    def test_an_existing_file_is_not_replaced(self):
+        self.write("run.csv", "precious")
+        self.refuse(1, "run.csv", *self.arguments("--seconds", "1", "--record", "run.csv"))
+        self.assertEqual(self.read("run.csv"), b"precious")
+
+    def test_what_a_killed_run_leaves_is_read(self):
+        seeded = random.Random(20)
+        for k in range(20 if os.environ.get("PALPATE_LONG") else 4):
+            name = f"killed{k}.csv"
+            process = self.start("--record", name)
+            while not os.path.exists(self.path(name)):
+                time.sleep(0.01)
+            time.sleep(0.3 + seeded.random())
+            before = time.monotonic()
+            process.kill()
+            process.wait()
+            process.stdout.close()
+            process.stderr.close()
+            self.succeed("report", name, "--out", f"{name}.html")
+            self.assertGreater(self.read(name).count(b"\n"), 0.2 * float(RATE) * 0.3, before)
+
+    def test_a_disk_that_is_full_ends_the_run_with_the_reason(self):
+        import resource
+
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+        process = self.start("--record", "run.csv", preexec_fn=limit)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, err)
+        self.assertIn(b"run.csv", err.splitlines()[-1])
+        self.assertIn(b"recorder", err)
+        rows = self.rows("run.csv")  # whole to the last line
+        self.assertGreater(len(rows), 100)
+        self.succeed("report", "run.csv", "--out", "report.html")
+
+
+class Hands(Live):
+    def test_an_interrupt_ends_it_with_a_summary(self):
+        for sign in (signal.SIGINT, signal.SIGTERM):
+            process = self.start("--json")
+            time.sleep(1.0)
+            process.send_signal(sign)
+            out, err = process.communicate(timeout=30)
+            self.assertEqual(process.returncode, 0, err)
+            self.assertEqual(list(json.loads(out)), KEYS)
+
+    def test_a_signal_is_an_emergency_stop(self):
+        process = self.start("--json", "--seconds", "4", "--record", "run.csv")
+        while not os.path.exists(self.path("run.csv")):
+            time.sleep(0.01)
+        time.sleep(1.0)
+        process.send_signal(signal.SIGUSR1)
+        out, err = process.communicate(timeout=60)
+        document = json.loads(out)
+        self.assertEqual(document["faults"], ["emergency-stop"])
+        self.assertEqual(document["state"], "stopped")
+        self.assertIn(b"emergency-stop", err)
+        rows = self.rows("run.csv")
+        self.assertEqual({float(row["sfz"]) for row in rows[-200:]}, {0.0})
+
+    def test_keys_are_heard_on_a_terminal(self):
+        master, slave = pty.openpty()
+        process = subprocess.Popen([PALPATE, *self.arguments("--json")], cwd=self.folder, stdin=slave,
+                                   stdout=subprocess.PIPE, stderr=slave, start_new_session=True,
+                                   preexec_fn=lambda: __import__("fcntl").ioctl(0, 0x540E, 0))  # TIOCSCTTY
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        os.close(slave)
+        seen = b""
+
+        def until(word, seconds=30):
+            nonlocal seen
+            end = time.monotonic() + seconds
+            while word not in seen:
+                self.assertLess(time.monotonic(), end, (word, seen[-500:]))
+                if select.select([master], [], [], 0.1)[0]:
+                    seen += os.read(master, 65536)
+            seen = seen[seen.rindex(word) + len(word):]
+
+        until(b"active")
+        os.write(master, b"m")
+        until(b"field")
+        os.write(master, b"+")
+        until(b"625 N/m")
+        os.write(master, b" ")
+        until(b"stopped (paused)")
+        os.write(master, b" ")
+        until(b"active")
+        os.write(master, b"e")
+        until(b"stopped (emergency-stop)")
+        os.write(master, b"q")
+        out = process.communicate(timeout=30)[0]
+        os.close(master)
+        document = json.loads(out)
+        self.assertEqual(process.returncode, 0)
+        self.assertEqual(document["faults"], ["changing", "paused", "emergency-stop"])
+
+
+class Playback(Live):
+    def test_plays_the_trajectory_once_and_ends(self):
+        self.write("hand.csv", press_path(seconds=3.0))
+        document = self.succeed(*self.arguments("--device", "playback", "--json")).json
+        self.assertLess(document["ticks"], 3.5 * float(RATE))
+        self.assertGreater(document["contact_ticks"], 0)
+
+    def test_nothing_to_play_is_refused(self):
+        self.refuse(1, "--trajectory", "run", "wall.ply", "--device", "playback")
+
+    def test_a_scale_brings_the_hand_no_farther_than_the_tool(self):
+        # The tool goes the same way; the hand a quarter of it, and feels a quarter of the force.
+        force = {}
+        for scale in ("1", "4"):
+            document = self.succeed(*self.arguments("--device", "playback", "--seconds", "4", "--json",
+                                                    "--workspace-scale", scale)).json
+            force[scale] = document["force_max"]
+        self.assertAlmostEqual(force["1"] / force["4"], 4.0, delta=0.4)
+
+
+class Refusals(Live):
+    def test_bad_usage(self):
+        for option, value in (("--rate", "0"), ("--rate", "20000"), ("--device", "phantom"), ("--profile", "phantom"),
+                              ("--hand", "1,2"), ("--hand", "-1,2,3"), ("--contacts", "never"), ("--cpu", "-3"),
+                              ("--workspace-scale", "0"), ("--seconds", "-1"), ("--model", "soft")):
+            self.refuse(2, option, "run", "wall.ply", option, value)
+
+    def test_bad_files(self):
+        self.refuse(1, "missing.ply", "run", "missing.ply")
+        self.refuse(1, "missing.csv", "run", "wall.ply", "--trajectory", "missing.csv")
+        self.refuse(1, "nowhere", *self.arguments("--record", "nowhere/run.csv"))
+
+    def test_a_scene_with_nothing_to_touch_and_no_path_is_refused(self):
+        self.write("empty.ply", ply([]))
+        result = self.run_palpate("run", "empty.ply", "--seconds", "1")
+        self.assertEqual(result.code, 1)
+        self.assertIn(b"empty.ply", result.err)
+
+
+if __name__ == "__main__":
+    unittest.main()
