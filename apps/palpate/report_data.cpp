@@ -44,6 +44,7 @@ std::string columns_json(const Run& run, std::size_t stride) {
   std::string out = "{";
   std::vector<double> values;
   for (const RunColumn& column : run_columns(RunGroups::of(run.rows.front()))) {
+    if (column.digits == 0) continue;
     values.clear();
     for (std::size_t i = 0; i < run.rows.size(); i += stride) values.push_back(column.get(run.rows[i]));
     append_array(out, column.name, values, column.digits);
@@ -66,6 +67,54 @@ Json episodes_json(const Run& run, std::size_t stride) {
                     {"peak_force", e.peak_force}});
   }
   return json;
+}
+
+/// What the safety governor did at times, for as long as it did nothing else.
+struct GovernorStretches {
+  std::vector<double> t;
+  std::vector<std::size_t> row;  ///< first of each
+  std::vector<int> state, fault;
+};
+
+/// \pre the run is live
+GovernorStretches stretches_of(const Run& run, std::size_t step = 1) {
+  GovernorStretches found;
+  for (std::size_t i = 0; i < run.rows.size(); i += step) {
+    const LiveColumns live = run.rows[i].live.value_or(LiveColumns{});
+    const int state = static_cast<int>(live.state), fault = static_cast<int>(live.fault);
+    if (!found.t.empty() && state == found.state.back() && fault == found.fault.back()) continue;
+    found.t.push_back(run.rows[i].t);
+    found.row.push_back(i);
+    found.state.push_back(state);
+    found.fault.push_back(fault);
+  }
+  return found.t.size() <= kMaxRows ? found : stretches_of(run, stride_for(run.rows.size(), kMaxRows));
+}
+
+/// Where a fault begins that was not there just before.
+std::size_t fault_count(const GovernorStretches& stretches) {
+  std::size_t count = 0;
+  int before = static_cast<int>(Fault::kNone);
+  for (const int fault : stretches.fault) {
+    count += fault != static_cast<int>(Fault::kNone) && fault != before ? 1 : 0;
+    before = fault;
+  }
+  return count;
+}
+
+std::string governor_json(const GovernorStretches& stretches, std::size_t run_stride) {
+  Json states = Json::array(), faults = Json::array();
+  for (int k = 0; k <= static_cast<int>(GovernorState::kStopped); ++k)
+    states.push_back(to_string(static_cast<GovernorState>(k)));
+  for (std::size_t k = 0; k < kFaultCount; ++k) faults.push_back(traits(static_cast<Fault>(k)).name);
+  std::vector<std::size_t> shown;
+  for (const std::size_t row : stretches.row) shown.push_back(row / run_stride);
+  std::string out = "{";
+  append_array(out, "t", stretches.t, 12);
+  append_array(out, "row", shown, 12);
+  append_array(out, "state", stretches.state, 12);
+  append_array(out, "fault", stretches.fault, 12);
+  return out + fmt::format(",\"states\":{},\"faults\":{}}}", states.dump(), faults.dump());
 }
 
 std::string contacts_json(const RunContacts& contacts, std::size_t run_stride) {
@@ -107,7 +156,7 @@ std::string scene_json(const EllipsoidScene& scene) {
   return out + "}";
 }
 
-Json summary_json(const Run& run, std::size_t stride) {
+Json summary_json(const Run& run, const GovernorStretches* stretches, std::size_t stride) {
   const RunSummary s = summarize(run.rows);
   Json json = Json::array();
   const auto add = [&](const char* label, const std::string& value) {
@@ -120,6 +169,7 @@ Json summary_json(const Run& run, std::size_t stride) {
                                                 static_cast<double>(run.rows.size())));
   add("Largest force", fmt::format("{:.2f} N", s.largest_force));
   add("Compute, median", fmt::format("{:.1f} \u00b5s", s.compute_us.p50));
+  if (stretches != nullptr) add("Faults", fmt::format("{}", fault_count(*stretches)));
   if (stride > 1) add("Shown", fmt::format("every {}th pose", stride));
   return json;
 }
@@ -160,15 +210,19 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
                         const RunContacts* contacts) {
   const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
+  std::optional<GovernorStretches> stretches;
+  if (run.rows.front().live) stretches = stretches_of(run);
   const auto text = [](const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
   };
   std::string out = fmt::format(
       "{{\"title\":{},\"generator\":\"{}\",\"summary\":{},\"tool\":{},\"columns\":{},\"episodes\":{},"
-      "\"contacts\":{},\"scene\":{}}}",
-      text(std::filesystem::path(run.source).filename().string()), kVersion, text(summary_json(run, stride)),
+      "\"governor\":{},\"contacts\":{},\"scene\":{}}}",
+      text(std::filesystem::path(run.source).filename().string()), kVersion,
+      text(summary_json(run, stretches ? &*stretches : nullptr, stride)),
       tool != nullptr ? text(tool_json(*tool)) : "null", columns_json(run, stride),
-      text(episodes_json(run, stride)), contacts != nullptr ? contacts_json(*contacts, stride) : "null",
+      text(episodes_json(run, stride)), stretches ? governor_json(*stretches, stride) : "null",
+      contacts != nullptr ? contacts_json(*contacts, stride) : "null",
       scene != nullptr ? scene_json(*scene) : "null");
   return escaped(out);
 }

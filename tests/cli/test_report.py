@@ -6,7 +6,7 @@ import os
 import re
 import unittest
 
-from support import Case, columns_of, ply, random_rows, tapping_path, wall_rows
+from support import LIVE_HEADER, Case, columns_of, ply, random_rows, tapping_path, wall_rows
 
 LOADING_ATTRIBUTES = {"src", "href", "srcset", "action", "formaction", "poster", "data", "background", "ping"}
 RUN_COLUMNS = ("t x y z qw qx qy qz candidates filtered colliding k_max fx fy fz tx ty tz px py pz "
@@ -111,6 +111,34 @@ class Report(Case):
         self.assertEqual(document["columns"]["t"], [k / 1000 for k in range(100, 201)])
         self.assertEqual(json.loads(self.report("run.csv", "--from", "0.5").document)["columns"]["t"][0], 0.5)
         self.assertEqual(json.loads(self.report("run.csv", "--to", "0.5").document)["columns"]["t"][-1], 0.5)
+
+    def test_a_live_run_tells_what_the_governor_did(self):
+        header, *lines = self.read("run.csv").decode().splitlines()
+        # (state, fault) from row to row: waiting, active, falling and stopped for over-speed, waiting, and a jump
+        # that comes on top of a stale pose.
+        changes = {0: (0, 0), 5: (2, 0), 100: (3, 5), 130: (4, 5), 300: (0, 0), 400: (3, 2), 401: (3, 4)}
+        text, now = header + LIVE_HEADER + "\n", None
+        for k, line in enumerate(lines):
+            now = changes.get(k, now)
+            text += f"{line},1,2,2,0,0,0,3,0,4,{now[0]},{now[1]},0.125,0.25,0,1.5,{k}\n"
+        self.write("live.csv", text)
+        document = json.loads(self.report("live.csv").document)
+        shown = document["columns"]
+        self.assertEqual(list(shown), RUN_COLUMNS + "vx vy vz sfx sfy sfz state fault energy stored age_us".split())
+        self.assertEqual((shown["vy"][7], shown["sfz"][7], shown["energy"][7], shown["age_us"][7]), (2, 4, 0.125, 7))
+        governor = document["governor"]
+        self.assertEqual(governor["row"], list(changes))
+        self.assertEqual(governor["t"], [k / 1000 for k in changes])
+        self.assertEqual(list(zip(governor["state"], governor["fault"])), list(changes.values()))
+        self.assertEqual(governor["states"], ["waiting", "rising", "active", "falling", "stopped"])
+        self.assertEqual(governor["faults"][5], "over-speed")
+        self.assertEqual(len(governor["faults"]), 11)
+        self.assertIn({"label": "Faults", "value": "3"}, document["summary"])
+
+    def test_a_replay_has_no_governor(self):
+        document = json.loads(self.report().document)
+        self.assertIsNone(document["governor"])
+        self.assertNotIn("Faults", [item["label"] for item in document["summary"]])
 
     def test_nothing_is_loaded_from_anywhere(self):
         page = self.report("run.csv", "--scene", "a.ply")

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { canvasPixels, launch, openReport, readTemplate, settle } from './page.mjs';
-import { sphereRun, tinyRun } from './synthetic_run.mjs';
+import { liveRun, sphereRun, tinyRun } from './synthetic_run.mjs';
 
 const smallRun = (options) => sphereRun({ rows: 6000, scenePoints: 4000, ...options });
 const minus = '\u2212';
@@ -411,6 +411,112 @@ describe('report', () => {
   test('nothing went wrong on the way', () => assert.deepEqual(report.problems, []));
 });
 
+describe('a live run', () => {
+  let browser;
+  let report;
+  let page;
+  const run = liveRun({ rows: 6000, scenePoints: 4000 });
+  const charts = ['counts', 'force', 'sent', 'user', 'speed', 'energy', 'compute'];
+  const faults = [['over-speed', 3], ['stale-pose', 8], ['jump', 10]].map(([name, k]) => ({ name, at: run.governor.t[k], row: run.governor.row[k] }));
+
+  before(async () => {
+    browser = await launch();
+    report = await openReport(browser, run);
+    ({ page } = report);
+  });
+  after(async () => {
+    await report?.close();
+    await browser?.close();
+  });
+
+  test('has charts of its own, in order', async () => {
+    const ids = await page.locator('[data-chart]').evaluateAll((nodes) => nodes.map((n) => n.dataset.chart));
+    assert.deepEqual(ids, charts);
+  });
+
+  test('hover shows what was sent, speed, energy, age and state', async () => {
+    for (const row of [100, 1500, 3010, 3300]) {
+      await page.evaluate((r) => palpateReport.timeline.setRow(r), row);
+      const value = (name) => run.columns[name][row];
+      const length = (prefix) => Math.hypot(...['x', 'y', 'z'].map((axis) => value(prefix + axis)));
+      for (const name of ['sfx', 'sfy', 'sfz']) assert.equal(await legendValue(page, name), fixed(value(name), 3));
+      assert.equal(await legendValue(page, 'sent'), fixed(length('sf'), 3));
+      assert.equal(await legendValue(page, 'speed'), fixed(length('v'), 3));
+      assert.equal(await legendValue(page, 'energy'), fixed(1000 * value('energy'), 2));
+      assert.equal(await legendValue(page, 'stored'), fixed(1000 * value('stored'), 2));
+      assert.equal(await legendValue(page, 'age'), fixed(value('age_us'), 1));
+      const state = run.governor.states[value('state')];
+      assert.match(await page.locator('#instant').textContent(), new RegExp(`${state}$`));
+    }
+  });
+
+  // The colour of the strip at a time that is in sight.
+  async function stripColor(time) {
+    const pixels = await canvasPixels(page, '#governor');
+    const [min, max] = (await rangesOf(page)).counts;
+    const x = Math.round(((time - min) / (max - min)) * (pixels.width - 1));
+    return pixelAt(pixels, x, pixels.height >> 1);
+  }
+
+  async function assertStripShowsTheStates([from, to]) {
+    const { t, state, states } = run.governor;
+    let checked = 0;
+    for (let k = 0; k < t.length; ++k) {
+      const middle = 0.5 * (t[k] + (t[k + 1] ?? run.columns.t.at(-1)));
+      if (middle < from || middle > to) continue;
+      const expected = await colorOf(page, `--state-${states[state[k]]}`);
+      assert.ok(distance(await stripColor(middle), expected) < 8, `${states[state[k]]} at ${middle} s`);
+      ++checked;
+    }
+    return checked;
+  }
+
+  test('the strip shows the states in their colours, and lies over the charts', async () => {
+    assert.equal(await assertStripShowsTheStates([0, 6]), run.governor.t.length);
+    const strip = await page.locator('#governor canvas').boundingBox();
+    const area = await plottingArea(page, 'counts');
+    close(strip.x, area.x, 1, 'left');
+    close(strip.x + strip.width, area.x + area.width, 1, 'right');
+    assert.deepEqual(await page.locator('[data-state]').allTextContents(), run.governor.states);
+  });
+
+  test('faults are named where they begin', async () => {
+    const labels = page.locator('.fault');
+    assert.deepEqual(await labels.allTextContents(), faults.map((f) => f.name));
+    const box = await labels.nth(0).boundingBox();
+    close(box.x + 0.5 * box.width, (await pointAt(page, 'counts', faults[0].at)).x, 2, 'over-speed');
+    assert.ok(!(await labels.nth(2).isVisible()), 'no room for jump beside stale-pose');
+  });
+
+  test('fault lines cross every chart', async () => {
+    const expected = await colorOf(page, '--fault');
+    for (const chart of charts) {
+      const pixels = await canvasPixels(page, `[data-chart="${chart}"]`);
+      const [x, top] = await page.evaluate(([id, t]) => {
+        const u = palpateReport.plots[id];
+        return [u.valToPos(t, 'x', true), u.bbox.top + 6];
+      }, [chart, faults[0].at]);
+      const brownish = (p) => p[0] - p[2] > 0.3 * (expected[0] - expected[2]) && p[1] > p[2];
+      assert.ok(hasPixelNear(pixels, x, top, 1, brownish), `${chart} has the line of the fault`);
+    }
+  });
+
+  test('choosing a fault zooms to it, and the strip follows', async () => {
+    await page.locator('.fault').nth(1).click();
+    await settle(page);
+    const [min, max] = (await rangesOf(page)).sent;
+    close(min, faults[1].at - 0.5, 1e-9, 'from');
+    close(max, faults[1].at + 0.5, 1e-9, 'to');
+    assert.equal(await page.evaluate(() => palpateReport.timeline.row), faults[1].row);
+    assert.ok(await page.locator('.fault').nth(2).isVisible(), 'room for jump now');
+    assert.ok(!(await page.locator('.fault').nth(0).isVisible()), 'over-speed is out of sight');
+    assert.ok((await assertStripShowsTheStates([min, max])) >= 4);
+    await page.locator('#reset-zoom').click();
+  });
+
+  test('nothing went wrong on the way', () => assert.deepEqual(report.problems, []));
+});
+
 describe('other runs', () => {
   let browser;
   before(async () => { browser = await launch(); });
@@ -454,6 +560,22 @@ describe('other runs', () => {
       assert.equal(await page.locator('[data-chart="user"]').count(), 0);
     }));
 
+  test('a run that is not live says nothing of a governor', () =>
+    withReport(smallRun(), {}, async (page) => {
+      assert.ok(!(await page.locator('#governor').isVisible()));
+      assert.equal(await page.locator('.states').count(), 0);
+    }));
+
+  test('a live run of which the governor is not told, or wrongly', async () => {
+    const odd = { t: ['x', 1], row: [0, 99999999], state: [7, 2], fault: null, states: ['a'], faults: 3 };
+    for (const governor of [null, odd, 'text', {}]) {
+      await withReport({ ...liveRun({ rows: 600, scenePoints: 10 }), governor }, {}, async (page) => {
+        assert.ok(!(await page.locator('#governor').isVisible()));
+        assert.equal(await page.locator('[data-chart="sent"]').count(), 1);
+      });
+    }
+  });
+
   test('torque where there is some', () => {
     const run = smallRun();
     run.columns.ty[40] = 0.25;
@@ -496,7 +618,7 @@ describe('other runs', () => {
   test('a phone has no horizontal overflow, in light and dark', async () => {
     for (const colorScheme of ['light', 'dark']) {
       const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true, colorScheme };
-      await withReport(smallRun(), phone, async (page) => {
+      await withReport(liveRun({ rows: 6000, scenePoints: 4000 }), phone, async (page) => {
         assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
         const cells = await page.locator('#contacts td').evaluateAll((nodes) =>
           nodes.filter((n) => n.scrollWidth > n.clientWidth + 1).length);
@@ -536,13 +658,15 @@ describe('other runs', () => {
     }));
 
   test('printing lays the page out for paper, light, and back', () =>
-    withReport(smallRun(), { colorScheme: 'dark' }, async (page) => {
+    withReport(liveRun({ rows: 6000, scenePoints: 4000 }), { colorScheme: 'dark' }, async (page) => {
       const state = async (event) => {
         await page.evaluate((name) => window.dispatchEvent(new Event(name)), event);
         await settle(page);
         const { onset_t: onset } = smallRun().episodes[6];
         const box = await page.locator('.onset').nth(6).boundingBox();
         close(box.x + 0.5 * box.width, (await pointAt(page, 'counts', onset)).x, 2, `label on ${event}`);
+        const [strip, area] = [await page.locator('#governor canvas').boundingBox(), await plottingArea(page, 'counts')];
+        close(strip.width, area.width, 1, `strip on ${event}`);
         const [red] = pixelAt(await canvasPixels(page, '#view'), 2, 2);
         return { red, width: await page.evaluate(() => palpateReport.plots.counts.width) };
       };

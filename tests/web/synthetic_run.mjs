@@ -135,6 +135,44 @@ export function sphereRun({ rows = 24000, touches = 7, userForce = true, scenePo
   };
 }
 
+const states = ['waiting', 'rising', 'active', 'falling', 'stopped'];
+const faults = ['none', 'bad-pose', 'stale-pose', 'frozen-pose', 'jump', 'over-speed', 'bad-force'];
+
+// Until when, as a share of the run, the governor of a live run is in which state, for which fault.
+const governed = [[0.05, 0, 0], [0.1, 1, 0], [0.5, 2, 0], [0.52, 3, 5], [0.6, 4, 5], [0.65, 0, 0], [0.7, 1, 0],
+  [0.85, 2, 0], [0.86, 3, 2], [0.87, 4, 2], [0.88, 3, 4], [1, 4, 4]];
+
+/// A live run: sphereRun() with a governor that sees three faults, the last two in one stretch without force.
+export function liveRun(options) {
+  const run = sphereRun(options);
+  const { columns } = run;
+  const rows = columns.t.length;
+  const governor = { t: [], row: [], state: [], fault: [], states, faults };
+  const live = ['vx', 'vy', 'vz', 'sfx', 'sfy', 'sfz', 'state', 'fault', 'energy', 'stored', 'age_us'];
+  for (const name of live) columns[name] = [];
+  for (let i = 0; i < rows; ++i) {
+    const k = governed.findIndex(([until]) => i < until * rows);
+    const [, state, fault] = governed[k];
+    if (k !== governor.t.length - 1) {
+      governor.t.push(columns.t[i]);
+      governor.row.push(i);
+      governor.state.push(state);
+      governor.fault.push(fault);
+    }
+    columns.state.push(state);
+    columns.fault.push(fault);
+    for (const axis of ['x', 'y', 'z']) {
+      const next = Math.min(i + 1, rows - 1);
+      columns[`v${axis}`].push(1000 * (columns[axis][next] - columns[axis][i]));
+      columns[`sf${axis}`].push(state === 2 ? columns[`f${axis}`][i] : 0);
+    }
+    columns.energy.push(0.01 * Math.sin((9 * i) / rows));
+    columns.stored.push(0.001 * columns.colliding[i]);
+    columns.age_us.push(90 + (i % 7));
+  }
+  return { ...run, governor };
+}
+
 /// The least that a run can be: one row, nothing touched.
 export function tinyRun() {
   const columns = Object.fromEntries(columnNames.map((name) => [name, [0]]));

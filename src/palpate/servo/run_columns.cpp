@@ -86,9 +86,9 @@ constexpr std::array kColumns{
     column(kLive, "vx", [](auto& r) -> auto& { return live(r).velocity.linear.x(); }),
     column(kLive, "vy", [](auto& r) -> auto& { return live(r).velocity.linear.y(); }),
     column(kLive, "vz", [](auto& r) -> auto& { return live(r).velocity.linear.z(); }),
-    column(kLive, "wx", [](auto& r) -> auto& { return live(r).velocity.angular.x(); }),
-    column(kLive, "wy", [](auto& r) -> auto& { return live(r).velocity.angular.y(); }),
-    column(kLive, "wz", [](auto& r) -> auto& { return live(r).velocity.angular.z(); }),
+    column(kLive, "wx", [](auto& r) -> auto& { return live(r).velocity.angular.x(); }, 0),
+    column(kLive, "wy", [](auto& r) -> auto& { return live(r).velocity.angular.y(); }, 0),
+    column(kLive, "wz", [](auto& r) -> auto& { return live(r).velocity.angular.z(); }, 0),
     column(kLive, "sfx", [](auto& r) -> auto& { return live(r).sent.x(); }),
     column(kLive, "sfy", [](auto& r) -> auto& { return live(r).sent.y(); }),
     column(kLive, "sfz", [](auto& r) -> auto& { return live(r).sent.z(); }),
@@ -96,8 +96,8 @@ constexpr std::array kColumns{
     whole(kLive, "fault", [](auto& r) -> auto& { return live(r).fault; }, "a fault", kLastFault),
     column(kLive, "energy", [](auto& r) -> auto& { return live(r).energy; }),
     column(kLive, "stored", [](auto& r) -> auto& { return live(r).stored; }),
-    column(kLive, "damping", [](auto& r) -> auto& { return live(r).damping; }, 4),
-    column(kLive, "margin", [](auto& r) -> auto& { return live(r).margin; }, 4),
+    column(kLive, "damping", [](auto& r) -> auto& { return live(r).damping; }, 0),
+    column(kLive, "margin", [](auto& r) -> auto& { return live(r).margin; }, 0),
     column(kLive, "age_us", [](auto& r) -> auto& { return live(r).age_us; }, 4),
 };
 // clang-format on

@@ -25,7 +25,7 @@ struct RunColumn {
   ColumnGroup group;
   double (*get)(const RunRow& row);        ///< 0 where the row lacks the group
   void (*set)(RunRow& row, double value);  ///< gives the row the group. \pre takes(value)
-  int digits = 7;                          ///< significant ones that a page needs
+  int digits = 7;                          ///< significant ones that a page needs; 0: it shows nothing of it
   std::string_view whole_number = {};      ///< what a value counts or numbers; empty if it is measured
   double most = 0.0;                       ///< of a whole number; the least is 0
 

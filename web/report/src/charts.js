@@ -41,6 +41,15 @@ function chartSpecs(run) {
       ],
     },
   ];
+  if (run.hasLive) {
+    specs.push({
+      id: 'sent', title: 'Force sent', unit: 'N, world frame, after safety', height: 130, format: newtons,
+      series: [
+        ...forceSeries(run, 'sf').map((s) => ({ ...s, symbol: ['s', s.symbol[1]] })),
+        { name: 'sent', symbol: ['|S|'], values: run.col.sent, color: '--magnitude' },
+      ],
+    });
+  }
   if (run.hasTorque) {
     specs.push({
       id: 'torque', title: 'Torque', unit: 'N\u00b7m, world frame', height: 130, format: (v) => formatFixed(v, 4),
@@ -53,12 +62,34 @@ function chartSpecs(run) {
       series: forceSeries(run, 'uf').map((s) => ({ ...s, symbol: ['u', s.symbol[1]] })),
     });
   }
+  if (run.hasLive) specs.push(...liveSpecs(run));
   specs.push({
     id: 'compute', title: 'Computing time', unit: '\u00b5s', height: 130, log: true,
     format: (v) => formatFixed(v, 1), limit: { value: servoBudget, name: '1 kHz budget' },
-    series: [{ name: 'time', symbol: ['time'], values: run.col.compute_us, color: '--compute' }],
+    series: [
+      { name: 'time', symbol: ['time'], values: run.col.compute_us, color: '--compute' },
+      ...(run.hasLive ? [{ name: 'age', symbol: ['age'], values: run.col.age_us, color: '--filtered' }] : []),
+    ],
   });
   return specs;
+}
+
+const thousandths = (column) => column.map((v) => (v === null ? null : 1000 * v));
+
+function liveSpecs(run) {
+  return [
+    {
+      id: 'speed', title: 'Speed', unit: 'm/s', height: 100, format: (v) => formatFixed(v, 3),
+      series: [{ name: 'speed', symbol: ['speed'], values: run.col.speed, color: '--compute' }],
+    },
+    {
+      id: 'energy', title: 'Energy', unit: 'mJ, put into the hand and stored', height: 110, format: (v) => formatFixed(v, 2),
+      series: [
+        { name: 'energy', symbol: ['energy'], values: thousandths(run.col.energy), color: '--colliding' },
+        { name: 'stored', symbol: ['stored'], values: thousandths(run.col.stored), color: '--filtered' },
+      ],
+    },
+  ];
 }
 
 function nameOf({ symbol: [base, subscript], name }) {
@@ -138,6 +169,18 @@ function drawEpisodes(u, run) {
   ctx.restore();
 }
 
+function drawFaults(u, faults) {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.fillStyle = themeValue('--fault-line');
+  for (const { at } of faults) {
+    if (at < u.scales.x.min || at > u.scales.x.max) continue;
+    const left = Math.round(u.valToPos(at, 'x', true) - 0.5 * uPlot.pxRatio);
+    ctx.fillRect(left, bbox.top, uPlot.pxRatio, bbox.height);
+  }
+  ctx.restore();
+}
+
 // Returns whether the limit is in sight.
 function drawLimit(u, limit) {
   const { ctx, bbox } = u;
@@ -178,7 +221,7 @@ function plotOptions(spec, scale, run, timeline, isLast, showLimit) {
       points: { show: (u, i, from, to) => to - from < 40, size: 4 },
     }))],
     hooks: {
-      drawAxes: [(u) => drawEpisodes(u, run)],
+      drawAxes: [(u) => drawEpisodes(u, run), (u) => drawFaults(u, run.governor?.faults ?? [])],
       draw: [(u) => {
         if (spec.limit) showLimit(drawLimit(u, spec.limit.value));
         placeCursor(u, timeline);

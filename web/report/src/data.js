@@ -4,6 +4,9 @@
 const forceColumns = ['fx', 'fy', 'fz'];
 const torqueColumns = ['tx', 'ty', 'tz'];
 const userForceColumns = ['ufx', 'ufy', 'ufz'];
+const sentColumns = ['sfx', 'sfy', 'sfz'];
+const velocityColumns = ['vx', 'vy', 'vz'];
+const liveColumns = [...velocityColumns, ...sentColumns, 'state', 'energy', 'stored', 'age_us'];
 
 const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
 const asList = (value) => (Array.isArray(value) ? value : []);
@@ -119,20 +122,39 @@ function parseSummary(list) {
   }));
 }
 
+const listOfTexts = (list) => asList(list).map((item) => String(item));
+
+// What the safety governor did, stretch by stretch, and the faults among that. Null if the run is not live.
+function parseGovernor(json, rows, timeIsRow, x) {
+  const [states, faults] = [listOfTexts(json?.states), listOfTexts(json?.faults)];
+  const starts = asList(json?.t)
+    .map((t, i) => ({ t, row: asList(json.row)[i], state: states[asList(json.state)[i]], fault: asList(json.fault)[i] }))
+    .filter((s) => s.state !== undefined && Number.isInteger(s.row) && s.row >= 0 && s.row < rows)
+    .map((s) => ({ ...s, from: timeIsRow || !isNumber(s.t) ? x[s.row] : s.t }));
+  if (starts.length === 0) return null;
+  const stretches = starts.map((s, i) => ({ from: s.from, to: starts[i + 1]?.from ?? x[rows - 1], state: s.state }));
+  const begins = (s, i) => s.fault > 0 && faults[s.fault] !== undefined && s.fault !== starts[i - 1]?.fault;
+  return { states, stretches, faults: starts.filter(begins).map((s) => ({ at: s.from, row: s.row, name: faults[s.fault] })) };
+}
+
 function parseColumns(columns) {
   const source = columns && typeof columns === 'object' ? columns : {};
   const rows = Math.max(0, ...Object.values(source).map((c) => asList(c).length));
   const names = ['t', 'x', 'y', 'z', 'qw', 'qx', 'qy', 'qz', 'candidates', 'filtered', 'colliding',
     'k_max', ...forceColumns, ...torqueColumns, ...userForceColumns, 'compute_us'];
+  const hasLive = liveColumns.every((name) => Array.isArray(source[name]));
+  if (hasLive) names.push(...liveColumns);
   const col = Object.fromEntries(names.map((name) => [name, cleanColumn(source[name], rows)]));
-  col.force = magnitude(col.fx, col.fy, col.fz);
-  return { rows, col };
+  const magnitudeOf = (vector) => magnitude(...vector.map((name) => col[name]));
+  col.force = magnitudeOf(forceColumns);
+  if (hasLive) Object.assign(col, { sent: magnitudeOf(sentColumns), speed: magnitudeOf(velocityColumns) });
+  return { rows, col, hasLive };
 }
 
 /// \throws SyntaxError if `text` is not JSON.
 export function parseRun(text) {
   const json = JSON.parse(text);
-  const { rows, col } = parseColumns(json?.columns);
+  const { rows, col, hasLive } = parseColumns(json?.columns);
   const timeIsRow = !isTimeAxis(col.t);
   const x = timeIsRow ? col.t.map((_, i) => i) : col.t;
   const episodes = parseEpisodes(json?.episodes, rows, timeIsRow, x);
@@ -151,6 +173,8 @@ export function parseRun(text) {
     contacts: recorded ?? toolCentresInContact(col, rows),
     contactsRecorded: recorded !== null,
     scene: parseScene(json?.scene),
+    governor: hasLive ? parseGovernor(json?.governor, rows, timeIsRow, x) : null,
+    hasLive,
     hasUserForce: userForceColumns.some((name) => hasValue(col[name])),
     hasTorque: torqueColumns.some((name) => hasNonZero(col[name])),
   };

@@ -5,6 +5,7 @@ import { parseRun } from './data.js';
 import { element } from './dom.js';
 import { formatCount, formatFixed } from './format.js';
 import { attachKeys } from './gestures.js';
+import { createGovernorStrip, governorLegend } from './governor.js';
 import { createOnsetStrip } from './onsets.js';
 import { createTable } from './table.js';
 import { Timeline } from './timeline.js';
@@ -12,6 +13,7 @@ import { createView } from './view3d.js';
 
 const contactMargin = 0.35; // of a contact's length, shown before and after it
 const smallestMargin = 0.005; // of the run's length, for contacts of a row or two
+const faultMargin = 0.5; // shown before and after a fault. Unit: [s], or rows where rows are numbered.
 const printWidth = 660; // fits portrait A4 and Letter. Unit: [px].
 
 const byId = (id) => document.getElementById(id);
@@ -46,14 +48,17 @@ function showHeader(run) {
 function showInstant(run, row) {
   const parts = [`row ${formatCount(row)}`];
   if (!run.timeIsRow) parts.unshift(`t = ${formatFixed(run.x[row], 3)} s`);
+  const state = run.governor?.states[run.col.state[row]];
+  if (state) parts.push(state);
   byId('instant').replaceChildren(...parts.map((text) => element('span', { text })));
 }
 
 function showHints(run) {
   const notes = [];
   if (run.episodes.length > 0) notes.push('Shaded: in contact.');
+  if (run.governor?.faults.length > 0) notes.push('Named lines: faults.');
   if (run.timeIsRow) notes.push('The times are incomplete or not in order, so the rows are numbered instead.');
-  byId('bands-hint').textContent = notes.join(' ');
+  byId('bands-hint').append(notes.join(' '), ...(run.governor ? [governorLegend(run.governor)] : []));
 }
 
 function contactRange(run, timeline, episode) {
@@ -68,12 +73,12 @@ function followTheme(redraw) {
 }
 
 // Paper is white and narrow: the canvases are drawn anew for it, before the browser lays it out.
-function followPrinting(charts, layOutOnsets, redraw) {
+function followPrinting(charts, layOut, redraw) {
   const fit = (theme, width) => {
     document.documentElement.dataset.theme = theme;
-    for (const id of ['charts', 'onsets']) byId(id).style.width = width ? `${width}px` : '';
+    for (const id of ['charts', 'onsets', 'governor']) byId(id).style.width = width ? `${width}px` : '';
     charts.resize(byId('charts').clientWidth);
-    layOutOnsets();
+    layOut();
     redraw();
   };
   window.addEventListener('beforeprint', () => fit('light', printWidth));
@@ -94,6 +99,10 @@ function showReport(run) {
   };
   const markRow = createTable(byId('contacts'), run, choose);
   const layOutOnsets = createOnsetStrip(byId('onsets'), run, timeline, choose);
+  const layOutGovernor = createGovernorStrip(byId('governor'), run, timeline, (fault) => {
+    timeline.setRange(fault.at - faultMargin, fault.at + faultMargin);
+    timeline.setRow(fault.row);
+  });
   attachKeys(byId('charts'), timeline);
 
   byId('reset-zoom').addEventListener('click', () => timeline.reset());
@@ -110,6 +119,7 @@ function showReport(run) {
 
   const redraw = () => {
     charts.redraw();
+    layOutGovernor();
     view.redraw();
   };
   followTheme(redraw);
