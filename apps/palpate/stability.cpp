@@ -108,8 +108,9 @@ StabilityTrial trial_of(const Options& options, const Ground& ground, const Stab
 double force_off(const StabilityOutcome& outcome, const StabilityOutcome& reference) {
   constexpr double kShare = 0.95;
   std::vector<double> off;
-  const auto sliding = static_cast<std::size_t>(StabilityTrial::kSlide / StabilityTrial::kTick);
-  for (std::size_t i = reference.ticks.size() - sliding; i < reference.ticks.size(); ++i) {
+  const auto ticks = [](double seconds) { return static_cast<std::size_t>(seconds / StabilityTrial::kTick); };
+  const std::size_t end = reference.ticks.size() - ticks(StabilityTrial::kLift);
+  for (std::size_t i = end - ticks(StabilityTrial::kSlide); i < end; ++i) {
     const double felt = reference.ticks[i].force;
     if (felt > 0.0) off.push_back(std::abs(outcome.ticks[i].force - felt) / felt);
   }
@@ -200,8 +201,7 @@ std::vector<StabilityTrace> traces_of(const Options& options, const Ground& grou
 std::string setup_text(const Options& options, const Ground& ground) {
   return fmt::format(
       "A simulated hand comes in to {} at {} places, presses {:g} mm beyond first contact (or with half of "
-      "what the device can), rests for {:g} s and slides "
-      "for {:g} s at {:g} m/s; 1 kHz in virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and "
+      "what the device can), rests for {:g} s, slides for {:g} s at {:g} m/s, and lifts off; 1 kHz in virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and "
       "hold are {:g} ms "
       "late.",
       ground.name, ground.places.size(), 1e3 * StabilityTrial::kPress, StabilityTrial::kRest,

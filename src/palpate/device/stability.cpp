@@ -18,17 +18,24 @@ using Eigen::Vector3d;
 
 /// When the hand begins to come in, is there, and begins to slide. Unit: [s].
 constexpr double kComes = 0.8, kThere = 1.3, kSlides = kThere + StabilityTrial::kRest;
-constexpr double kEnd = kSlides + StabilityTrial::kSlide;
+constexpr double kLifts = kSlides + StabilityTrial::kSlide, kEnd = kLifts + StabilityTrial::kLift;
 /// How far from the surface it waits. Unit: [m].
 constexpr double kAway = 0.015;
 
+/// From 0 to 1, at rest at both ends.
+double eased(double share) {
+  const double s = std::clamp(share, 0.0, 1.0);
+  return s * s * (3.0 - 2.0 * s);
+}
+
 HandPath path_at(const PressPlace& place, double press) {
   return [=](double t) {
-    const double in = std::clamp((t - kComes) / (kThere - kComes), 0.0, 1.0);
-    const double depth = -kAway + (kAway + press) * in * in * (3.0 - 2.0 * in);
+    const double depth = press - (kAway + press) * (1.0 - eased((t - kComes) / (kThere - kComes)) +
+                                                     eased((t - kLifts) / (kEnd - kLifts)));
+    const double slid = std::clamp(t - kSlides, 0.0, StabilityTrial::kSlide);
     Pose pose = place.touch;
     pose.position +=
-        depth * place.inward + StabilityTrial::kSlideSpeed * std::max(0.0, t - kSlides) * place.along;
+        depth * place.inward + StabilityTrial::kSlideSpeed * slid * place.along;
     return pose;
   };
 }

@@ -44,7 +44,7 @@ struct StabilityTrial {
   static constexpr double kTick = 1e-3;   ///< Unit: [s].
   static constexpr double kPress = 0.01;  ///< Unit: [m].
   static constexpr double kForceShare = 0.5;
-  static constexpr double kRest = 2.0, kSlide = 0.5;  ///< Unit: [s].
+  static constexpr double kRest = 2.0, kSlide = 0.5, kLift = 0.4;  ///< Unit: [s].
   static constexpr double kSlideSpeed = 0.1;          ///< Unit: [m/s].
 };
 

@@ -99,7 +99,7 @@ class ProxyForce final : public ForceModel {
     Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel, Lookahead* lookahead)
         : solid(part),
           larger(enlarged(part, kernel)),
-          tracker(index, Precision::kSingle, lookahead),
+          tracker(index, Precision::kDouble, lookahead),  // see decision 12
           patches(kernel) {}
 
     ToolPart solid, larger;  ///< it, and enlarged by the reach
