@@ -50,6 +50,11 @@ TEST(Csv, TakesAnyLineEndAndSpaceAndBlankLines) {
   EXPECT_THAT(table_of(" a ,\tb\r\n").columns, ElementsAre("a", "b"));
 }
 
+TEST(Csv, AByteOrderMarkIsNoPartOfAName) {
+  for (const std::string start : {"\xef\xbb\xbf", "\t\xef\xbb\xbf ", "\xef\xbb\xbf\xef\xbb\xbf"})
+    EXPECT_THAT(table_of(start + "a,b\n").columns, ElementsAre("a", "b"));
+}
+
 TEST(Csv, AHeaderAloneIsATableWithoutRows) { EXPECT_EQ(table_of("a,b\n").rows(), 0U); }
 
 TEST(Csv, RefusesWhatIsNotATable) {

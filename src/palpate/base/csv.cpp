@@ -65,10 +65,11 @@ bool CsvHeader::has(std::string_view name) const {
 }
 
 CsvReader::CsvReader(const std::string& path, LastLine last_line) : file_(path), last_line_(last_line) {
-  auto line = lines_.emplace(file_, 0).next();
+  const auto line = lines_.emplace(file_, 0).next();
   if (!line) throw Error("{}: is empty; a header line and rows are needed", path);
-  if (line->starts_with(kByteOrderMark)) line->remove_prefix(kByteOrderMark.size());
-  header_ = read_header(path, lines_->line_number() == 1 ? *line : "");
+  std::string_view names = trimmed(lines_->line_number() == 1 ? *line : "");
+  while (names.starts_with(kByteOrderMark)) names = trimmed(names.substr(kByteOrderMark.size()));
+  header_ = read_header(path, names);
   row_.reserve(header_.columns.size());
 }
 
