@@ -65,6 +65,14 @@ class Scale {
     return ticks;
   }
 
+  /// A power of ten times a digit, in few characters: 20k, 0.05, 1e-5.
+  static std::string decade_text(double value) {
+    if (value >= 999.0) return fmt::format("{:.3g}k", value / 1000.0);
+    if (value > 0.00099) return fmt::format("{:.3g}", value);
+    const double power = std::floor(std::log10(value) + 1e-9);
+    return fmt::format("{:.3g}e{:.0f}", value / std::pow(10.0, power), power);
+  }
+
   /// 1, 2 and 5 times powers of ten; those alone where there are many.
   std::vector<Tick> decades() const {
     std::vector<Tick> ticks;
@@ -74,7 +82,7 @@ class Scale {
       for (const double digit : {1.0, 2.0, 5.0}) {
         const double at = digit * std::pow(10.0, decade);
         if (at >= 0.999 * low_ && at <= 1.001 * high_ && (digit == 1.0 || !few))
-          ticks.push_back({at, fmt::format("{:.3g}", at)});
+          ticks.push_back({at, decade_text(at)});
       }
     }
     return ticks;

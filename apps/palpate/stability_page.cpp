@@ -29,14 +29,19 @@ std::string series_name(const StabilityRow& row) {
   return fmt::format("{}, {} {:g} ms", row.model, to_string(row.source), kMilli * row.delay);
 }
 
-/// A dot with a bar for the hands of every profile; one series for each of at most kColors of what `shows`
-/// chooses.
-template <class Shows, class Value>
-void add_dots(Plot& plot, const StabilityTables& tables, const Shows& shows, const Value& value) {
+/// What the figures show: every model with its contacts looked for in the loop, and one whose force is held.
+bool is_shown(const StabilityTables& tables, const StabilityRow& row) {
+  if (row.source == ContactSource::kLoop) return true;
+  return row.source == ContactSource::kHold && row.model == tables.rows.front().model;
+}
+
+/// A dot for every profile; one series for each of at most kColors of what is shown.
+template <class Value>
+void add_dots(Plot& plot, const StabilityTables& tables, const Value& value) {
   const std::vector<std::string>& profiles = plot.x.categories;
   for (const StabilitySummary& summary : summarize(tables.rows)) {
     const StabilityRow& row = *summary.any;
-    if (!shows(row)) continue;
+    if (!is_shown(tables, row)) continue;
     const std::string name = series_name(row);
     auto series = std::find_if(plot.series.begin(), plot.series.end(),
                                [&](const PlotSeries& s) { return s.name == name; });
@@ -58,8 +63,6 @@ PlotSeries level(const std::string& name, std::size_t profiles, double value) {
       name, Style::kLine, PlotSeries::kTruth, {{-0.5, value}, {static_cast<double>(profiles) - 0.5, value}}};
 }
 
-bool is_not_late_worker(const StabilityRow& row) { return row.source != ContactSource::kWorker; }
-
 Plot limit_cycles(const StabilityTables& tables) {
   Plot plot{"cycle",
             "At rest on the surface",
@@ -69,7 +72,7 @@ Plot limit_cycles(const StabilityTables& tables) {
             {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"peak to peak, mm", true, kLeastCycle, {}, {}};
-  add_dots(plot, tables, is_not_late_worker, [](double at, const StabilitySummary& s) {
+  add_dots(plot, tables, [](double at, const StabilitySummary& s) {
     return std::optional(PlotPoint(at, std::max(kLeastCycle, kMilli * s.limit_cycle)));
   });
   plot.series.push_back(level("0.05 mm", plot.x.categories.size(), kMilli * kLimitCycleMax));
@@ -85,7 +88,7 @@ Plot energies(const StabilityTables& tables) {
             {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"energy, mJ", true, kLeastEnergy, {}, {}};
-  add_dots(plot, tables, is_not_late_worker, [](double at, const StabilitySummary& s) {
+  add_dots(plot, tables, [](double at, const StabilitySummary& s) {
     return std::optional(PlotPoint(at, std::max(kLeastEnergy, kMilli * s.port_energy)));
   });
   plot.series.push_back(level("1 mJ", plot.x.categories.size(), 1.0));
@@ -94,11 +97,11 @@ Plot energies(const StabilityTables& tables) {
 
 Plot widths(const StabilityTables& tables) {
   Plot plot{
-      "z-width", "Z-width", "the stiffest surface that a hand can rest on; from the worst hand to the best",
+      "z-width", "Z-width", "the stiffest that a hand can rest on; from the worst hand to the best",
       {},        {},        {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"stiffness, N/m", true, {}, {}, {}};
-  add_dots(plot, tables, is_not_late_worker,
+  add_dots(plot, tables,
            [](double at, const StabilitySummary& s) -> std::optional<PlotPoint> {
              if (!s.z_low) return std::nullopt;
              return PlotPoint(at, *s.z_low, *s.z_low, *s.z_high);
