@@ -204,6 +204,7 @@ std::vector<std::string> faults_of(const LiveView& view) {
 /// A run that is over.
 struct Outcome {
   double seconds;
+  std::uint64_t ticks;
   GovernorState state;  ///< before it was ended
   std::vector<std::string> faults;
 };
@@ -211,8 +212,8 @@ struct Outcome {
 Json to_json(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
   const LoopStatistics& statistics = system.loop().statistics();
   const LiveTotals totals = view.totals();
-  return {{"ticks", statistics.ticks.load()},
-          {"rate_hz", static_cast<double>(statistics.ticks) / outcome.seconds},
+  return {{"ticks", outcome.ticks},
+          {"rate_hz", static_cast<double>(outcome.ticks) / outcome.seconds},
           {"overruns", statistics.overruns.load()},
           {"tick_us", times_json(statistics.whole)},
           {"age_us", times_json(statistics.age)},
@@ -233,15 +234,15 @@ void print_text(const Outcome& outcome, LiveSystem& system, const LiveView& view
     fmt::print("{:<16} p50 {:.1f} us, p99 {:.1f}, p99.9 {:.1f}, max {:.0f}\n", name, kMicro * h.quantile(0.5),
                kMicro * h.quantile(0.99), kMicro * h.quantile(0.999), kMicro * h.max());
   };
-  fmt::print("{} ticks in {:.1f} s, {:.0f} Hz, {} overruns; {}\n", statistics.ticks.load(), outcome.seconds,
-             static_cast<double>(statistics.ticks) / outcome.seconds, statistics.overruns.load(),
+  fmt::print("{} ticks in {:.1f} s, {:.0f} Hz, {} overruns; {}\n", outcome.ticks, outcome.seconds,
+             static_cast<double>(outcome.ticks) / outcome.seconds, statistics.overruns.load(),
              to_string(outcome.state));
   times("tick", statistics.whole);
   times("age of the force", statistics.age);
   times("late", statistics.late);
   fmt::print("in contact       {:.1f} % of the ticks, up to {} contacts, up to {:.2f} N\n",
              100.0 * static_cast<double>(totals.contact_ticks) /
-                 static_cast<double>(std::max<std::uint64_t>(1, statistics.ticks)),
+                 static_cast<double>(std::max<std::uint64_t>(1, outcome.ticks)),
              totals.contacts_max, totals.force_max);
   fmt::print("port             put out at most {:.3f} mJ more than it took in; stiffness {}\n",
              1e3 * totals.port_energy,
@@ -299,7 +300,8 @@ void run(const Options& options) {
     view->update();
     console.tell_transitions();
   }
-  const Outcome outcome{system.clock().now(), view->newest().state, faults_of(*view)};
+  const Outcome outcome{system.clock().now(), system.loop().statistics().ticks, view->newest().state,
+                        faults_of(*view)};
   system.stop();
   view->update();
   if (recorder) {

@@ -201,12 +201,14 @@ std::vector<StabilityTrace> traces_of(const Options& options, const Ground& grou
 std::string setup_text(const Options& options, const Ground& ground) {
   return fmt::format(
       "A simulated hand comes in to {} at {} place{}, presses {:g} mm beyond first contact (or with half of "
-      "what the device can), rests for {:g} s, slides for {:g} s at {:g} m/s, and lifts off; 1 kHz in virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and "
+      "what the device can), rests for {:g} s, slides for {:g} s at {:g} m/s, and lifts off; 1 kHz in "
+      "virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and "
       "hold are {:g} ms "
       "late.",
-      ground.name, ground.places.size(), ground.places.size() == 1 ? "" : "s", 1e3 * StabilityTrial::kPress, StabilityTrial::kRest,
-      StabilityTrial::kSlide, StabilityTrial::kSlideSpeed, tool_text(options.query.tool),
-      options.force.proxy.stiffness, options.force.proxy.friction, 1e3 * options.delay);
+      ground.name, ground.places.size(), ground.places.size() == 1 ? "" : "s", 1e3 * StabilityTrial::kPress,
+      StabilityTrial::kRest, StabilityTrial::kSlide, StabilityTrial::kSlideSpeed,
+      tool_text(options.query.tool), options.force.proxy.stiffness, options.force.proxy.friction,
+      1e3 * options.delay);
 }
 
 void run(const Options& options) {

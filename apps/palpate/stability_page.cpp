@@ -96,16 +96,14 @@ Plot energies(const StabilityTables& tables) {
 }
 
 Plot widths(const StabilityTables& tables) {
-  Plot plot{
-      "z-width", "Z-width", "the stiffest that a hand can rest on; from the worst hand to the best",
-      {},        {},        {}};
+  Plot plot{"z-width", "Z-width", "the stiffest that a hand can rest on; from the worst hand to the best",
+            {},        {},        {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"stiffness, N/m", true, {}, {}, {}};
-  add_dots(plot, tables,
-           [](double at, const StabilitySummary& s) -> std::optional<PlotPoint> {
-             if (!s.z_low) return std::nullopt;
-             return PlotPoint(at, *s.z_low, *s.z_low, *s.z_high);
-           });
+  add_dots(plot, tables, [](double at, const StabilitySummary& s) -> std::optional<PlotPoint> {
+    if (!s.z_low) return std::nullopt;
+    return PlotPoint(at, *s.z_low, *s.z_low, *s.z_high);
+  });
   return plot;
 }
 

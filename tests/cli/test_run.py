@@ -221,6 +221,7 @@ class Hands(Live):
 
         until(b"active")
         os.write(master, b"m")
+        until(b"no force: changing")
         until(b"field")
         os.write(master, b"+")
         until(b"625 N/m")

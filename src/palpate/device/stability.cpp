@@ -31,11 +31,10 @@ double eased(double share) {
 HandPath path_at(const PressPlace& place, double press) {
   return [=](double t) {
     const double depth = press - (kAway + press) * (1.0 - eased((t - kComes) / (kThere - kComes)) +
-                                                     eased((t - kLifts) / (kEnd - kLifts)));
+                                                    eased((t - kLifts) / (kEnd - kLifts)));
     const double slid = std::clamp(t - kSlides, 0.0, StabilityTrial::kSlide);
     Pose pose = place.touch;
-    pose.position +=
-        depth * place.inward + StabilityTrial::kSlideSpeed * slid * place.along;
+    pose.position += depth * place.inward + StabilityTrial::kSlideSpeed * slid * place.along;
     return pose;
   };
 }

@@ -45,7 +45,7 @@ struct StabilityTrial {
   static constexpr double kPress = 0.01;  ///< Unit: [m].
   static constexpr double kForceShare = 0.5;
   static constexpr double kRest = 2.0, kSlide = 0.5, kLift = 0.4;  ///< Unit: [s].
-  static constexpr double kSlideSpeed = 0.1;          ///< Unit: [m/s].
+  static constexpr double kSlideSpeed = 0.1;                       ///< Unit: [m/s].
 };
 
 /// What was seen in one tick of a trial.

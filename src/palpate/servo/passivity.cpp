@@ -5,16 +5,24 @@
 
 namespace palpate {
 
+namespace {
+
+/// After this time, what was not absorbed has long been in the hand, and braking it there would be felt as a
+/// buzz: encoders count in steps, and where the hand is slow, a step is all its speed. Unit: [s].
+constexpr double kForgotten = 0.02;
+
+}  // namespace
+
 double passive_stiffness(double damping, double virtual_damping, double period, double delay) {
   return std::max(0.0, damping - std::abs(virtual_damping)) / (0.5 * period + delay);
 }
 
 PassivityController::PassivityController(double period, double damping, double damping_max)
-    : period_(period), damping_(damping), damping_max_(damping_max) {}
+    : period_(period), damping_(damping), damping_max_(damping_max), kept_(std::exp(-period / kForgotten)) {}
 
 void PassivityController::reset() {
   started_ = false;
-  stored_ = excess_ = added_ = held_ = 0.0;
+  excess_ = added_ = held_ = 0.0;
 }
 
 Wrench PassivityController::correct(const Wrench& wanted, double stored, const Wrench& sent,
@@ -22,7 +30,6 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   if (!started_) {
     started_ = true;
     pose_ = pose;
-    stored_ = stored;
     return wanted;
   }
   const Eigen::Vector3d way = pose.position - pose_.position;
@@ -34,20 +41,17 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   const double sampling = 0.5 * (work(sent) - work(wanted));
   const double absorbed = std::clamp(sampling, 0.0, damping_ * squared / period_);
   held_ -= work(sent) - absorbed;
-  put_out_ += std::max(0.0, -held_);
+  const double out = std::max(0.0, -held_);
+  put_out_ += out;
   held_ = std::clamp(held_, 0.0, stored);
   pose_ = pose;
   added_ = 0.0;
   if (std::isinf(stored)) return wanted;
 
-  excess_ = std::max(0.0, excess_ + work(sent) - absorbed + stored - stored_);
-  stored_ = stored;
-
+  excess_ = std::max(0.0, kept_ * excess_ + sampling - absorbed + out);
   if (excess_ == 0.0 || squared == 0.0) return wanted;
   added_ = std::min(damping_max_, excess_ * period_ / squared);  // D = alpha |v|^2 T
-  Wrench damped = wanted;
-  damped.force -= added_ / period_ * way;
-  return damped;
+  return {wanted.force - added_ / period_ * way, wanted.torque};
 }
 
 }  // namespace palpate

@@ -17,18 +17,21 @@ namespace palpate {
 double passive_stiffness(double damping, double virtual_damping, double period, double delay);
 
 /// A passivity observer and controller at the port between device and model (Hannaford and Ryu 2002). The
-/// observer is the energy balance of a spring in sampled time, over a step d = x - x_before:
+/// observer keeps E, what the port has stored, and D, what it has made, over every step d = x - x_before:
 ///
 ///     W = f_sent . d                          work on the hand, exact, since the force was held on the way
 ///     Z = (f_sent - f_wanted) . d / 2         of that, what is because it was held
 ///     A = min(max(0, Z), b |d|^2 / T)         of that, what the device's own damping b absorbs
-///     D += W - A + S - S_before,  D >= 0
+///     E' = E - W + A,  O = max(0, -E')        put out beyond what was stored
+///     E = min(max(0, E'), S)                  no more than the model's spring holds
+///     D += Z - A + O,  D >= 0                 forgotten within some 20 ms
 ///
 /// with f_sent the force that was held since the last tick, f_wanted the model's now, and S the energy in the
-/// model's spring. The damping may absorb what sampling makes, and nothing else. What was absorbed long ago
-/// does not excuse D. A spring of stiffness K makes Z = K |v T|^2 / 2 in each tick, pressing or letting go:
-/// as much as damping K T / 2 absorbs, which is Colgate's bound again. The controller adds the damping that
-/// absorbs D within a tick, up to `damping_max`.
+/// model's spring. The damping may absorb what sampling makes, and nothing else. A spring that winds up by
+/// itself has made nothing until that comes out. A spring of stiffness K makes Z = K |v T|^2 / 2 in each
+/// tick, pressing or letting go: as much as damping K T / 2 absorbs, which is Colgate's bound again. The
+/// controller adds the damping that absorbs D within a tick, up to `damping_max`; half of what that damping
+/// takes is counted, in Z, so that there is twice as much of it as is lacking: it comes a tick late.
 ///
 /// One object a port and thread; takes nothing from the heap.
 class PassivityController {
@@ -44,12 +47,7 @@ class PassivityController {
 
   /// D. Unit: [J].
   double excess() const { return excess_; }
-  /// All that the port has put out beyond what it had stored, ever: of the work of the hand on it, what the
-  /// spring still holds. With E what is stored, for a step as above
-  ///
-  ///     E' = E - W + A        out += max(0, -E'),  E = min(max(0, E'), S)
-  ///
-  /// A spring that winds up by itself has made nothing until that comes out. Unit: [J].
+  /// The sum of O, ever. Unit: [J].
   double put_out() const { return put_out_; }
   /// That is added now. Unit: [N s/m].
   double added_damping() const { return added_; }
@@ -59,9 +57,10 @@ class PassivityController {
 
  private:
   double period_, damping_, damping_max_;
+  double kept_;  ///< of D, from call to call
   bool started_ = false;
   Pose pose_;
-  double stored_ = 0.0, excess_ = 0.0, added_ = 0.0;
+  double excess_ = 0.0, added_ = 0.0;
   double held_ = 0.0, put_out_ = 0.0;  ///< E, and what put_out() tells. Unit: [J].
 };
 
