@@ -163,10 +163,10 @@ bool Console::act(char key) {
   const double gain = system_.tick().wanted_gain();
   switch (key) {
     case ' ':
-      if (view_.newest().fault == Fault::kNone) {
-        governor.stop(Fault::kPaused);
-      } else {
+      if (traits(view_.newest().fault).latched) {
         governor.resume();
+      } else {
+        governor.stop(Fault::kPaused);
       }
       break;
     case 'e': governor.stop(); break;
