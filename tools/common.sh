@@ -40,11 +40,13 @@ ensure_packages() {
 ensure_npm() { command -v npm >/dev/null || ensure_packages npm; }
 
 # build_preset PRESET TESTS [TARGET...]: configures if the build folder is not what is asked for, and
-# builds the targets or everything. TESTS is ON or OFF; ON stays ON.
+# builds the targets or everything. TESTS is ON or OFF; ON stays ON. A library that was missed when the folder was
+# configured is looked for again.
 build_preset() {
   local preset=$1 tests=$2 cache=$root/build/$1/CMakeCache.txt
   if [[ ! -e $root/build/$preset/build.ninja ]] ||
-    { [[ $tests == ON ]] && ! grep -q '^PALPATE_TESTS:BOOL=ON' "$cache"; }; then
+    { [[ $tests == ON ]] && ! grep -q '^PALPATE_TESTS:BOOL=ON' "$cache"; } ||
+    { [[ $tests == ON ]] && grep -q '^MUJOCO_.*-NOTFOUND' "$cache"; }; then
     say "configuring build/$preset"
     (cd "$root" && cmake --preset "$preset" "-DPALPATE_TESTS=$tests" >/dev/null)
   fi
