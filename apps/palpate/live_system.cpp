@@ -163,7 +163,8 @@ void LiveSystem::make_models(const SceneOptions& scene, const QueryOptions& quer
 }
 
 void LiveSystem::make_device(const DeviceOptions& options) {
-  const DeviceProfile& profile = device_profile(options.profile);
+  DeviceProfile profile = device_profile(options.profile);
+  profile.capabilities.rate = options_.rate;  // what is simulated answers whenever it is asked
   const WorkspaceMap map = options.map;
   if (options.device == "playback") {
     length_ = path_.back().t - path_.front().t;

@@ -258,6 +258,18 @@ INSTANTIATE_TEST_SUITE_P(Everything, SafetyGovernorOn,
                                        loop.center += 1e-4 * Vector3d(0.6, 0, 0.8);
                                        t.reading.pose.position = loop.center;
                                      }},
+                             Trouble{"Paused", Fault::kPaused, 0.0,
+                                     [](Loop& loop, Loop::Tick&) {
+                                       if (loop.governor.fault() == Fault::kNone)
+                                         loop.governor.stop(Fault::kPaused);
+                                     }},
+                             Trouble{"Changing", Fault::kChanging, 0.0,
+                                     [](Loop& loop, Loop::Tick&) { loop.governor.stop(Fault::kChanging); }},
+                             Trouble{"RecordingFailed", Fault::kRecorder, 0.0,
+                                     [](Loop& loop, Loop::Tick&) {
+                                       if (loop.governor.fault() == Fault::kNone)
+                                         loop.governor.stop(Fault::kRecorder);
+                                     }},
                              Trouble{"EmergencyStop", Fault::kEmergencyStop, 0.0,
                                      [](Loop& loop, Loop::Tick&) {
                                        if (loop.governor.fault() == Fault::kNone) loop.governor.stop();
@@ -273,6 +285,34 @@ TEST(SafetyGovernor, TheGravestReasonIsKept) {
   loop.run(1.0);
   EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
   EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+}
+
+TEST(SafetyGovernor, AnEmergencyStopOutranksAPause) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.governor.stop(Fault::kPaused);
+  loop.run(0.5);
+  EXPECT_EQ(loop.governor.fault(), Fault::kPaused);
+  loop.governor.stop();
+  loop.run(0.5);
+  EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
+  loop.governor.stop(Fault::kPaused);
+  loop.run(0.5);
+  EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
+}
+
+// Two threads, one tick: who resumes did not see that someone pressed the button.
+TEST(SafetyGovernor, AResumeInTheSameTickDoesNotUndoAnEmergencyStop) {
+  for (const bool stop_first : {true, false}) {
+    Loop loop;
+    loop.feel({3, 0, 4});
+    if (!stop_first) loop.governor.resume();
+    loop.governor.stop();
+    if (stop_first) loop.governor.resume();
+    loop.run(3.0);
+    EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+    EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
+  }
 }
 
 TEST(SafetyGovernor, ResumingIsNoUseWhileTheCauseIsThere) {

@@ -113,7 +113,6 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   ServoTickOptions options;
   options.period = StabilityTrial::kTick;
   options.gain = trial.gain;
-  options.passivity = trial.passivity;
   options.worker = &worker;
   if (!trial.governed) {
     options.limits = SafetyLimits::of(trial.profile.capabilities, options.period);

@@ -36,7 +36,6 @@ struct StabilityTrial {
   /// Makes the force model, which looks for contacts through `lookahead` where that is not null.
   std::function<std::unique_ptr<ForceModel>(Lookahead* lookahead)> model;
   double gain = 1.0;          ///< ServoTickOptions::gain
-  bool passivity = true;      ///< ServoTickOptions::passivity
   double worker_delay = 0.0;  ///< of the thread that looks for contacts ahead; 0: the loop looks. Unit: [s].
   double hold = 0.0;     ///< for how long a force is computed and then held (HeldForce); 0: not. Unit: [s].
   bool governed = true;  ///< false: the governor does not end what puts out energy, so that it is seen whole

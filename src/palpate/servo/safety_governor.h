@@ -18,8 +18,8 @@ namespace palpate {
 /// What a device says at one instant.
 struct DeviceReading {
   double t = 0.0;  ///< when it was measured, on the loop's clock. Unit: [s].
-  Pose pose;       ///< of the tool, world frame
-  Twist velocity;  ///< world frame
+  Pose pose;       ///< of the handle, the device's frame
+  Twist velocity;  ///< the same frame
 };
 
 /// What is allowed. The defaults fit a hand on any of the devices that are sold for hands.

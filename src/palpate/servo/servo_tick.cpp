@@ -21,7 +21,7 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       worker_(options.worker),
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
-                 options.passivity ? device.capabilities().damping_max : 0.0),
+                 device.capabilities().damping_max),
       wanted_gain_(options.gain) {
   found_.contacts.reserve(ToolTracker::kRoom);
 }

@@ -49,8 +49,7 @@ struct FeltModel {
 struct ServoTickOptions {
   double period = 1e-3;  ///< between calls of run(). Unit: [s]. > 0
   WorkspaceMap map;
-  double gain = 1.0;      ///< what all of the model's forces are multiplied with. >= 0
-  bool passivity = true;  ///< the PassivityController corrects; else it only observes
+  double gain = 1.0;  ///< what all of the model's forces are multiplied with. >= 0
   /// In place of SafetyLimits::of() the device, for trials in virtual time of what would not be let near a
   /// hand.
   std::optional<SafetyLimits> limits;
