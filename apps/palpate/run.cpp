@@ -216,6 +216,7 @@ Json to_json(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
           {"rate_hz", static_cast<double>(outcome.ticks) / outcome.seconds},
           {"overruns", statistics.overruns.load()},
           {"tick_us", times_json(statistics.whole)},
+          {"cpu_us", times_json(statistics.spent)},
           {"age_us", times_json(statistics.age)},
           {"late_us", times_json(statistics.late)},
           {"contact_ticks", totals.contact_ticks},
@@ -238,6 +239,7 @@ void print_text(const Outcome& outcome, LiveSystem& system, const LiveView& view
              static_cast<double>(outcome.ticks) / outcome.seconds, statistics.overruns.load(),
              to_string(outcome.state));
   times("tick", statistics.whole);
+  times("of it computing", statistics.spent);
   times("age of the force", statistics.age);
   times("late", statistics.late);
   fmt::print("in contact       {:.1f} % of the ticks, up to {} contacts, up to {:.2f} N\n",

@@ -14,7 +14,7 @@ import unittest
 
 from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, path_csv, ply, wall_rows
 
-KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
+KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "cpu_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
         "port_energy", "margin_min", "state", "faults"]
 RATE = "200" if SANITIZED else "1000"
 

@@ -9,13 +9,17 @@ namespace {
 
 constexpr double kNanosecond = 1e-9;
 
-}  // namespace
-
-double monotonic_now() {
+double read_clock(clockid_t clock) {
   timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + kNanosecond * static_cast<double>(now.tv_nsec);
 }
+
+}  // namespace
+
+double monotonic_now() { return read_clock(CLOCK_MONOTONIC); }
+
+double thread_time() { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
 
 void sleep_until(double t) {
   const double whole = std::floor(t);

@@ -8,6 +8,10 @@ namespace palpate {
 /// where the kernel can help it.
 double monotonic_now();
 
+/// What the calling thread has spent of a processor's time: where the machine stops for a while, this does
+/// not go on. Unit: [s].
+double thread_time();
+
 /// Sleeps until monotonic_now() is `t`, or a little later.
 void sleep_until(double t);
 

@@ -50,7 +50,7 @@ std::vector<std::string> ServoLoop::refused() const {
 }
 
 void ServoLoop::tick(double due) {
-  const double begin = clock_.now();
+  const double begin = clock_.now(), spent = thread_time();
   const TickRecord& record = tick_.run(begin);
   TickTimes times;
   times.late = begin - due;
@@ -59,9 +59,11 @@ void ServoLoop::tick(double due) {
   times.age = sent - record.reading.t;
   tick_.look();
   times.whole = clock_.now() - begin;
+  times.spent = thread_time() - spent;
   times.overruns = statistics_.overruns.load(std::memory_order_relaxed);
   statistics_.late.add(times.late);
   statistics_.whole.add(times.whole);
+  statistics_.spent.add(times.spent);
   statistics_.age.add(times.age);
   statistics_.ticks.fetch_add(1, std::memory_order_relaxed);
   for (TickObserver* observer : observers_) observer->see(record, times);

@@ -21,6 +21,7 @@ struct TickTimes {
   double late = 0.0;           ///< from when it was due to when it began. Unit: [s].
   double compute = 0.0;        ///< from then until the force was sent. Unit: [s].
   double whole = 0.0;          ///< until all was done, also for those who look on. Unit: [s].
+  double spent = 0.0;          ///< of a processor\'s time, on all of it. Unit: [s].
   double age = 0.0;            ///< of the reading when the force was sent. Unit: [s].
   std::uint64_t overruns = 0;  ///< so far
 };
@@ -37,7 +38,7 @@ class TickObserver {
 
 /// What a loop has done so far. Any thread may look while it runs.
 struct LoopStatistics {
-  TimeHistogram late, whole, age;  ///< TickTimes of all ticks
+  TimeHistogram late, whole, spent, age;  ///< TickTimes of all ticks
   std::atomic<std::uint64_t> ticks = 0;
   std::atomic<std::uint64_t> overruns =
       0;  ///< ticks that were due while another one took too long, and left out
