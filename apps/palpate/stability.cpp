@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -74,7 +75,7 @@ Ground ground_of(const Options& options, const Progress& progress) {
     loaded.kept =
         filter_scene(loaded.scene, options.scene.filter, options.scene.world_from_scene(), loaded.filtered);
   } else {
-    ground.name = options.scene.path;
+    ground.name = std::filesystem::path(options.scene.path).filename().string();
     loaded = load(options.scene, progress);
   }
   ground.index = std::make_unique<SceneIndex>(loaded.scene, options.scene.filter,
@@ -107,14 +108,17 @@ StabilityTrial trial_of(const Options& options, const Ground& ground, const Stab
 /// Of the forces while sliding, as StabilityRow::force_off.
 double force_off(const StabilityOutcome& outcome, const StabilityOutcome& reference) {
   constexpr double kShare = 0.95;
-  std::vector<double> off;
   const auto ticks = [](double seconds) { return static_cast<std::size_t>(seconds / StabilityTrial::kTick); };
   const std::size_t end = reference.ticks.size() - ticks(StabilityTrial::kLift);
-  for (std::size_t i = end - ticks(StabilityTrial::kSlide); i < end; ++i) {
-    const double felt = reference.ticks[i].force;
-    if (felt > 0.0) off.push_back(std::abs(outcome.ticks[i].force - felt) / felt);
+  const std::size_t begin = end - ticks(StabilityTrial::kSlide);
+  std::vector<double> off;
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i) {
+    off.push_back(std::abs(outcome.ticks[i].force - reference.ticks[i].force));
+    sum += reference.ticks[i].force;
   }
-  return off.empty() ? 0.0 : quantile(off, kShare);
+  const double mean = sum / static_cast<double>(off.size());
+  return mean > 0.0 ? quantile(off, kShare) / mean : 0.0;
 }
 
 void measure(StabilityRow& row, const Options& options, const Ground& ground) {

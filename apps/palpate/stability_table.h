@@ -30,8 +30,8 @@ struct StabilityRow {
   int contact_changes = 0;
   double rest_force = 0.0;  ///< the least
   Fault fault = Fault::kNone;
-  /// While sliding, from the force of the same trial with ContactSource::kLoop, in 95 of 100 ticks at most,
-  /// as a share of that.
+  /// While sliding, how far the force is from that of the same trial with ContactSource::kLoop in 95 of 100
+  /// ticks, as a share of the mean of that.
   double force_off = 0.0;
   std::optional<double>
       z_width;  ///< z_width(), at the first place; none for a model without a stiffness. Unit: [N/m].

@@ -112,19 +112,26 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
   return result;
 }
 
+/// Where the spring ends and the force is the same from then on. |dD/dx| may be a little above 1. Unit: [m].
+double FieldForce::end_of_spring(const ForceInput& input) const {
+  constexpr double kHeadroom = 0.9;
+  return kHeadroom * input.force_max / parameters_.stiffness;
+}
+
 double FieldForce::potential(const ForceInput& input) const {
   const double depth = field_depth(*input.contacts, tool_, input.tool).depth;
-  return 0.5 * parameters_.stiffness * depth * depth;
+  const double within = std::min(depth, end_of_spring(input));
+  return parameters_.stiffness * within * (depth - 0.5 * within);
 }
 
 ForceOutput FieldForce::evaluate(const ForceInput& input) {
   const FieldDepth field = field_depth(*input.contacts, tool_, input.tool);
-  const double push = -parameters_.stiffness * field.depth;
-  return {{push * field.gradient, push * field.turning},
+  const double k = parameters_.stiffness, within = std::min(field.depth, end_of_spring(input));
+  return {{-k * within * field.gradient, -k * within * field.turning},
           input.tool,
           1.0,
-          0.5 * parameters_.stiffness * field.depth * field.depth,
-          field.depth > 0.0 ? parameters_.stiffness : 0.0};
+          k * within * (field.depth - 0.5 * within),
+          field.depth > 0.0 ? k : 0.0};
 }
 
 }  // namespace palpate

@@ -44,6 +44,10 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
 /// done around a closed path; stiffness does not depend on how densely the scene was trained; there is no
 /// state.
 ///
+/// Beyond the depth D_m where the force is what the device can show (ForceInput::force_max), U goes on as k
+/// D_m (D - D_m / 2): a force that the device cuts off instead is no gradient, and a hand that slides in it
+/// and lifts off elsewhere would be given energy.
+///
 /// It pushes out the way that is nearest where the tool is, so that a push deeper than the middle of a thin
 /// object comes out on the other side, as with any force that depends on the pose alone; `proxy` remembers
 /// where it came from.
@@ -60,6 +64,8 @@ class FieldForce final : public ForceModel {
   double potential(const ForceInput& input) const;
 
  private:
+  double end_of_spring(const ForceInput& input) const;
+
   Tool tool_;
   FieldParameters parameters_;
 };

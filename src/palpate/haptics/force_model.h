@@ -2,6 +2,8 @@
 /// From contacts to what the hand feels.
 #pragma once
 
+#include <limits>
+
 #include <palpate/collision/contact.h>
 #include <palpate/geometry/pose.h>
 
@@ -14,6 +16,8 @@ struct ForceInput {
   double dt = 0.0;  ///< time since the last call; 0 if there was none. Unit: [s].
   /// Of all parts of the tool at this pose; null if the model does not want them.
   const ContactSet* contacts = nullptr;
+  /// What the device can show: more will be cut off, which a model may do better itself. Unit: [N]. > 0
+  double force_max = std::numeric_limits<double>::infinity();
 };
 
 /// What a force model answers.
@@ -24,7 +28,7 @@ struct ForceOutput {
   /// How far there is a surface where the tool is held, in [0, 1]; see SurfacePatch. 1 where nothing holds it
   /// and where the model has none.
   double confidence = 1.0;
-  /// In the spring that makes the wrench: what may come back as work. NaN where the model has no potential.
+  /// In the spring that makes the wrench, and wherever else energy is kept: what may come back as work. NaN where the model has no potential.
   /// Unit: [J].
   double stored = 0.0;
   /// Of that spring, as it is felt now; 0 where nothing is. Unit: [N/m].

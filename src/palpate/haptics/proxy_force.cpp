@@ -200,6 +200,15 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
   direction_ += forgotten * (moved / way - direction_);
 }
 
+/// What the spring has lost by the proxy's own motion fills the reserve, what it has gained empties it. Of
+/// what it was stretched by the tool's motion, k |d|^2 / 2 is no work of the hand's, which felt the force of
+/// before all the way: to a tool that slides, it would be a gift in every tick.
+void ProxyForce::reserve(double slack, double of_tool, double length) {
+  const double lost = std::max(0.0, slack * slack - of_tool * of_tool - length * length);
+  const double gained = std::max(0.0, length * length - slack * slack);
+  reserve_ = std::clamp(reserve_ + 0.5 * hold_.stiffness * (lost - gained), 0.0, kReserve);
+}
+
 ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const bool jumped = !held_ && (input.tool.position - proxy_.position).norm() > kMostFreeSteps * step_;
   const bool first = !started_ || jumped;  // a pose so far away is no motion
@@ -210,8 +219,8 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   }
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
   // Where the tool starts in something, it comes out at once.
-  double way = first ? std::numeric_limits<double>::infinity()
-                     : length_of(motion_between(tool_, input.tool), gyration_) + catch_up() * input.dt;
+  const double of_tool = length_of(motion_between(tool_, input.tool), gyration_);
+  double way = first ? std::numeric_limits<double>::infinity() : of_tool + catch_up() * input.dt;
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
   // The spring as it is before the proxy moves, and how much longer it may get.
@@ -230,15 +239,13 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   remember(proxy_.position - before);
   const Motion spring = motion_between(input.tool, proxy_);
   const double length = length_of(spring, gyration_);
-  if (!first)
-    reserve_ =
-        std::clamp(reserve_ + 0.5 * hold_.stiffness * (slack * slack - length * length), 0.0, kReserve);
-  if (length == 0.0) return {Wrench{}, proxy_, 1.0};
+  if (!first) reserve(slack, of_tool, length);
+  if (length == 0.0) return {Wrench{}, proxy_, 1.0, reserve_};
   const double k = hold_.stiffness, push = damped(k * spring.translation);
   return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},
           proxy_,
           hold_.confidence,
-          0.5 * k * length * length,
+          0.5 * k * length * length + reserve_,
           k};
 }
 

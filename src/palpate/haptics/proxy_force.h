@@ -136,6 +136,9 @@ class ProxyForce final : public ForceModel {
   /// How much faster than the tool the proxy may move now. Unit: [m/s].
   double catch_up() const;
   void remember(const Eigen::Vector3d& moved);
+  /// Keeps reserve_. Lengths of the spring before and after the proxy has moved, and of the tool's motion.
+  /// Unit: [m].
+  void reserve(double slack, double of_tool, double length);
   /// What the push is multiplied with so that it damps the motion, too.
   double damped(const Eigen::Vector3d& push) const;
 

@@ -9,6 +9,8 @@ namespace {
 
 /// Of a change of the gain: a hand that leans on a surface feels it give way, and does not fall. Unit: [s].
 constexpr double kGainFilter = 0.1;
+/// So that nothing is divided by nothing.
+constexpr double kLeastGain = 1e-6;
 
 }  // namespace
 
@@ -33,16 +35,13 @@ void ServoTick::use(const FeltModel& model) {
 
 void ServoTick::press_clutch(bool pressed) { clutch_pressed_.store(pressed, std::memory_order_relaxed); }
 
-/// What a spring of energy `stored` and force `wrench` gives back at most through a device that clamps it:
-///
-///     rho = F_max / F < 1:   S (2 rho - rho^2)
-///
-/// the work of the clamped force along the way that S was stored on.
-double returnable(double stored, const Wrench& wrench, const DeviceCapabilities& device) {
+/// The share of a wrench that a device can show; 1 for one that is not finite, which is the governor's to
+/// see.
+double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
   const auto share = [](double most, double asked) { return asked > most ? most / asked : 1.0; };
   const double rho = std::min(share(device.force_max, wrench.force.norm()),
                               device.torque_max > 0.0 ? share(device.torque_max, wrench.torque.norm()) : 1.0);
-  return stored * (2.0 * rho - rho * rho);
+  return rho > 0.0 ? rho : 1.0;
 }
 
 /// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
@@ -59,7 +58,10 @@ void ServoTick::change() {
 
 void ServoTick::feel() {
   const DeviceReading& reading = record_.reading;
-  const ForceInput input{record_.tool, record_.velocity, asked_ ? reading.t - asked_at_ : 0.0, &found_};
+  // The force of the world that the device shows all of, at this gain.
+  const double force_max = device_.capabilities().force_max * map_.scale / std::max(gain_, kLeastGain);
+  const ForceInput input{record_.tool, record_.velocity, asked_ ? reading.t - asked_at_ : 0.0, &found_,
+                         force_max};
   if (used_.model->wants_contacts()) used_.contacts->query(record_.tool, found_);
   record_.felt = used_.model->evaluate(input);
   asked_ = true;
@@ -71,10 +73,13 @@ void ServoTick::feel() {
   felt.stored *= gain_;
   felt.stiffness *= gain_;
   const Wrench wanted = map_.to_device(felt.wrench);
-  const double stored = std::isnan(felt.stored)
-                            ? std::numeric_limits<double>::infinity()
-                            : returnable(map_.to_device(felt.stored), wanted, device_.capabilities());
-  wanted_ = passivity_.correct(wanted, stored, record_.sent, reading.pose);
+  // Clamped before it is damped: what is damped and then clamped is not damped. Of what the model's spring
+  // holds, a force that is clamped to the share rho gives back S (2 rho - rho^2) along the way that S was
+  // stored on.
+  const double rho = share_shown(wanted, device_.capabilities());
+  const double stored = std::isnan(felt.stored) ? std::numeric_limits<double>::infinity()
+                                                : map_.to_device(felt.stored) * (2.0 * rho - rho * rho);
+  wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent, reading.pose);
 }
 
 const TickRecord& ServoTick::look() {
