@@ -28,8 +28,8 @@ struct ForceOutput {
   /// How far there is a surface where the tool is held, in [0, 1]; see SurfacePatch. 1 where nothing holds it
   /// and where the model has none.
   double confidence = 1.0;
-  /// In the spring that makes the wrench, and wherever else energy is kept: what may come back as work. NaN where the model has no potential.
-  /// Unit: [J].
+  /// In the spring that makes the wrench, and wherever else energy is kept: what may come back as work. NaN
+  /// where the model has no potential. Unit: [J].
   double stored = 0.0;
   /// Of that spring, as it is felt now; 0 where nothing is. Unit: [N/m].
   double stiffness = 0.0;
