@@ -24,7 +24,7 @@ class TimeHistogram {
  private:
   static constexpr int kPerOctave = 16;
   static constexpr double kFirst = 1e-8;  ///< Unit: [s].
-  static constexpr std::size_t kClasses = 16 * 33;
+  static constexpr std::size_t kClasses = std::size_t{kPerOctave} * 33;
 
   std::array<std::atomic<std::uint64_t>, kClasses> classes_{};
   std::atomic<std::uint64_t> count_ = 0;
