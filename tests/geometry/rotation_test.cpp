@@ -44,5 +44,25 @@ TEST(RotationBetween, QuarterTurnByHand) {
   EXPECT_LT((q.coeffs() - Quaterniond(h, 0, 0, h).coeffs()).norm(), 1e-15);
 }
 
+TEST(RotationVector, OfAQuarterTurnByHand) {
+  const double h = std::numbers::sqrt2 / 2;
+  const Vector3d turn = rotation_vector(Quaterniond(h, 0, h, 0));
+  EXPECT_LT((turn - Vector3d(0, std::numbers::pi / 2, 0)).norm(), 1e-15);
+  EXPECT_EQ(rotation_vector(Quaterniond::Identity()), Vector3d(0, 0, 0));
+}
+
+TEST(RotationVector, ThereAndBack) {
+  for (const double angle : {1e-12, 1e-6, 0.5, 3.0}) {
+    const Vector3d by = angle * Vector3d(2, -1, 2) / 3.0;
+    EXPECT_LT((rotation_vector(rotation_by(by)) - by).norm(), 1e-15 + 1e-14 * angle) << angle;
+  }
+  EXPECT_EQ(rotation_by(Vector3d(0, 0, 0)).coeffs(), Quaterniond::Identity().coeffs());
+}
+
+TEST(TurnBetween, TakesOneToTheOther) {
+  const Quaterniond from = rotation_by({0.3, -0.2, 0.9}), to = rotation_by({-0.7, 0.1, 0.4});
+  EXPECT_LT((rotation_by(turn_between(from, to)) * from).angularDistance(to), 1e-14);
+}
+
 }  // namespace
 }  // namespace palpate

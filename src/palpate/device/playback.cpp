@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <palpate/geometry/rotation.h>
 #include <palpate/haptics/tool_query.h>
 
 namespace palpate {
@@ -25,8 +26,8 @@ constexpr std::size_t kBlock = 4096;
 Twist velocity_between(const TimedPose& from, const TimedPose& to) {
   const double dt = to.t - from.t;
   if (!(dt > 0.0)) return {};
-  const Eigen::AngleAxisd turn(to.pose.orientation * from.pose.orientation.conjugate());
-  return {(to.pose.position - from.pose.position) / dt, turn.axis() * (turn.angle() / dt)};
+  return {(to.pose.position - from.pose.position) / dt,
+          turn_between(from.pose.orientation, to.pose.orientation) / dt};
 }
 
 std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, ForceModel& model,

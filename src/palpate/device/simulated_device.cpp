@@ -3,27 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include <palpate/geometry/rotation.h>
+
 namespace palpate {
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 /// Of the velocity that a reading tells: some 100 Hz, as drivers have it. Unit: [s].
 constexpr double kVelocityFilter = 1.6e-3;
 /// After a stop of the clock longer than this the plant goes on from now. Unit: [s].
 constexpr double kLongestGap = 0.1;
-
-Vector3d rotation_vector(const Quaterniond& q) {
-  const Eigen::AngleAxisd turn(q);
-  return turn.angle() * turn.axis();
-}
-
-Quaterniond turned(const Vector3d& by, const Quaterniond& q) {
-  const double angle = by.norm();
-  if (angle == 0.0) return q;
-  return (Quaterniond(Eigen::AngleAxisd(angle, by / angle)) * q).normalized();
-}
 
 Vector3d rounded(const Vector3d& v, double to) {
   return to > 0.0 ? Vector3d(to * (v / to).array().round()) : v;
@@ -80,7 +70,7 @@ void SimulatedDevice::step(double h) {
   pose_.position += 0.5 * h * (before + velocity_.linear);
   hand_force_ = hand_.stiffness * (wanted.position - pose_.position) +
                 hand_.damping * (hand_velocity - velocity_.linear);
-  turn(h, shown.torque, wanted, rotation_vector(wanted.orientation * wanted_.orientation.conjugate()) / h);
+  turn(h, shown.torque, wanted, turn_between(wanted_.orientation, wanted.orientation) / h);
   wanted_ = wanted;
   t_ += h;
 }
@@ -94,10 +84,10 @@ void SimulatedDevice::turn(double h, const Vector3d& torque, const Pose& wanted,
   }
   const double squared = plant_.gyration * plant_.gyration;
   const HandProperties grip{squared * hand_.mass, squared * hand_.damping, squared * hand_.stiffness};
-  const Vector3d lag = rotation_vector(wanted_.orientation * pose_.orientation.conjugate());
+  const Vector3d lag = turn_between(pose_.orientation, wanted_.orientation);
   velocity_.angular = stepped(velocity_.angular, h, squared * plant_.mass + grip.mass, torque, lag,
                               wanted_spin, grip, squared * plant_.damping, plant_.gyration * plant_.coulomb);
-  pose_.orientation = turned(h * velocity_.angular, pose_.orientation);
+  pose_.orientation = (rotation_by(h * velocity_.angular) * pose_.orientation).normalized();
 }
 
 bool SimulatedDevice::read(double t, DeviceReading& reading) {
@@ -116,13 +106,12 @@ bool SimulatedDevice::read(double t, DeviceReading& reading) {
   Pose seen;
   seen.position = rounded(pose_.position, plant_.resolution);
   seen.orientation =
-      turned(rounded(rotation_vector(pose_.orientation), plant_.turn_resolution), Quaterniond::Identity());
+      rotation_by(rounded(rotation_vector(pose_.orientation), plant_.turn_resolution)).normalized();
   if (started_) {
     const double dt = t - read_at_, share = -std::expm1(-dt / kVelocityFilter);
     told_velocity_.linear += share * ((seen.position - told_.position) / dt - told_velocity_.linear);
     told_velocity_.angular +=
-        share *
-        (rotation_vector(seen.orientation * told_.orientation.conjugate()) / dt - told_velocity_.angular);
+        share * (turn_between(told_.orientation, seen.orientation) / dt - told_velocity_.angular);
   }
   told_ = seen;
   read_at_ = t;

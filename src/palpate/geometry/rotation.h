@@ -1,5 +1,5 @@
 /// \file
-/// Rotations from directions.
+/// Rotations from directions and vectors.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,6 +25,24 @@ inline Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Ei
     q.vec() = a.unitOrthogonal();
   }
   return q.normalized();
+}
+
+/// The rotation vector of q: its axis, as long as its angle is large. Unit: [rad].
+inline Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
+  const Eigen::AngleAxisd turn(q);
+  return turn.angle() * turn.axis();
+}
+
+/// From one orientation to another, as a rotation vector in the frame that both are in. Unit: [rad].
+inline Eigen::Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  return rotation_vector(to * from.conjugate());
+}
+
+/// The rotation of a rotation vector. \param by Unit: [rad].
+inline Eigen::Quaterniond rotation_by(const Eigen::Vector3d& by) {
+  const double angle = by.norm();
+  if (!(angle > 0.0)) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, by / angle));
 }
 
 }  // namespace palpate

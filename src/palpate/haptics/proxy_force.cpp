@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <palpate/geometry/rotation.h>
+
 namespace palpate {
 namespace {
 
@@ -11,20 +13,9 @@ namespace {
 /// is as flat as it was taken for, to a hundredth of it, and the next tick goes on from there.
 constexpr double kSettled = 0.1;
 
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
-  const Eigen::AngleAxisd turn(q);
-  return turn.angle() * turn.axis();
-}
-
-Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector) {
-  const double angle = rotation_vector.norm();
-  if (!(angle > 0.0)) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation_vector / angle));
-}
-
 /// From one pose to another.
 Motion motion_between(const Pose& from, const Pose& to) {
-  return {to.position - from.position, rotation_vector(to.orientation * from.orientation.conjugate())};
+  return {to.position - from.position, turn_between(from.orientation, to.orientation)};
 }
 
 Motion blend(const Motion& a, const Motion& b, double of_b) {
@@ -177,7 +168,7 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   } else {
     motion = blend({}, motion, share);
     proxy_.position += motion.translation;
-    proxy_.orientation = (quaternion(motion.rotation) * proxy_.orientation).normalized();
+    proxy_.orientation = (rotation_by(motion.rotation) * proxy_.orientation).normalized();
   }
   return share * length;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <palpate/geometry/rotation.h>
+
 namespace palpate {
 
 namespace {
@@ -33,10 +35,8 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
     return wanted;
   }
   const Eigen::Vector3d way = pose.position - pose_.position;
-  const Eigen::AngleAxisd turn(pose.orientation * pose_.orientation.conjugate());
-  const auto work = [&](const Wrench& w) {
-    return w.force.dot(way) + turn.angle() * w.torque.dot(turn.axis());
-  };
+  const Eigen::Vector3d turn = turn_between(pose_.orientation, pose.orientation);
+  const auto work = [&](const Wrench& w) { return w.force.dot(way) + w.torque.dot(turn); };
   const double squared = way.squaredNorm();
   const double sampling = 0.5 * (work(sent) - work(wanted));
   const double absorbed = std::clamp(sampling, 0.0, damping_ * squared / period_);

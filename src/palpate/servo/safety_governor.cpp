@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <palpate/geometry/rotation.h>
+
 namespace palpate {
 namespace {
 
@@ -44,12 +46,6 @@ Wrench operator*(double share, const Wrench& w) { return {share * w.force, share
 Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 Wrench operator-(const Wrench& a, const Wrench& b) { return {a.force - b.force, a.torque - b.torque}; }
 bool is_zero(const Wrench& w) { return w.force.isZero(0.0) && w.torque.isZero(0.0); }
-
-/// From one orientation to another, as a rotation vector, world frame.
-Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
-  const Eigen::AngleAxisd turn(to * from.conjugate());
-  return turn.angle() * turn.axis();
-}
 
 /// Which of two faults is told.
 int gravity(Fault fault) {
