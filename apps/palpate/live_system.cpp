@@ -10,7 +10,6 @@
 #include <palpate/device/hand_path.h>
 #include <palpate/device/profiles.h>
 #include <palpate/device/touch_path.h>
-#include <palpate/scene/procedural.h>
 
 #include "output.h"
 
@@ -20,8 +19,6 @@ namespace {
 constexpr const char* kDeviceGroup = "Device";
 constexpr const char* kLoopGroup = "Loop";
 
-/// The scene that is there without a file.
-constexpr const char* kBuiltIn = "table";
 /// How fast a hand goes that explores. Unit: [m/s].
 constexpr double kExploring = 0.5;
 /// Of the hand that explores. Unit: [m].
@@ -51,12 +48,6 @@ Trajectory slowed(Trajectory path, double most) {
   return path;
 }
 
-std::vector<std::string> profile_names() {
-  std::vector<std::string> names;
-  for (const DeviceProfile& p : device_profiles()) names.push_back(p.capabilities.name);
-  return names;
-}
-
 }  // namespace
 
 void DeviceOptions::declare(CLI::App& app) {
@@ -70,11 +61,7 @@ void DeviceOptions::declare(CLI::App& app) {
       "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)")
       .in_group(kDeviceGroup);
   add_parsed(app, "--hand", "m,b,k", "the simulated hand: kg, N s/m and N/m",
-             [this](const std::string& text) {
-               const auto v = parse_numbers(text, 3, 3);
-               if (v[0] < 0.0 || v[1] < 0.0 || v[2] < 0.0) throw BadValue("none may be below zero");
-               hand = {v[0], v[1], v[2]};
-             })
+             [this](const std::string& text) { hand = parse_hand(parse_numbers(text, 3, 3).data()); })
       .shows_default(fmt::format("{},{},{}", hand.mass, hand.damping, hand.stiffness))
       .in_group(kDeviceGroup);
   add_number(app, "--workspace-scale", map.scale, 1e-3, 1e6, "1",
@@ -121,29 +108,17 @@ void LiveSystem::read_scene(const SceneOptions& scene, const QueryOptions& query
   if (!device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
   if (device.device == "playback" && path_.empty())
     throw Error("--device playback has nothing to play; give --trajectory T.csv");
+  scene_text_ = scene.name();
   if (!path_.empty() && !scene.path.empty()) {
-    scene_text_ = scene.path;
     const IndexFiles files = query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
     index_ = std::make_unique<SceneIndex>(open_index(scene, files, progress));
     return;
   }
-  GaussianScene gaussians;
-  EllipsoidScene kept;
-  if (scene.path.empty()) {
-    scene_text_ = fmt::format("the built-in {}", kBuiltIn);
-    gaussians = make_scene(*make_surface(kBuiltIn), {});
-    FilterReport report;
-    kept = filter_scene(gaussians, scene.filter, scene.world_from_scene(), report, progress);
-  } else {
-    scene_text_ = scene.path;
-    LoadedScene loaded = load(scene, progress);
-    gaussians = std::move(loaded.scene);
-    kept = std::move(loaded.kept);
-  }
-  index_ = std::make_unique<SceneIndex>(gaussians, scene.filter, scene.world_from_scene(), progress);
+  const LoadedScene loaded = load_or_make(scene, progress);
+  index_ = std::make_unique<SceneIndex>(loaded.scene, scene.filter, scene.world_from_scene(), progress);
   if (!path_.empty()) return;
   try {
-    path_ = slowed(touch_path(*index_, kept, query.tool, {}), kExploring * device.map.scale);
+    path_ = slowed(touch_path(*index_, loaded.kept, query.tool, {}), kExploring * device.map.scale);
   } catch (const Error& error) {
     throw Error("{}: {}; or give --trajectory", scene_text_, error.what());
   }
@@ -152,9 +127,10 @@ void LiveSystem::read_scene(const SceneOptions& scene, const QueryOptions& query
 void LiveSystem::make_models(const SceneOptions& scene, const QueryOptions& query, const ForceOptions& force,
                              const Progress& progress) {
   Lookahead* const ahead = contacts_ == "worker" ? &lookahead_ : nullptr;
+  const ForceOptions::Materials made_of = force.made_of(scene.path, progress);
   for (std::size_t k = 0; k < kModels.size(); ++k) {
     Model& model = models_[k];
-    model.felt = force.build(kModels[k], *index_, query.tool, scene.path, ahead, progress);
+    model.felt = force.build(kModels[k], *index_, query.tool, made_of, ahead);
     model.contacts = std::make_unique<ToolTracker>(*index_, query.tool, Precision::kDouble, ahead);
     if (contacts_ != "hold") continue;
     if (model.felt->wants_contacts()) model.asked = std::make_unique<ToolTracker>(*index_, query.tool);
@@ -167,9 +143,10 @@ void LiveSystem::make_device(const DeviceOptions& options) {
   profile.capabilities.rate = options_.rate;  // what is simulated answers whenever it is asked
   const WorkspaceMap map = options.map;
   if (options.device == "playback") {
-    length_ = path_.back().t - path_.front().t;
     for (TimedPose& p : path_) p.pose = map.to_device(p.pose);
-    device_ = std::make_unique<PlaybackDevice>(profile.capabilities, path_);
+    auto playback = std::make_unique<PlaybackDevice>(profile.capabilities, path_);
+    length_ = playback->length();
+    device_ = std::move(playback);
   } else {
     const HandPath hand = with_tremor(to_and_fro(path_), kTremor);
     device_ = std::make_unique<SimulatedDevice>(profile.capabilities, profile.plant, options.hand,

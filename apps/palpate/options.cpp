@@ -15,6 +15,7 @@
 #include <palpate/haptics/material_file.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/scene/load_scene.h>
+#include <palpate/scene/procedural.h>
 
 #include "output.h"
 
@@ -24,6 +25,9 @@ namespace {
 constexpr const char* kSceneGroup = "Scene";
 constexpr const char* kToolGroup = "Tool";
 constexpr const char* kForceGroup = "Force";
+
+/// The scene that is there without a file.
+constexpr const char* kBuiltIn = "table";
 
 /// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
 constexpr double kMinScale = 1e-9;
@@ -117,6 +121,10 @@ Similarity SceneOptions::world_from_scene() const {
   return result;
 }
 
+std::string SceneOptions::name() const {
+  return path.empty() ? fmt::format("the built-in {}", kBuiltIn) : path;
+}
+
 std::string SceneOptions::frame_note() const {
   if (frame != "as-is") return fmt::format("captured frame taken as {}, turned to world z up", frame);
   return "no frame is declared in the file: captured axes are taken as world axes, z up (see --frame)";
@@ -137,15 +145,24 @@ void tell(const FilterReport& f, const std::string& path) {
   }
 }
 
+LoadedScene filtered(GaussianScene scene, const SceneOptions& options, const Progress& progress) {
+  LoadedScene result;
+  result.scene = std::move(scene);
+  result.kept =
+      filter_scene(result.scene, options.filter, options.world_from_scene(), result.filtered, progress);
+  tell(result.filtered, options.name());
+  return result;
+}
+
 }  // namespace
 
 LoadedScene load(const SceneOptions& options, const Progress& progress) {
-  LoadedScene result;
-  result.scene = load_scene(options.path, progress);
-  result.kept =
-      filter_scene(result.scene, options.filter, options.world_from_scene(), result.filtered, progress);
-  tell(result.filtered, options.path);
-  return result;
+  return filtered(load_scene(options.path, progress), options, progress);
+}
+
+LoadedScene load_or_make(const SceneOptions& options, const Progress& progress) {
+  return options.path.empty() ? filtered(make_scene(*make_surface(kBuiltIn), {}), options, progress)
+                              : load(options, progress);
 }
 
 SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progress& progress) {
@@ -208,6 +225,11 @@ std::unique_ptr<ContactQuery> QueryOptions::build(const SceneOptions& options,
   return std::make_unique<PaperPipeline>(std::move(scene), radius, iterations);
 }
 
+HandProperties parse_hand(const double* mbk) {
+  if (std::any_of(mbk, mbk + 3, [](double v) { return v < 0.0; })) throw BadValue("none may be below zero");
+  return {mbk[0], mbk[1], mbk[2]};
+}
+
 void ForceOptions::declare(CLI::App& app) {
   add_choice(
       app, "--model", model, {kModels.begin(), kModels.end()},
@@ -253,11 +275,18 @@ std::string ForceOptions::model_for(const ContactQuery& query) const {
   return dynamic_cast<const SceneIndex*>(&query) != nullptr ? "proxy" : "density";
 }
 
+ForceOptions::Materials ForceOptions::made_of(const std::string& scene, const Progress& progress) const {
+  return std::make_shared<MaterialMap>(
+      materials.empty() ? std::vector<MaterialRegion>{} : read_materials(materials),
+      scene.empty() ? PlyMaterials{} : read_ply_materials(scene, progress));
+}
+
 std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const Tool& tool,
                                                 const std::string& scene, const Progress& progress) const {
   const std::string name = model_for(query);
   const auto* index = dynamic_cast<const SceneIndex*>(&query);
-  if (index != nullptr) return build(name, *index, tool, scene, nullptr, progress);
+  if (index != nullptr)
+    return build(name, *index, tool, name == "proxy" ? made_of(scene, progress) : nullptr);
   if (name == "density") return std::make_unique<DensityForce>(tool, density);
   if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
   throw Error(
@@ -266,14 +295,12 @@ std::unique_ptr<ForceModel> ForceOptions::build(const ContactQuery& query, const
 }
 
 std::unique_ptr<ForceModel> ForceOptions::build(const std::string& name, const SceneIndex& index,
-                                                const Tool& tool, const std::string& scene,
-                                                Lookahead* lookahead, const Progress& progress) const {
+                                                const Tool& tool, Materials made_of,
+                                                Lookahead* lookahead) const {
   if (name == "density") return std::make_unique<DensityForce>(tool, density);
   if (name == "field") return std::make_unique<FieldForce>(tool, FieldParameters{proxy.stiffness});
   ProxyParameters parameters = proxy;
-  parameters.materials = std::make_shared<MaterialMap>(
-      materials.empty() ? std::vector<MaterialRegion>{} : read_materials(materials),
-      scene.empty() ? PlyMaterials{} : read_ply_materials(scene, progress));
+  parameters.materials = std::move(made_of);
   return std::make_unique<ProxyForce>(index, tool, parameters, lookahead);
 }
 

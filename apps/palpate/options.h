@@ -16,6 +16,7 @@
 #include <palpate/collision/open_index.h>
 #include <palpate/collision/paper_pipeline.h>
 #include <palpate/collision/scene_index.h>
+#include <palpate/device/simulated_device.h>
 #include <palpate/geometry/similarity.h>
 #include <palpate/haptics/density_force.h>
 #include <palpate/haptics/field_force.h>
@@ -49,6 +50,9 @@ struct SceneOptions {
   /// From the captured frame to the world: first turns the axis named by `frame` up, then registers.
   Similarity world_from_scene() const;
 
+  /// Of the file, or of the scene that load_or_make() makes.
+  std::string name() const;
+
   /// One sentence: what is assumed about the captured frame.
   std::string frame_note() const;
 };
@@ -61,6 +65,8 @@ struct LoadedScene {
 };
 /// Loads and filters; warns on stderr if nothing is left. \throws Error.
 LoadedScene load(const SceneOptions& options, const Progress& progress);
+/// The same; without a path, of the scene that needs no file.
+LoadedScene load_or_make(const SceneOptions& options, const Progress& progress);
 
 /// The index of a scene; tells on stderr what became of the index file beside it. \throws Error.
 SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progress& progress);
@@ -80,6 +86,9 @@ struct QueryOptions {
   std::unique_ptr<ContactQuery> build(const SceneOptions& scene, const Progress& progress) const;
 };
 
+/// A simulated hand: kg, N s/m and N/m. \throws BadValue if one is below zero.
+HandProperties parse_hand(const double* mbk);
+
 /// How contacts become a force.
 struct ForceOptions {
   std::string model;  ///< empty: see model_for()
@@ -90,6 +99,11 @@ struct ForceOptions {
   void declare(CLI::App& app);             ///< all of them
   void declare_parameters(CLI::App& app);  ///< all but --model and --materials
 
+  /// What a scene is made of: `materials`, and what its own file says, if `scene` names one. \throws Error
+  /// for broken materials.
+  using Materials = std::shared_ptr<const MaterialMap>;
+  Materials made_of(const std::string& scene, const Progress& progress) const;
+
   /// The model that was asked for; else the proxy, or the paper's on the contacts of the paper's pipeline.
   std::string model_for(const ContactQuery& query) const;
   /// `query`, whose contacts it is for, must outlive it. `scene` is the file that it is of, and may say what
@@ -97,11 +111,9 @@ struct ForceOptions {
   /// for broken materials.
   std::unique_ptr<ForceModel> build(const ContactQuery& query, const Tool& tool,
                                     const std::string& scene = {}, const Progress& progress = {}) const;
-  /// One of kModels on an index, which must outlive it, as `lookahead` must. \throws Error for broken
-  /// materials.
+  /// One of kModels on an index, which must outlive it, as `lookahead` must. Only the proxy feels `made_of`.
   std::unique_ptr<ForceModel> build(const std::string& name, const SceneIndex& index, const Tool& tool,
-                                    const std::string& scene, Lookahead* lookahead,
-                                    const Progress& progress) const;
+                                    Materials made_of, Lookahead* lookahead = nullptr) const;
 };
 
 }  // namespace palpate::cli

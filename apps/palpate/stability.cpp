@@ -15,7 +15,6 @@
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
 #include <palpate/device/stability.h>
-#include <palpate/scene/procedural.h>
 
 #include "command.h"
 #include "options.h"
@@ -53,31 +52,19 @@ std::vector<HandProperties> usual_hands() {
   return hands;
 }
 
-std::vector<std::string> profile_names() {
-  std::vector<std::string> names;
-  for (const DeviceProfile& p : device_profiles()) names.push_back(p.capabilities.name);
-  return names;
-}
-
 /// A scene and where it is pressed.
 struct Ground {
   std::string name;
   std::unique_ptr<SceneIndex> index;
+  ForceOptions::Materials made_of;
   std::vector<PressPlace> places;
 };
 
 Ground ground_of(const Options& options, const Progress& progress) {
   Ground ground;
-  LoadedScene loaded;
-  if (options.scene.path.empty()) {
-    ground.name = "the built-in table";
-    loaded.scene = make_scene(*make_surface("table"), {});
-    loaded.kept =
-        filter_scene(loaded.scene, options.scene.filter, options.scene.world_from_scene(), loaded.filtered);
-  } else {
-    ground.name = std::filesystem::path(options.scene.path).filename().string();
-    loaded = load(options.scene, progress);
-  }
+  ground.name = std::filesystem::path(options.scene.name()).filename().string();
+  ground.made_of = options.force.made_of(options.scene.path, progress);
+  const LoadedScene loaded = load_or_make(options.scene, progress);
   ground.index = std::make_unique<SceneIndex>(loaded.scene, options.scene.filter,
                                               options.scene.world_from_scene(), progress);
   try {
@@ -96,7 +83,7 @@ StabilityTrial trial_of(const Options& options, const Ground& ground, const Stab
   trial.profile = device_profile(row.profile);
   trial.hand = row.hand;
   trial.model = [&options, &ground, name = row.model](Lookahead* ahead) {
-    return options.force.build(name, *ground.index, options.query.tool, options.scene.path, ahead, {});
+    return options.force.build(name, *ground.index, options.query.tool, ground.made_of, ahead);
   };
   if (row.source == ContactSource::kWorker) trial.worker_delay = row.delay;
   if (row.source == ContactSource::kHold) trial.hold = row.delay;
@@ -256,10 +243,7 @@ Command declare_stability(CLI::App& parent) {
                const auto v = parse_numbers(text, 3, 300);
                if (v.size() % 3 != 0) throw BadValue("a hand is three numbers: m,b,k");
                options->hands.clear();
-               for (std::size_t i = 0; i < v.size(); i += 3) {
-                 if (v[i] < 0.0 || v[i + 1] < 0.0 || v[i + 2] < 0.0) throw BadValue("none may be below zero");
-                 options->hands.push_back({v[i], v[i + 1], v[i + 2]});
-               }
+               for (std::size_t i = 0; i < v.size(); i += 3) options->hands.push_back(parse_hand(&v[i]));
              });
   add_count(app, "--places", options->places, 1, 100, "where the scene is pressed");
   add_seed(app, options->seed, "of the choice of places");

@@ -16,6 +16,7 @@
 #include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
 #include <support/allocation_guard.h>
+#include <support/noisy_plane.h>
 
 namespace palpate {
 namespace {
@@ -24,32 +25,14 @@ using Eigen::Vector3d;
 
 constexpr double kTick = 1e-3, kRadius = 0.02;
 
-/// A plane at z = 0, noisy as captures are, and the models that feel it.
-class Scene {
- public:
-  Scene() {
-    const auto surface = make_surface("plane");
-    ProceduralOptions options;
-    options.spacing = 0.006;
-    options.noise = 0.0015;
-    options.tilt = 10.0 * std::numbers::pi / 180.0;
-    index_ = std::make_unique<SceneIndex>(make_scene(*surface, options), SceneFilter{}, Similarity{});
-  }
-  std::unique_ptr<ForceModel> model(const std::string& name) const {
-    if (name == "field") return std::make_unique<FieldForce>(tool);
-    return std::make_unique<ProxyForce>(*index_, tool);
-  }
-  const SceneIndex& index() const { return *index_; }
+const Tool& tool() {
+  static const Tool ball{Vector3d::Constant(kRadius)};
+  return ball;
+}
 
-  Tool tool{Vector3d::Constant(kRadius)};
-
- private:
-  std::unique_ptr<SceneIndex> index_;
-};
-
-const Scene& scene() {
-  static const Scene made;
-  return made;
+std::unique_ptr<ForceModel> model_called(const std::string& name) {
+  if (name == "field") return std::make_unique<FieldForce>(tool());
+  return std::make_unique<ProxyForce>(test::noisy_plane(), tool());
 }
 
 /// Waits above the plane until the force is on, comes down in half a second, and presses as deep as `depth`;
@@ -78,8 +61,8 @@ class ClosedLoop : public testing::TestWithParam<Trial> {
  protected:
   void SetUp() override {
     const DeviceProfile& profile = device_profile(GetParam().profile);
-    model_ = scene().model(GetParam().model);
-    tracker_ = std::make_unique<ToolTracker>(scene().index(), scene().tool);
+    model_ = model_called(GetParam().model);
+    tracker_ = std::make_unique<ToolTracker>(test::noisy_plane(), tool());
     capabilities_ = profile.capabilities;
     plant_ = profile.plant;
   }
@@ -101,14 +84,13 @@ class ClosedLoop : public testing::TestWithParam<Trial> {
 TEST_P(ClosedLoop, RestsOnTheSurface) {
   hold(press(0.01));
   while (count_ < 2500) tick();
-  Vector3d low = device_->pose().position, high = low;
+  Eigen::AlignedBox3d rest(device_->pose().position);
   while (count_ < 3500) {
     tick();
-    low = low.cwiseMin(device_->pose().position);
-    high = high.cwiseMax(device_->pose().position);
+    rest.extend(device_->pose().position);
   }
   EXPECT_EQ(loop_->governor().state(), GovernorState::kActive) << traits(loop_->governor().fault()).name;
-  EXPECT_LE((high - low).norm(), 0.05e-3);
+  EXPECT_LE(rest.diagonal().norm(), 0.05e-3);
   EXPECT_LE(tick().put_out, 1e-3);
   EXPECT_LT(device_->pose().position.z(), kRadius);  // it presses
   EXPECT_GT(device_->pose().position.z(), kRadius - 0.01);

@@ -14,6 +14,7 @@
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
+#include <support/noisy_plane.h>
 
 namespace palpate {
 namespace {
@@ -21,17 +22,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTick = 1e-3, kRadius = 0.02, kLate = 0.05;
-
-const SceneIndex& plane() {
-  static const SceneIndex index = [] {
-    ProceduralOptions options;
-    options.spacing = 0.006;
-    options.noise = 0.0015;
-    options.tilt = 10.0 * std::numbers::pi / 180.0;
-    return SceneIndex(make_scene(*make_surface("plane"), options), SceneFilter{}, Similarity{});
-  }();
-  return index;
-}
 
 enum class Contacts { kInline, kLookahead, kHold };
 
@@ -43,10 +33,10 @@ class Session {
     if (model == "field") {
       model_ = std::make_unique<FieldForce>(tool_);
     } else {
-      model_ = std::make_unique<ProxyForce>(plane(), tool_, ProxyParameters{}, ahead);
+      model_ = std::make_unique<ProxyForce>(test::noisy_plane(), tool_, ProxyParameters{}, ahead);
     }
-    tracker_ = std::make_unique<ToolTracker>(plane(), tool_, Precision::kDouble, ahead);
-    seen_ = std::make_unique<ToolTracker>(plane(), tool_);
+    tracker_ = std::make_unique<ToolTracker>(test::noisy_plane(), tool_, Precision::kDouble, ahead);
+    seen_ = std::make_unique<ToolTracker>(test::noisy_plane(), tool_);
     FeltModel felt{model_.get(), tracker_.get()};
     std::vector<BackgroundWork*> work{&lookahead_};
     if (contacts == Contacts::kHold) {
@@ -100,13 +90,12 @@ class Session {
 /// Peak to peak of the handle while the hand rests. Unit: [m].
 double limit_cycle(Session& session) {
   session.tick_until(2.5);
-  Vector3d low = session.position(), high = low;
+  Eigen::AlignedBox3d rest;
   while (session.time() < 3.5) {
     session.tick();
-    low = low.cwiseMin(session.position());
-    high = high.cwiseMax(session.position());
+    rest.extend(session.position());
   }
-  return (high - low).norm();
+  return rest.diagonal().norm();
 }
 
 class LateWorker : public testing::TestWithParam<const char*> {};

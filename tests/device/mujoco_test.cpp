@@ -21,6 +21,7 @@
 #include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
 #include <support/mujoco_device.h>
+#include <support/noisy_plane.h>
 
 namespace palpate {
 namespace {
@@ -31,20 +32,6 @@ using test::MujocoDevice;
 constexpr double kTick = 1e-3;
 
 Pose still(double) { return {}; }
-
-/// Peak to peak of what it has seen.
-class Extent {
- public:
-  void add(const Vector3d& p) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
-  double size() const { return (high_ - low_).norm(); }
-
- private:
-  static constexpr double kFar = std::numeric_limits<double>::max();
-  Vector3d low_ = Vector3d::Constant(kFar), high_ = Vector3d::Constant(-kFar);
-};
 
 PlantProperties without_friction_and_encoders(PlantProperties plant) {
   plant.coulomb = plant.resolution = plant.turn_resolution = 0.0;
@@ -235,17 +222,6 @@ TYPED_TEST(AlongOneAxis, MotorsAreLateByTheDelayAndNoStrongerThanTheyAre) {
 
 constexpr double kRadius = 0.02;
 
-const SceneIndex& plane() {
-  static const SceneIndex index = [] {
-    ProceduralOptions options;
-    options.spacing = 0.006;
-    options.noise = 0.0015;
-    options.tilt = 10.0 * std::numbers::pi / 180.0;
-    return SceneIndex(make_scene(*make_surface("plane"), options), SceneFilter{}, Similarity{});
-  }();
-  return index;
-}
-
 /// Waits above the plane until the force is on, and comes down in half a second.
 Pose press(double t) {
   const double down = std::clamp((t - 0.8) / 0.5, 0.0, 1.0);
@@ -277,21 +253,21 @@ Outcome press_with(const Trial& trial, const PlantProperties& plant) {
   constexpr int kTicks = 3000, kRest = 500;
   const Tool tool{Vector3d::Constant(kRadius)};
   std::unique_ptr<ForceModel> model = std::make_unique<FieldForce>(tool);
-  if (trial.model == "proxy") model = std::make_unique<ProxyForce>(plane(), tool);
-  ToolTracker tracker(plane(), tool);
+  if (trial.model == "proxy") model = std::make_unique<ProxyForce>(test::noisy_plane(), tool);
+  ToolTracker tracker(test::noisy_plane(), tool);
   Device device(device_profile(trial.profile).capabilities, plant, trial.hand, press);
   ServoTick loop(device, {model.get(), &tracker});
   Outcome outcome;
-  Extent extent;
+  Eigen::AlignedBox3d extent;
   for (int k = 0; k < kTicks; ++k) {
     outcome.last = loop.run(k * kTick);
     outcome.poses.push_back(device.pose());
     if (k < kTicks - kRest) continue;
     outcome.rest += device.pose().position / kRest;
     outcome.force += outcome.last.sent.force / kRest;
-    extent.add(device.pose().position);
+    extent.extend(device.pose().position);
   }
-  outcome.limit_cycle = extent.size();
+  outcome.limit_cycle = extent.diagonal().norm();
   return outcome;
 }
 
@@ -413,13 +389,14 @@ bool wall_is_stable(const DeviceProfile& profile, double stiffness) {
         return pose;
       },
       kTick);
-  std::array<Extent, 2> swings;
+  std::array<Eigen::AlignedBox3d, 2> swings;
   for (int k = 0; k < 2300; ++k) {
     const Vector3d at(wall_tick(device, stiffness, k), 0, 0);
-    if (k >= 200 && k < 500) swings[0].add(at);
-    if (k >= 2000) swings[1].add(at);
+    if (k >= 200 && k < 500) swings[0].extend(at);
+    if (k >= 2000) swings[1].extend(at);
   }
-  return swings[1].size() < swings[0].size() && swings[1].size() < 2.2 * kPush / stiffness;
+  const double early = swings[0].diagonal().norm(), late = swings[1].diagonal().norm();
+  return late < early && late < 2.2 * kPush / stiffness;
 }
 
 // Worst seen: 0.6 %.
@@ -434,12 +411,6 @@ TEST_P(WallTest, HasTheZWidthOfTheory) {
   }
   EXPECT_NEAR(stable, bound, 0.02 * bound);                                 // which is itself found to 1 %
   EXPECT_NEAR(stable, wall_z_width(profile_, kTick, false), 0.02 * bound);  // so is this
-}
-
-std::vector<std::string> profile_names() {
-  std::vector<std::string> names;
-  for (const DeviceProfile& profile : device_profiles()) names.push_back(profile.capabilities.name);
-  return names;
 }
 
 INSTANTIATE_TEST_SUITE_P(AllDevices, WallTest, testing::ValuesIn(profile_names()));

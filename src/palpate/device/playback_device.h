@@ -17,10 +17,8 @@ class PlaybackDevice final : public HapticDevice {
 
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
   bool read(double t, DeviceReading& reading) override;
-  void write(const Wrench& wrench) override { shown_ = wrench; }
+  void write(const Wrench&) override {}
 
-  /// What was written last.
-  const Wrench& shown() const { return shown_; }
   /// From the first pose to the last. Unit: [s].
   double length() const { return trajectory_.back().t - trajectory_.front().t; }
 
@@ -30,7 +28,6 @@ class PlaybackDevice final : public HapticDevice {
   bool started_ = false;
   double begin_ = 0.0;  ///< time of the first reading
   DeviceReading last_;
-  Wrench shown_;
 };
 
 }  // namespace palpate

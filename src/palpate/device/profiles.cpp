@@ -50,6 +50,12 @@ std::span<const DeviceProfile> device_profiles() {
   return profiles;
 }
 
+std::vector<std::string> profile_names() {
+  std::vector<std::string> names;
+  for (const DeviceProfile& p : device_profiles()) names.push_back(p.capabilities.name);
+  return names;
+}
+
 const DeviceProfile& device_profile(std::string_view name) {
   std::string names;
   for (const DeviceProfile& p : device_profiles()) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <palpate/device/simulated_device.h>
 
@@ -19,6 +21,9 @@ struct DeviceProfile {
 /// mechanics, what those leave out is of the usual size for the class. The damping is the one that makes
 /// DeviceCapabilities::stiffness_max the passive bound at the device's rate (passive_stiffness()).
 std::span<const DeviceProfile> device_profiles();
+
+/// Of each, DeviceCapabilities::name.
+std::vector<std::string> profile_names();
 
 /// The profile of that name. \throws Error, which names those there are.
 const DeviceProfile& device_profile(std::string_view name);

@@ -39,20 +39,6 @@ HandPath path_at(const PressPlace& place, double press) {
   };
 }
 
-/// The extent of what it has seen.
-class Extent {
- public:
-  void add(const Vector3d& p) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
-  double size() const { return (high_ - low_).norm(); }
-
- private:
-  static constexpr double kFar = std::numeric_limits<double>::max();
-  Vector3d low_ = Vector3d::Constant(kFar), high_ = Vector3d::Constant(-kFar);
-};
-
 /// Where, going up from `low`, `holds` is true for the last time before it is false; `low` if it never is,
 /// `most` if it always is. To a hundredth. What holds again farther up does not count: a loop that is shaken
 /// as far as its motors can looks quiet.
@@ -121,7 +107,7 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   ServoTick loop(device, felt, options);
 
   StabilityOutcome outcome;
-  Extent rest;
+  Eigen::AlignedBox3d rest;
   bool pushes = false;
   int resting = 0;
   const auto ticks = static_cast<int>(kEnd / StabilityTrial::kTick);
@@ -135,16 +121,15 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
     pushes = force > 0.0;
     if (outcome.fault == Fault::kNone) outcome.fault = now.fault;
     if (t >= kSlides - 1.0 && t < kSlides) {
-      rest.add(device.pose().position);
+      rest.extend(device.pose().position);
       outcome.rest_force += force;
       ++resting;
     }
     if (keeps_ticks)
       outcome.ticks.push_back({t, (device.pose().position - place.touch.position).dot(place.inward), force});
   }
-  outcome.limit_cycle = rest.size();
+  outcome.limit_cycle = rest.diagonal().norm();
   outcome.rest_force /= resting;
-  outcome.state = loop.governor().state();
   return outcome;
 }
 

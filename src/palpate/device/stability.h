@@ -56,13 +56,12 @@ struct StabilityTick {
 
 /// What came of a trial.
 struct StabilityOutcome {
-  double limit_cycle = 0.0;  ///< peak to peak of the handle in the last second of the rest. Unit: [m].
-  double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
-  int contact_changes = 0;   ///< how often force began or ended
-  double rest_force = 0.0;   ///< mean, in that second. Unit: [N].
-  GovernorState state = GovernorState::kWaiting;  ///< at the end
-  Fault fault = Fault::kNone;                     ///< the first
-  std::vector<StabilityTick> ticks;               ///< all of them, if asked for
+  double limit_cycle = 0.0;    ///< peak to peak of the handle in the last second of the rest. Unit: [m].
+  double port_energy = 0.0;    ///< PassivityController::put_out(). Unit: [J].
+  int contact_changes = 0;     ///< how often force began or ended
+  double rest_force = 0.0;     ///< mean, in that second. Unit: [N].
+  Fault fault = Fault::kNone;  ///< the first
+  std::vector<StabilityTick> ticks;  ///< all of them, if asked for
 };
 
 StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, bool keeps_ticks = false);

@@ -98,7 +98,6 @@ void ServoTick::tell() {
   record_.state = governor_.state();
   record_.fault = governor_.fault();
   record_.energy = governor_.energy();
-  record_.excess = passivity_.excess();
   record_.put_out = passivity_.put_out();
   record_.added_damping = passivity_.added_damping();
   const double bound =

@@ -31,7 +31,6 @@ struct TickRecord {
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
   double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
-  double excess = 0.0;         ///< PassivityController::excess(). Unit: [J].
   double put_out = 0.0;        ///< PassivityController::put_out(). Unit: [J].
   double added_damping = 0.0;  ///< Unit: [N s/m].
   /// How many times as stiff the spring might be before it is active (passive_stiffness()); 0 where there is
