@@ -54,3 +54,26 @@ build_preset() {
   say "building build/$preset (${*:-all})"
   cmake --build "$root/build/$preset" --target "${@:-all}" >&2
 }
+
+# Of a page that a script writes a part of: the lines before and after that part.
+begin_mark="<!-- written by tools/$(basename "$0"): begin -->"
+end_mark="<!-- written by tools/$(basename "$0"): end -->"
+
+# check_marks PAGE: it has one of each.
+check_marks() {
+  local mark
+  for mark in "$begin_mark" "$end_mark"; do
+    [[ $(grep -cxF "$mark" "$1") -eq 1 ]] || die "$1 has not one line '$mark'"
+  done
+}
+
+# write_between_marks PAGE FILE: what is in FILE, in place of what was there.
+write_between_marks() {
+  local page=$1 text
+  text=$(awk -v begin="$begin_mark" -v end="$end_mark" -v part="$2" '
+    $0 == end { print ""; inside = 0 }
+    !inside { print }
+    $0 == begin { inside = 1; print ""; while ((getline line < part) > 0) print line }' "$page")
+  printf '%s\n' "$text" >"$page"
+  say "wrote $page"
+}

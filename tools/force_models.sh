@@ -8,11 +8,7 @@ source "$root/tools/common.sh"
 [[ $# -eq 0 ]] || die "usage: tools/force_models.sh"
 
 page=$root/docs/force-models.md
-begin='<!-- written by tools/force_models.sh: begin -->'
-end='<!-- written by tools/force_models.sh: end -->'
-for mark in "$begin" "$end"; do
-  [[ $(grep -cxF "$mark" "$page") -eq 1 ]] || die "$page has not one line '$mark'"
-done
+check_marks "$page"
 
 ensure_packages "${build_packages[@]}"
 ensure_npm
@@ -62,9 +58,4 @@ write_tables() {
 }
 
 write_tables >"$work/tables"
-awk -v begin="$begin" -v end="$end" -v tables="$work/tables" '
-  $0 == end { inside = 0 }
-  !inside { print }
-  $0 == begin { inside = 1; print ""; while ((getline line < tables) > 0) print line; print "" }' "$page" >"$work/page"
-cp "$work/page" "$page"
-say "wrote $page"
+write_between_marks "$page" "$work/tables"

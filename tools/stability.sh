@@ -9,11 +9,7 @@ source "$root/tools/common.sh"
 [[ $# -le 1 ]] || die "usage: tools/stability.sh [SCENE]"
 
 page=$root/docs/stability.md
-begin='<!-- written by tools/stability.sh: begin -->'
-end='<!-- written by tools/stability.sh: end -->'
-for mark in "$begin" "$end"; do
-  [[ $(grep -cxF "$mark" "$page") -eq 1 ]] || die "$page has not one line '$mark'"
-done
+check_marks "$page"
 
 ensure_packages "${build_packages[@]}"
 ensure_npm
@@ -27,19 +23,14 @@ measure() {
   local name=$1
   shift
   say "palpate stability: $name"
-  printf '### %s\n\n```text\n' "$name"
+  printf '\n### %s\n\n```text\n' "$name"
   "$palpate" stability "$@" | grep -v '^wrote ' | fold -s -w 120 | sed 's/ *$//'
-  printf '```\n\n'
+  printf '```\n'
 }
 
 {
-  printf '%s\n\n' "$(date -u +%Y-%m-%d)"
+  printf '%s\n' "$(date -u +%Y-%m-%d)"
   measure 'The built-in scene' --svg "$root/docs/images"
   [[ $# -eq 0 ]] || measure "A capture: $(basename "$1")" "$1"
 } >"$work/tables"
-awk -v begin="$begin" -v end="$end" -v tables="$work/tables" '
-  $0 == end { inside = 0 }
-  !inside { print }
-  $0 == begin { inside = 1; print ""; while ((getline line < tables) > 0) print line }' "$page" >"$work/page"
-cp "$work/page" "$page"
-say "wrote $page"
+write_between_marks "$page" "$work/tables"
