@@ -45,6 +45,16 @@ class Live(Case):
         self.addCleanup(lambda: process.poll() is None and process.kill())
         return process
 
+    def on_a_terminal(self, **options):
+        """A run whose keys and status line are those of a new terminal. Returns that and the process."""
+        master, slave = pty.openpty()
+        process = subprocess.Popen([PALPATE, *self.arguments("--json")], cwd=self.folder, stdin=slave,
+                                   stdout=subprocess.PIPE, stderr=slave, start_new_session=True,
+                                   preexec_fn=lambda: __import__("fcntl").ioctl(0, 0x540E, 0), **options)  # TIOCSCTTY
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        os.close(slave)
+        return master, process
+
     def rows(self, name):
         return list(csv.DictReader(io.StringIO(self.read(name).decode())))
 
@@ -202,12 +212,7 @@ class Hands(Live):
         self.assertEqual({float(row["sfz"]) for row in rows[-200:]}, {0.0})
 
     def test_keys_are_heard_on_a_terminal(self):
-        master, slave = pty.openpty()
-        process = subprocess.Popen([PALPATE, *self.arguments("--json")], cwd=self.folder, stdin=slave,
-                                   stdout=subprocess.PIPE, stderr=slave, start_new_session=True,
-                                   preexec_fn=lambda: __import__("fcntl").ioctl(0, 0x540E, 0))  # TIOCSCTTY
-        self.addCleanup(lambda: process.poll() is None and process.kill())
-        os.close(slave)
+        master, process = self.on_a_terminal()
         seen = b""
 
         def until(word, seconds=30):
@@ -237,6 +242,39 @@ class Hands(Live):
         document = json.loads(out)
         self.assertEqual(process.returncode, 0)
         self.assertEqual(document["faults"], ["changing", "paused", "emergency-stop"])
+
+
+@unittest.skipUnless(os.environ.get("SERVO_WATCH_LIBRARY"), "not with a sanitizer, or not started by ctest")
+class ServoThread(Live):
+    """In the whole running program: no heap, no lock and no writing on the thread that a hand holds on to."""
+
+    def watch(self, *more, process=None):
+        watched = {"LD_PRELOAD": os.environ["SERVO_WATCH_LIBRARY"], "SERVO_WATCH": self.path("watch")}
+        run = process or (lambda env: self.succeed(*self.arguments("--seconds", "3", "--json", *more), env=env))
+        run(watched)
+        ticks, heap, locks, writes, others = map(int, self.read("watch").split())
+        self.assertGreater(ticks, 500)
+        self.assertGreater(others, 100)
+        self.assertEqual((heap, locks, writes), (0, 0, 0), more)
+
+    def test_takes_no_heap_no_lock_and_writes_nothing(self):
+        for model in ("proxy", "field", "density"):
+            for contacts in ("inline", "worker", "hold"):
+                self.watch("--model", model, "--contacts", contacts, "--record", f"{model}-{contacts}.csv")
+        self.watch("--device", "playback")
+
+    def test_nor_while_a_person_changes_everything(self):
+        def run(env):
+            master, process = self.on_a_terminal(env={**os.environ, **env})
+            try:
+                for key in b"m+-cmc em+ q":
+                    time.sleep(0.2)
+                    os.write(master, bytes([key]))
+            finally:
+                process.communicate(timeout=30)
+                os.close(master)
+
+        self.watch(process=run)
 
 
 class Playback(Live):

@@ -25,6 +25,8 @@ std::optional<std::string> lock_memory() {
       reason(errno));
 }
 
+void name_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
+
 std::vector<std::string> make_real_time(const ThreadPriority& wanted) {
   std::vector<std::string> refused;
   sched_param priority{};

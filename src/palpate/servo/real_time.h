@@ -12,6 +12,9 @@ namespace palpate {
 /// says why not and what to do, where it is not allowed.
 std::optional<std::string> lock_memory();
 
+/// Gives the calling thread a name, as `top -H` shows it. \param name 15 characters at most
+void name_thread(const char* name);
+
 /// What is asked for a thread.
 struct ThreadPriority {
   int priority = 80;       ///< of SCHED_FIFO, 1 to 99

@@ -73,6 +73,7 @@ void ServoLoop::tick(double due) {
 
 void ServoLoop::run(const Options& options) {
   if (options.real_time) refused_ = make_real_time(options.priority);
+  name_thread("palpate-servo");
   begun_.store(true, std::memory_order_release);
   begun_.notify_all();
   const double period = 1.0 / options.rate, begin = clock_.now();

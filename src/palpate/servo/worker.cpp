@@ -1,5 +1,7 @@
 #include <palpate/servo/worker.h>
 
+#include <palpate/servo/real_time.h>
+
 namespace palpate {
 namespace {
 
@@ -37,6 +39,7 @@ WorkerThread::~WorkerThread() {
 }
 
 void WorkerThread::run() {
+  name_thread("palpate-worker");
   while (!ends_.load(std::memory_order_relaxed)) {
     const double taken = clock_.now();
     for (BackgroundWork* work : work_) work->take();
