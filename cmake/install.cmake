@@ -1,4 +1,4 @@
-# `cmake --install` gives find_package(palpate) and the targets palpate::scene ... palpate::device.
+# `cmake --install` gives find_package(palpate) and the targets palpate::scene ... palpate::gateway.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)

@@ -7,9 +7,13 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
+#include <palpate/collision/ellipsoid_lookup.h>
 #include <palpate/device/hand_path.h>
+#include <palpate/device/led_hand.h>
 #include <palpate/device/profiles.h>
 #include <palpate/device/touch_path.h>
+
+#include <palpate/scene/procedural.h>
 
 #include "output.h"
 
@@ -36,6 +40,10 @@ double contacts_across(const Tool& tool, double extent) {
   return across;
 }
 
+bool same(const Similarity& a, const Similarity& b) {
+  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
+}
+
 /// The same way, no faster than `most`.
 Trajectory slowed(Trajectory path, double most) {
   double gained = 0.0;
@@ -51,14 +59,18 @@ Trajectory slowed(Trajectory path, double most) {
 }  // namespace
 
 void DeviceOptions::declare(CLI::App& app) {
-  add_choice(app, "--device", device, {"simulated", "playback"},
-             "a simulated one in a simulated hand, or poses of --trajectory that no force moves")
+  add_choice(app, "--device", device, {"simulated", "playback", "client"},
+             "a simulated one in a simulated hand; poses of --trajectory that no force moves; or a client of "
+             "the gateway")
       .in_group(kDeviceGroup);
   add_choice(app, "--profile", profile, profile_names(), "whose forces and mechanics it has")
       .in_group(kDeviceGroup);
   add_text(
       app, "--trajectory", trajectory, "T.csv",
       "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)")
+      .in_group(kDeviceGroup);
+  add_number(app, "--client-rate", client_rate, 1.0, 1e4, "Hz",
+             "poses a second that a client sends at least; without three of them there is no force")
       .in_group(kDeviceGroup);
   add_parsed(app, "--hand", "m,b,k", "the simulated hand: kg, N s/m and N/m",
              [this](const std::string& text) { hand = parse_hand(parse_numbers(text, 3, 3).data()); })
@@ -90,103 +102,239 @@ void LoopOptions::declare(CLI::App& app) {
 
 LiveSystem::LiveSystem(const SceneOptions& scene, const QueryOptions& query, const ForceOptions& force,
                        const DeviceOptions& device, const LoopOptions& loop, const Progress& progress)
-    : options_(loop), stiffness_(force.proxy.stiffness) {
-  read_scene(scene, query, device, progress);
-  contacts_ = loop.contacts;
+    : options_(loop),
+      contacts_(loop.contacts),
+      stiffness_(force.proxy.stiffness),
+      map_(device.map),
+      settings_{scene, query.tool, force, 0, {}} {
+  read_scene(query, device, progress);
+  made_of_ = force.made_of(scene.path, progress);
   if (contacts_ == "auto") {
     const bool many = contacts_across(query.tool, index_->usual_extent()) > kManyContacts;
     contacts_ = many && std::thread::hardware_concurrency() > 1 ? "worker" : "inline";
   }
-  make_models(scene, query, force, progress);
   make_device(device);
   const auto first = std::find(kModels.begin(), kModels.end(), force.model_for(*index_));
-  model_ = static_cast<std::size_t>(first - kModels.begin());
+  settings_.model = static_cast<std::size_t>(first - kModels.begin());
 }
 
-void LiveSystem::read_scene(const SceneOptions& scene, const QueryOptions& query, const DeviceOptions& device,
+LiveSystem::~LiveSystem() { stop(); }
+
+std::shared_ptr<const SceneIndex> LiveSystem::read_index(const SceneOptions& scene, IndexFiles files,
+                                                         const Progress& progress) {
+  if (!scene.path.empty()) {
+    return std::make_shared<SceneIndex>(open_index(scene, files, progress));
+  }
+  return std::make_shared<SceneIndex>(load_or_make(scene, progress).scene, scene.filter,
+                                      scene.world_from_scene(), progress);
+}
+
+void LiveSystem::read_scene(const QueryOptions& query, const DeviceOptions& device,
                             const Progress& progress) {
+  const SceneOptions& scene = settings_.scene;
   if (!device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
   if (device.device == "playback" && path_.empty())
     throw Error("--device playback has nothing to play; give --trajectory T.csv");
-  scene_text_ = scene.name();
-  if (!path_.empty() && !scene.path.empty()) {
-    const IndexFiles files = query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
-    index_ = std::make_unique<SceneIndex>(open_index(scene, files, progress));
-    return;
-  }
-  const LoadedScene loaded = load_or_make(scene, progress);
-  index_ = std::make_unique<SceneIndex>(loaded.scene, scene.filter, scene.world_from_scene(), progress);
-  if (!path_.empty()) return;
+  index_ = read_index(scene, query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse, progress);
+  exploring_speed_ = kExploring * device.map.scale;
+  explores_ = path_.empty() && device.device == "simulated";
+  if (!explores_) return;
   try {
-    path_ = slowed(touch_path(*index_, loaded.kept, query.tool, {}), kExploring * device.map.scale);
+    path_ = explore(*index_, query.tool);
   } catch (const Error& error) {
-    throw Error("{}: {}; or give --trajectory", scene_text_, error.what());
+    throw Error("{}: {}; or give --trajectory", scene.name(), error.what());
   }
 }
 
-void LiveSystem::make_models(const SceneOptions& scene, const QueryOptions& query, const ForceOptions& force,
-                             const Progress& progress) {
-  Lookahead* const ahead = contacts_ == "worker" ? &lookahead_ : nullptr;
-  const ForceOptions::Materials made_of = force.made_of(scene.path, progress);
-  for (std::size_t k = 0; k < kModels.size(); ++k) {
-    Model& model = models_[k];
-    model.felt = force.build(kModels[k], *index_, query.tool, made_of, ahead);
-    model.contacts = std::make_unique<ToolTracker>(*index_, query.tool, Precision::kDouble, ahead);
-    if (contacts_ != "hold") continue;
-    if (model.felt->wants_contacts()) model.asked = std::make_unique<ToolTracker>(*index_, query.tool);
-    model.held = std::make_unique<HeldForce>(*model.felt, model.asked.get());
-  }
+Trajectory LiveSystem::explore(const SceneIndex& index, const Tool& tool) const {
+  return slowed(touch_path(index, EllipsoidLookup(index).all(), tool, {}), exploring_speed_);
 }
 
 void LiveSystem::make_device(const DeviceOptions& options) {
   DeviceProfile profile = device_profile(options.profile);
+  if (options.device == "client") {
+    profile.capabilities.rate = options.client_rate;
+    device_ = std::make_unique<ClientDevice>(profile.capabilities, client_hand_);
+    return;
+  }
   profile.capabilities.rate = options_.rate;  // what is simulated answers whenever it is asked
-  const WorkspaceMap map = options.map;
   if (options.device == "playback") {
-    for (TimedPose& p : path_) p.pose = map.to_device(p.pose);
+    for (TimedPose& p : path_) p.pose = map_.to_device(p.pose);
     auto playback = std::make_unique<PlaybackDevice>(profile.capabilities, path_);
     length_ = playback->length();
     device_ = std::move(playback);
-  } else {
-    const HandPath hand = with_tremor(to_and_fro(path_), kTremor);
-    device_ = std::make_unique<SimulatedDevice>(profile.capabilities, profile.plant, options.hand,
-                                                [=](double t) { return map.to_device(hand(t)); });
+    return;
   }
-  map_ = map;
+  go(path_);
+  device_ =
+      std::make_unique<SimulatedDevice>(profile.capabilities, profile.plant, options.hand, simulated_hand());
 }
 
-FeltModel LiveSystem::felt(std::size_t k) {
-  Model& model = models_[k];
-  return {model.held ? model.held.get() : model.felt.get(), model.contacts.get()};
+/// From here on the simulated hand goes to and fro on `path`.
+void LiveSystem::go(const Trajectory& path) {
+  way_.back() = std::make_shared<const HandPath>(to_and_fro(path));
+  way_.publish();
+}
+
+/// On its own way, which may change, or where a client leads it; in the device's frame.
+HandPath LiveSystem::simulated_hand() {
+  const HandPath own = [this](double t) {
+    way_.update();
+    return (*way_.front())(t);
+  };
+  const LedHand::Lead lead = [this](double) -> std::optional<Pose> {
+    const ClientHand::Sample& client = client_hand_.newest();
+    if (!client_hand_.is_held()) return std::nullopt;
+    return map_.to_world(client.pose);
+  };
+  return
+      [this, hand = with_tremor(LedHand(own, lead), kTremor)](double t) { return map_.to_device(hand(t)); };
+}
+
+std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,
+                                                 const LiveSettings& settings) const {
+  ForceOptions force = settings.force;
+  force.proxy.stiffness = stiffness_;  // the rest is gain
+  return std::make_shared<FeltScene>(std::move(index), settings.tool, force, made_of_, contacts_, clock_,
+                                     options_.worker_delay);
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {
   clock_ = LoopClock();
-  std::vector<BackgroundWork*> work;
-  if (contacts_ == "worker") work.push_back(&lookahead_);
-  if (contacts_ == "hold") {
-    for (Model& model : models_) work.push_back(model.held.get());
-  }
-  if (!work.empty()) worker_ = std::make_unique<WorkerThread>(work, clock_, options_.worker_delay);
+  felt_ = make_felt(index_, settings_);
   ServoTickOptions ticks;
   ticks.period = 1.0 / options_.rate;
   ticks.map = map_;
-  ticks.worker = worker_.get();
-  tick_ = std::make_unique<ServoTick>(*device_, felt(model_), ticks);
+  tick_ = std::make_unique<ServoTick>(*device_, felt_->model(settings_.model), ticks);
   ServoLoop::Options options;
   options.rate = options_.rate;
   if (options_.cpu >= 0) options.priority.cpu = options_.cpu;
   loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
+  changer_ = std::thread([this] { change_until_stopped(); });
 }
 
 void LiveSystem::stop() {
-  loop_->stop();
-  worker_.reset();
+  {
+    const std::scoped_lock lock(mutex_);
+    ends_ = true;
+  }
+  wanted_.notify_all();
+  if (changer_.joinable()) changer_.join();
+  if (loop_) loop_->stop();
 }
 
-void LiveSystem::use_model(std::size_t k) {
-  model_ = k;
-  tick_->use(felt(k));
+LiveSettings LiveSystem::settings() const {
+  const std::scoped_lock lock(mutex_);
+  return settings_;
+}
+
+std::string LiveSystem::busy() const {
+  const std::scoped_lock lock(mutex_);
+  return busy_;
+}
+
+std::string LiveSystem::message() const {
+  const std::scoped_lock lock(mutex_);
+  return message_;
+}
+
+std::uint64_t LiveSystem::version() const {
+  const std::scoped_lock lock(mutex_);
+  return version_;
+}
+
+std::shared_ptr<const FeltScene> LiveSystem::felt() const {
+  const std::scoped_lock lock(mutex_);
+  return felt_;
+}
+
+void LiveSystem::change(const std::function<void(LiveSettings&)>& edit) {
+  {
+    const std::scoped_lock lock(mutex_);
+    LiveSettings next = settings_;
+    edit(next);
+    settings_ = std::move(next);
+    ++settings_version_;
+    ++version_;
+  }
+  wanted_.notify_all();
+}
+
+void LiveSystem::say(const std::string& busy) {
+  const std::scoped_lock lock(mutex_);
+  busy_ = busy;
+  ++version_;
+}
+
+void LiveSystem::change_until_stopped() {
+  LiveSettings done = settings();
+  std::uint64_t seen = 0;
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    wanted_.wait(lock, [&] { return ends_ || settings_version_ != seen; });
+    if (ends_) return;
+    const LiveSettings wanted = settings_;
+    seen = settings_version_;
+    lock.unlock();
+    std::string failure;
+    try {
+      apply(wanted, done);
+      done = wanted;
+    } catch (const Error& error) {
+      failure = error.what();
+    }
+    lock.lock();
+    if (!failure.empty()) settings_ = done;
+    message_ = failure;
+    busy_.clear();
+    ++version_;
+  }
+}
+
+/// Makes what is new in `wanted`, has the loop feel it, and waits until it does.
+void LiveSystem::apply(const LiveSettings& wanted, const LiveSettings& now) {
+  if (stiffness_ > 0.0) tick_->set_gain(wanted.force.proxy.stiffness / stiffness_);
+  const SceneFilter &filter = wanted.scene.filter, &filter_before = now.scene.filter;
+  const bool other_place = !same(wanted.scene.world_from_scene(), now.scene.world_from_scene());
+  const bool other_gaussians = filter.opacity_min != filter_before.opacity_min ||
+                               filter.sigma != filter_before.sigma || filter.iso != filter_before.iso ||
+                               (other_place && (filter.max_scale || filter.crop_box || filter.crop_sphere));
+  const bool other_tool = tool_json(wanted.tool) != tool_json(now.tool);
+  const ProxyParameters &proxy = wanted.force.proxy, &before = now.force.proxy;
+  const bool other_feel = proxy.friction != before.friction || proxy.detail != before.detail;
+  std::shared_ptr<const SceneIndex> index = index_;
+  if (other_gaussians) {
+    say("looking which Gaussians can be felt");
+    index = read_index(wanted.scene, IndexFiles::kNone, {});
+  } else if (other_place) {
+    index = std::make_shared<SceneIndex>(index_->registered(wanted.scene.world_from_scene()));
+  }
+  const bool other_scene = other_gaussians || other_place;
+  if (other_scene || other_tool || other_feel) {
+    if (!other_gaussians) say("making it ready");
+    next_ = make_felt(index, wanted);
+  } else if (wanted.model != now.model) {
+    next_ = felt_;
+  } else {
+    return;
+  }
+  if (explores_ && (other_scene || other_tool)) {
+    try {
+      go(explore(*index, wanted.tool));
+    } catch (const Error&) {
+      // There is no place to touch by itself: it goes on where it went, and a client may lead it elsewhere.
+    }
+  }
+  tick_->use(next_->model(wanted.model));
+  constexpr double kLook = 5e-3;  // s
+  while (!tick_->is_used()) {
+    sleep_until(monotonic_now() + kLook);
+    const std::scoped_lock lock(mutex_);
+    if (ends_) return;  // both stay until the loop has stopped
+  }
+  const std::scoped_lock lock(mutex_);
+  felt_.swap(next_);
+  index_ = index;
 }
 
 }  // namespace palpate::cli

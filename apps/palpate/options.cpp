@@ -69,9 +69,8 @@ void declare_crops(CLI::App& app, SceneFilter& filter) {
 }
 
 void declare_registration(CLI::App& app, SceneOptions& options) {
-  std::vector<std::string> names;
-  for (const auto& entry : frames()) names.push_back(entry.first);
-  add_choice(app, "--frame", options.frame, names, "which captured axis points up; it becomes world +z")
+  add_choice(app, "--frame", options.frame, frame_names(),
+             "which captured axis points up; it becomes world +z")
       .in_group(kSceneGroup);
   add_number(app, "--scale", options.registration.scale, kMinScale, kMaxScale, "m/unit",
              "metres per captured unit")
@@ -87,6 +86,12 @@ void declare_registration(CLI::App& app, SceneOptions& options) {
 }
 
 }  // namespace
+
+std::vector<std::string> frame_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : frames()) names.push_back(entry.first);
+  return names;
+}
 
 void SceneOptions::declare(CLI::App& app, As as) {
   const bool positional = as != As::kOption;

@@ -57,6 +57,9 @@ struct SceneOptions {
   std::string frame_note() const;
 };
 
+/// What SceneOptions::frame may be.
+std::vector<std::string> frame_names();
+
 /// What a scene file and its options come to.
 struct LoadedScene {
   GaussianScene scene;

@@ -14,6 +14,7 @@
 #include "markup.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 #include "report_data.h"
 #include "terminal.h"
 
@@ -84,6 +85,10 @@ void declare_window(CLI::App& app, RunWindow& window) {
 }
 
 }  // namespace
+
+std::string report_document(const Run& run, const std::string& title) {
+  return fill_page(title, report_json(run, nullptr, nullptr, nullptr));
+}
 
 Command declare_report(CLI::App& parent) {
   CLI::App& app = add_command(parent, "report", "The run as an interactive, self-contained page");

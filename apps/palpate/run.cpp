@@ -13,11 +13,13 @@
 #include <unistd.h>
 
 #include <palpate/base/error.h>
+#include <palpate/servo/live_view.h>
 #include <palpate/servo/real_time.h>
 #include <palpate/servo/recorder.h>
 
 #include "command.h"
 #include "keyboard.h"
+#include "live_gateway.h"
 #include "live_system.h"
 #include "options.h"
 #include "output.h"
@@ -39,6 +41,7 @@ struct Options {
   ForceOptions force;
   DeviceOptions device;
   LoopOptions loop;
+  GatewayOptions gateway;
   std::string record;
   double seconds = 0.0;  ///< 0: until someone ends it
 };
@@ -90,7 +93,11 @@ class RecordingObserver final : public TickObserver {
 class Console {
  public:
   Console(LiveSystem& system, LiveView& view, bool quiet)
-      : system_(system), view_(view), quiet_(quiet), draws_(!quiet && ::isatty(STDERR_FILENO) != 0) {}
+      : system_(system),
+        view_(view),
+        quiet_(quiet),
+        stiffness_(system.settings().force.proxy.stiffness),
+        draws_(!quiet && ::isatty(STDERR_FILENO) != 0) {}
   ~Console() { clear(); }
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -122,10 +129,13 @@ class Console {
   }
   void draw() const;
   bool act(char key);
+  void make_stiffer(double times);
 
   LiveSystem& system_;
   LiveView& view_;
-  bool quiet_, draws_;
+  bool quiet_;
+  double stiffness_;  ///< at the beginning. Unit: [N/m].
+  bool draws_;
   bool clutched_ = false;
   Keyboard keyboard_;
   std::size_t told_ = 0;
@@ -144,6 +154,7 @@ void Console::tell_transitions() {
 
 void Console::draw() const {
   const TickRecord& now = view_.newest();
+  const LiveSettings settings = system_.settings();
   const LoopStatistics& statistics = system_.loop().statistics();
   const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
   const std::string margin = now.margin > 0.0 ? fmt::format("{:.1f}x", now.margin) : "-";
@@ -151,16 +162,14 @@ void Console::draw() const {
       stderr,
       "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
       "margin {}",
-      now.t, to_string(now.state), why, kModels[system_.model()],
-      system_.stiffness() * system_.tick().wanted_gain(), now.sent.force.norm(), now.contacts,
-      kMicro * statistics.whole.quantile(0.5), kMicro * statistics.whole.quantile(0.99),
-      statistics.overruns.load(), margin);
+      now.t, to_string(now.state), why, kModels[settings.model], settings.force.proxy.stiffness,
+      now.sent.force.norm(), now.contacts, kMicro * statistics.whole.quantile(0.5),
+      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin);
   std::fflush(stderr);
 }
 
 bool Console::act(char key) {
   SafetyGovernor& governor = system_.tick().governor();
-  const double gain = system_.tick().wanted_gain();
   switch (key) {
     case ' ':
       if (traits(view_.newest().fault).latched) {
@@ -170,9 +179,11 @@ bool Console::act(char key) {
       }
       break;
     case 'e': governor.stop(); break;
-    case 'm': system_.use_model((system_.model() + 1) % kModels.size()); break;
-    case '+': system_.tick().set_gain(std::min(kMostGain, kStiffer * gain)); break;
-    case '-': system_.tick().set_gain(std::max(kLeastGain, gain / kStiffer)); break;
+    case 'm':
+      system_.change([](LiveSettings& settings) { settings.model = (settings.model + 1) % kModels.size(); });
+      break;
+    case '+': make_stiffer(kStiffer); break;
+    case '-': make_stiffer(1.0 / kStiffer); break;
     case 'c':
       clutched_ = !clutched_;
       system_.tick().press_clutch(clutched_);
@@ -181,6 +192,13 @@ bool Console::act(char key) {
     default: break;
   }
   return true;
+}
+
+void Console::make_stiffer(double times) {
+  system_.change([&](LiveSettings& settings) {
+    double& stiffness = settings.force.proxy.stiffness;
+    stiffness = std::clamp(times * stiffness, kLeastGain * stiffness_, kMostGain * stiffness_);
+  });
 }
 
 Json times_json(const TimeHistogram& times) {
@@ -256,9 +274,10 @@ void print_text(const Outcome& outcome, LiveSystem& system, const LiveView& view
 /// What a user should know before a hand is near.
 void warn(const LiveSystem& system) {
   const DeviceCapabilities& device = system.device();
-  if (system.stiffness() > device.stiffness_max) {
+  const double stiffness = system.settings().force.proxy.stiffness;
+  if (stiffness > device.stiffness_max) {
     notify(fmt::format("warning: --stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
-                       system.stiffness(), device.name, device.stiffness_max));
+                       stiffness, device.name, device.stiffness_max));
   }
 }
 
@@ -275,15 +294,22 @@ void run(const Options& options) {
     observers.push_back(recording.get());
   }
   const bool talks = !options.common.quiet;
+  std::unique_ptr<LiveGateway> gateway;
+  if (!options.gateway.off) {
+    gateway = std::make_unique<LiveGateway>(system, options.device, options.gateway);
+    for (TickObserver* observer : gateway->observers()) observers.push_back(observer);
+  }
   warn(system);
   if (const auto refused = lock_memory(); refused && talks) notify("note: " + *refused);
   system.start(observers);
+  if (gateway) gateway->start();
   const Signals signals(system.tick());
   if (talks) {
     for (const std::string& line : system.loop().refused()) notify("note: " + line);
     notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
-                       options.device.device, tool_text(options.query.tool), kModels[system.model()],
+                       options.device.device, tool_text(options.query.tool), kModels[system.settings().model],
                        system.contacts(), system.scene_text()));
+    if (gateway) notify(fmt::format("see and take part: {}", gateway->url()));
   }
 
   double until = options.seconds > 0.0 ? options.seconds : system.playback_length();
@@ -304,6 +330,7 @@ void run(const Options& options) {
   }
   const Outcome outcome{system.clock().now(), system.loop().statistics().ticks, view->newest().state,
                         faults_of(*view)};
+  if (gateway) gateway->stop();
   system.stop();
   view->update();
   if (recorder) {
@@ -333,6 +360,7 @@ Command declare_run(CLI::App& parent) {
   add_text(app, "--record", options->record, "RUN.csv", "every tick, for palpate report; must not exist");
   options->device.declare(app);
   options->loop.declare(app);
+  options->gateway.declare(app);
   options->query.declare_tool(app);
   add_flag(app, "--no-index-file", options->query.no_index_file,
            "neither read nor write SCENE.palpate, the index beside the scene");

@@ -45,6 +45,7 @@ class Session {
       work.push_back(held_.get());
     }
     worker_ = std::make_unique<VirtualWorker>(work, contacts == Contacts::kInline ? 0.0 : kLate);
+    felt.worker = worker_.get();
     const DeviceProfile& omega = device_profile("omega");
     device_ =
         std::make_unique<SimulatedDevice>(omega.capabilities, omega.plant, HandProperties{}, [](double t) {
@@ -55,7 +56,6 @@ class Session {
           return pose;
         });
     ServoTickOptions options;
-    options.worker = worker_.get();
     if (contacts == Contacts::kHold && !watched) {  // else the governor ends it
       options.limits = SafetyLimits::of(omega.capabilities, kTick);
       options.limits->energy_max = std::numeric_limits<double>::infinity();

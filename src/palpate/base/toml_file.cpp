@@ -23,8 +23,7 @@ std::size_t line_of(const toml::node& node) {
   return std::max<std::size_t>(1, node.source().begin.line);  // that of an empty file has none
 }
 
-toml::table parse(const std::string& path, std::uint64_t max_bytes) {
-  const std::string text = read_text_file(path, max_bytes);
+toml::table parse(const std::string& path, std::string_view text) {
   if (const auto line = line_nested_deeper(text, kMaxNesting))
     throw Error("{}: line {}: is nested more than {} deep; flatten it", path, *line, kMaxNesting);
   try {
@@ -52,7 +51,9 @@ struct TomlFile::Parsed {
 };
 
 TomlFile::TomlFile(const std::string& path, std::uint64_t max_bytes)
-    : parsed_(new Parsed{path, parse(path, max_bytes)}) {}
+    : TomlFile(path, read_text_file(path, max_bytes)) {}
+TomlFile::TomlFile(const std::string& path, std::string_view text)
+    : parsed_(new Parsed{path, parse(path, text)}) {}
 TomlFile::~TomlFile() = default;
 TomlFile::TomlFile(TomlFile&&) noexcept = default;
 

@@ -33,6 +33,8 @@ class TomlFile {
 
   /// \throws Error if `path` cannot be read, is larger than `max_bytes`, is nested absurdly or is no TOML.
   explicit TomlFile(const std::string& path, std::uint64_t max_bytes = kMaxBytes);
+  /// Text that is there already. \param path that messages name it by
+  TomlFile(const std::string& path, std::string_view text);
   ~TomlFile();
   TomlFile(TomlFile&&) noexcept;
   TomlFile& operator=(TomlFile&&) = delete;

@@ -39,6 +39,9 @@ class SceneIndex final : public ContactQuery {
   /// Of memory that is there already.
   SceneIndex(std::shared_ptr<const IndexStorage> storage, const Similarity& world_from_scene);
 
+  /// The same Gaussians, registered otherwise.
+  SceneIndex registered(const Similarity& world_from_scene) const { return {storage_, world_from_scene}; }
+
   /// In double precision. Allocates only if the contacts do not fit the capacity of `result`.
   void query(const Ellipsoid& tool, ContactSet& result) const override;
   void query(const Ellipsoid& tool, Precision precision, ContactSet& result) const;

@@ -92,6 +92,7 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
     work = {&held};
   }
   VirtualWorker worker(work, std::max(trial.worker_delay, trial.hold));
+  felt.worker = &worker;
   // A device that can push no harder is at rest whatever is asked of it.
   const double bearable = StabilityTrial::kForceShare * trial.profile.capabilities.force_max;
   const double press = std::min(StabilityTrial::kPress, bearable / trial.hand.stiffness);
@@ -99,7 +100,6 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   ServoTickOptions options;
   options.period = StabilityTrial::kTick;
   options.gain = trial.gain;
-  options.worker = &worker;
   if (!trial.governed) {
     options.limits = SafetyLimits::of(trial.profile.capabilities, options.period);
     options.limits->energy_max = std::numeric_limits<double>::infinity();

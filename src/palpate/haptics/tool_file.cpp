@@ -31,18 +31,21 @@ ToolPart part_of(TomlTable table) {
   return part;
 }
 
-}  // namespace
-
-Tool read_tool(const std::string& path) {
-  const TomlFile file(path);
+Tool tool_of(const TomlFile& file) {
   TomlTable root = file.root();
   const TomlValue ellipsoids = root.at("ellipsoid");
   root.refuse_others();
   std::vector<ToolPart> parts;
   for (const TomlTable& table : ellipsoids.tables()) parts.push_back(part_of(table));
   if (parts.empty() || parts.size() > kMaxToolParts)
-    throw Error("{}: has {} ellipsoids; a tool has 1 to {}", path, parts.size(), kMaxToolParts);
+    throw Error("{}: has {} ellipsoids; a tool has 1 to {}", file.path(), parts.size(), kMaxToolParts);
   return Tool(std::move(parts));
 }
+
+}  // namespace
+
+Tool read_tool(const std::string& path) { return tool_of(TomlFile(path)); }
+
+Tool parse_tool(const std::string& name, std::string_view text) { return tool_of(TomlFile(name, text)); }
 
 }  // namespace palpate

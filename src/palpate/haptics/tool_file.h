@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <palpate/haptics/tool.h>
 
@@ -23,5 +24,7 @@ inline constexpr double kMinToolAxis = 1e-6, kMaxToolAxis = 1e6;  ///< Unit: [m]
 /// The origin of the tool frame is the handle: what the device reports, and about which torque is felt.
 /// \throws Error for a file that cannot be read or is no such tool, naming line and key.
 Tool read_tool(const std::string& path);
+/// The same of a file's text. \param name that messages call it
+Tool parse_tool(const std::string& name, std::string_view text);
 
 }  // namespace palpate

@@ -21,30 +21,43 @@ void append(std::string& out, double value) {
   for (int k = 0; k < 4; ++k, bits >>= 8) out.push_back(static_cast<char>(bits & 0xffU));
 }
 
+std::string ply_header(std::size_t count, const std::string& comment) {
+  std::string header =
+      fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n", comment, count);
+  for (const char* name : kProperties) header += fmt::format("property float {}\n", name);
+  return header + "end_header\n";
+}
+
+void append_row(std::string& out, const GaussianScene& scene, std::size_t i) {
+  const Gaussian g = scene.gaussian(i);
+  for (const double v : g.position) append(out, v);
+  for (int k = 0; k < 3; ++k) append(out, 0.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    append(out, scene.color.empty() ? 0.0 : sh_from_color(scene.color[i][k]));
+  }
+  append(out, std::log(g.opacity / (1.0 - g.opacity)));
+  for (const double s : g.sigma) append(out, std::log(s));
+  for (const double q : {g.rotation.w(), g.rotation.x(), g.rotation.y(), g.rotation.z()}) append(out, q);
+}
+
 }  // namespace
 
 void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment) {
   OutputFile file(path);
-  std::string header = fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n",
-                                   comment, scene.size());
-  for (const char* name : kProperties) header += fmt::format("property float {}\n", name);
-  file.write(header + "end_header\n");
-
+  file.write(ply_header(scene.size(), comment));
   std::string row;
   for (std::size_t i = 0; i < scene.size(); ++i) {
     row.clear();
-    const Gaussian g = scene.gaussian(i);
-    for (const double v : g.position) append(row, v);
-    for (int k = 0; k < 3; ++k) append(row, 0.0);
-    for (std::size_t k = 0; k < 3; ++k) {
-      append(row, scene.color.empty() ? 0.0 : sh_from_color(scene.color[i][k]));
-    }
-    append(row, std::log(g.opacity / (1.0 - g.opacity)));
-    for (const double s : g.sigma) append(row, std::log(s));
-    for (const double q : {g.rotation.w(), g.rotation.x(), g.rotation.y(), g.rotation.z()}) append(row, q);
+    append_row(row, scene, i);
     file.write(row);
   }
   file.commit();
+}
+
+std::string ply_bytes(const GaussianScene& scene, const std::string& comment) {
+  std::string bytes = ply_header(scene.size(), comment);
+  for (std::size_t i = 0; i < scene.size(); ++i) append_row(bytes, scene, i);
+  return bytes;
 }
 
 }  // namespace palpate

@@ -14,4 +14,7 @@ namespace palpate {
 /// \throws Error if the file cannot be written.
 void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment);
 
+/// The bytes of such a file.
+std::string ply_bytes(const GaussianScene& scene, const std::string& comment);
+
 }  // namespace palpate

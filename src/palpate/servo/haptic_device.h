@@ -2,6 +2,7 @@
 /// The small interface that everything with a handle and motors is behind.
 #pragma once
 
+#include <palpate/servo/clock.h>
 #include <palpate/servo/device_capabilities.h>
 #include <palpate/servo/safety_governor.h>
 
@@ -22,6 +23,10 @@ class HapticDevice {
   /// The newest reading, if there is a new one. \param t now, on the loop's clock, which DeviceReading::t is
   /// on, too. Unit: [s]. \returns false, and leaves `reading` alone, where there is none.
   virtual bool read(double t, DeviceReading& reading) = 0;
+
+  /// Waits for the next tick, no longer than until `until`. A device whose readings come when they come, over
+  /// a network, ends it early with each. Unit: [s], on `clock`, which is the loop's.
+  virtual void wait(const LoopClock& clock, double until) { clock.sleep_until(until); }
 
   /// What the motors show from now on. \pre within capabilities(), and finite.
   virtual void write(const Wrench& wrench) = 0;

@@ -1,5 +1,6 @@
 #include <palpate/servo/servo_loop.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace palpate {
@@ -76,11 +77,16 @@ void ServoLoop::run(const Options& options) {
   name_thread("palpate-servo");
   begun_.store(true, std::memory_order_release);
   begun_.notify_all();
-  const double period = 1.0 / options.rate, begin = clock_.now();
+  const double period = 1.0 / options.rate;
+  double begin = clock_.now();
   std::uint64_t beat = 0;
   for (;;) {
-    const double due = begin + period * static_cast<double>(beat);
-    clock_.sleep_until(due);
+    double due = begin + period * static_cast<double>(beat);
+    tick_.wait(clock_, due);
+    const double early =
+        std::max(0.0, due - clock_.now());  // the device has a reading: the beat goes by that
+    begin -= early;
+    due -= early;
     if (ends_.load(std::memory_order_relaxed)) {
       if (tick_.governor().state() == GovernorState::kStopped) return;
       tick_.governor().stop(Fault::kPaused);

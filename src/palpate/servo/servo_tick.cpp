@@ -20,7 +20,6 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       map_(options.map),
       gain_(options.gain),
       period_(options.period),
-      worker_(options.worker),
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
                  device.capabilities().damping_max),
@@ -29,7 +28,7 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
 }
 
 void ServoTick::use(const FeltModel& model) {
-  next_.back() = model;
+  next_.back() = {model, ++given_};
   next_.publish();
 }
 
@@ -51,7 +50,8 @@ void ServoTick::change() {
   clutched_ = clutch_pressed_.load(std::memory_order_relaxed);
   if (changing_ || clutched_) governor_.stop(Fault::kChanging);
   if (governor_.state() == GovernorState::kStopped && changing_) {
-    used_ = next_.front();
+    used_ = next_.front().model;
+    taken_.store(next_.front().number, std::memory_order_release);
     changing_ = false;
   }
 }
@@ -126,7 +126,7 @@ const TickRecord& ServoTick::run(double t) {
   } else if (fresh) {
     feel();
   }
-  record_.sent = governor_.release(wanted_, worker_ != nullptr ? worker_->age(t) : 0.0);
+  record_.sent = governor_.release(wanted_, used_.worker != nullptr ? used_.worker->age(t) : 0.0);
   device_.write(record_.sent);
   tell();
   return record_;

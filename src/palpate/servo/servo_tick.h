@@ -42,6 +42,7 @@ struct TickRecord {
 struct FeltModel {
   ForceModel* model = nullptr;
   ToolTracker* contacts = nullptr;
+  const Worker* worker = nullptr;  ///< what looks for contacts ahead of them, watched for delays; null: none
 };
 
 /// How a ServoTick is set up.
@@ -52,7 +53,6 @@ struct ServoTickOptions {
   /// In place of SafetyLimits::of() the device, for trials in virtual time of what would not be let near a
   /// hand.
   std::optional<SafetyLimits> limits;
-  const Worker* worker = nullptr;  ///< what finds contacts for the models, watched for delays; null: none
 };
 
 /// Reads the device, asks the force model, keeps that passive and safe, and writes to the device. What drives
@@ -72,15 +72,20 @@ class ServoTick {
   /// record of run(), with it.
   const TickRecord& look();
 
+  /// Until it is time for the next tick: HapticDevice::wait().
+  void wait(const LoopClock& clock, double until) { device_.wait(clock, until); }
+
   /// For stop(), resume() and, on the thread of run(), the transitions.
   SafetyGovernor& governor() { return governor_; }
   const SafetyGovernor& governor() const { return governor_; }
 
   /// \name From any thread
   /// @{
-  /// Once the force has fallen; it comes back through the gate. What `model` names must outlive this. One
-  /// thread at a time.
+  /// Once the force has fallen; it comes back through the gate. One thread at a time. What `model` names must
+  /// live until another one is_used().
   void use(const FeltModel& model);
+  /// True once run() has taken what use() was given last.
+  bool is_used() const { return taken_.load(std::memory_order_acquire) == given_; }
   /// The gain goes there within a few tenths of a second.
   void set_gain(double gain) { wanted_gain_.store(gain, std::memory_order_relaxed); }
   double wanted_gain() const { return wanted_gain_.load(std::memory_order_relaxed); }
@@ -100,7 +105,6 @@ class ServoTick {
   FeltModel used_;
   WorkspaceMap map_;
   double gain_, period_;
-  const Worker* worker_;
   SafetyGovernor governor_;
   PassivityController passivity_;
   DeviceReading said_;
@@ -111,7 +115,13 @@ class ServoTick {
   Wrench wanted_;
   TickRecord record_;
 
-  LatestValue<FeltModel> next_;
+  struct Next {
+    FeltModel model;
+    std::uint64_t number = 0;  ///< of the calls of use()
+  };
+  LatestValue<Next> next_;
+  std::uint64_t given_ = 0;  ///< number of the last of them
+  std::atomic<std::uint64_t> taken_ = 0;
   bool changing_ = false;  ///< next_.front() waits until no force is on
   std::atomic<bool> clutch_pressed_ = false;
   std::atomic<double> wanted_gain_, delay_ = 0.0;

@@ -1,0 +1,316 @@
+#include "live_gateway.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/device/profiles.h>
+#include <palpate/haptics/tool_file.h>
+#include <palpate/scene/ply_writer.h>
+
+#include "live_parameters.h"
+#include "output.h"
+#include "viewer_files.h"
+
+namespace palpate::cli {
+namespace {
+
+constexpr const char* kGatewayGroup = "Gateway";
+
+/// Of the viewer: its own files, workers that it makes itself, and connections to where it came from.
+constexpr const char* kViewerPolicy =
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src blob:; style-src 'self'; "
+    "img-src 'self' data: blob:; connect-src 'self' data: blob:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+/// Of a report, which has its own policy in the page, and needs what that allows.
+constexpr const char* kReportPolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'none'";
+
+/// 128 bits from the system.
+std::string random_token() {
+  std::random_device source;
+  std::string token;
+  for (int k = 0; k < 4; ++k) token += fmt::format("{:08x}", source());
+  return token;
+}
+
+bool is_loopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
+
+WebPage page_of(std::string_view type, std::string_view bytes, std::string tag,
+                std::shared_ptr<const void> keeps = nullptr) {
+  WebPage page;
+  page.type = type;
+  page.bytes = bytes;
+  page.keeps = std::move(keeps);
+  page.tag = std::move(tag);
+  return page;
+}
+
+std::string_view text_of(const MappedFile& file) {
+  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
+}
+
+bool flag_of(const Value& arguments) {
+  const Value& data = field(arguments, "data");
+  if (!data.is_boolean()) throw Refusal("'data' must be true or false");
+  return data.get<bool>();
+}
+
+/// std_srvs/Trigger, SetBool: what was refused is an answer, too.
+Value answer_of(const std::function<std::string()>& work) {
+  try {
+    return {{"success", true}, {"message", work()}};
+  } catch (const Refusal& refusal) {
+    return {{"success", false}, {"message", refusal.what()}};
+  } catch (const Error& error) {
+    return {{"success", false}, {"message", error.what()}};
+  }
+}
+
+}  // namespace
+
+void GatewayOptions::declare(CLI::App& app) {
+  add_count(app, "--port", port, 0, 65535, "where the viewer and rosbridge are; 0: any that is free")
+      .shows_default(fmt::format("{}, or another if that is taken", kPort))
+      .in_group(kGatewayGroup);
+  add_text(app, "--listen", address, "ADDRESS", "of this machine; any but loopback wants a token")
+      .in_group(kGatewayGroup);
+  add_text(app, "--token", token, "TEXT",
+           "that clients must bring (default: with --listen one is made and printed)")
+      .in_group(kGatewayGroup);
+  add_flag(app, "--no-gateway", off, "serve nothing").in_group(kGatewayGroup);
+}
+
+LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const GatewayOptions& options)
+    : system_(system),
+      device_kind_(device.device),
+      map_(device.map),
+      feed_(system.client_hand()),
+      parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)) {
+  const SceneOptions& scene = system.settings().scene;
+  if (scene.path.empty()) {
+    scene_tag_ = "built-in";
+    scene_bytes_ = ply_bytes(load_or_make(scene, {}).scene, "palpate: " + scene.name());
+  } else {
+    scene_file_ = std::make_unique<MappedFile>(scene.path);
+    const std::filesystem::path path(scene.path);
+    scene_tag_ = fmt::format("{:x}-{:x}", std::filesystem::file_size(path),
+                             std::filesystem::last_write_time(path).time_since_epoch().count());
+  }
+  add_rosapi(hub_);
+  add_switches();
+  add_services();
+  add_parameters();
+
+  WebServerOptions server;
+  server.address = options.address;
+  server.token = options.token.empty() && !is_loopback(options.address) ? random_token() : options.token;
+  const auto site = [this](const std::string& path) { return page(path); };
+  const auto listen = [&](int port) {
+    server.port = static_cast<std::uint16_t>(port);
+    server_ = std::make_unique<WebServer>(hub_, site, server);
+  };
+  try {
+    listen(options.port >= 0 ? options.port : GatewayOptions::kPort);
+  } catch (const Error&) {
+    if (options.port >= 0) throw;
+    listen(0);  // somebody else has the usual one, another palpate perhaps
+  }
+}
+
+LiveGateway::~LiveGateway() { stop(); }
+
+void LiveGateway::start() {
+  topics_ = std::make_unique<LiveTopics>(hub_, feed_, system_.client_hand(), system_.clock(),
+                                         system_.loop().statistics(), map_, device_kind_ == "client");
+  server_->every(LiveTopics::kRate, [this] { beat(); });
+  server_->when(feed_.wake(), [this] { topics_->answer(); });
+  server_->start();
+}
+
+void LiveGateway::stop() { server_->stop(); }
+
+/// On the server's thread.
+void LiveGateway::beat() {
+  const std::shared_ptr<const FeltScene> felt = system_.felt();
+  if (felt.get() != felt_) topics_->feel(felt->index(), felt->tool());
+  felt_ = felt.get();
+  topics_->publish();
+  const Shown shown{system_.version(), recording_.version(), recording_.is_on(), is_paused()};
+  if (shown != told_) parameters_topic_.publish({{"data", parameters().dump()}});
+  told_ = shown;
+}
+
+Value LiveGateway::parameters() const {
+  const LiveSettings settings = system_.settings();
+  const DeviceCapabilities& device = system_.device();
+  Value json = settings_json(settings);
+  const SceneOptions& scene = settings.scene;
+  const bool splat = std::filesystem::path(scene.path).extension() == ".splat";
+  const std::size_t bytes = scene_file_ ? scene_file_->bytes().size() : scene_bytes_.size();
+  json["scene"] = {{"name", std::filesystem::path(scene.name()).filename().string()},
+                   {"format", splat ? "splat" : "ply"},
+                   {"bytes", bytes},
+                   {"url", "/scene"}};
+  json["models"] = kModels;
+  json["frames"] = frame_names();
+  json["stiffness_max"] = device.stiffness_max;
+  json["device"] = {{"name", device.name},
+                    {"kind", device_kind_},
+                    {"force_max", device.force_max},
+                    {"torque_max", device.torque_max},
+                    {"workspace", device.workspace}};
+  json["paused"] = is_paused();
+  json["recording"] = recording_.is_on() ? "on" : recording_.page() ? "ready" : "";
+  json["busy"] = system_.busy();
+  json["message"] = system_.message();
+  return json;
+}
+
+void LiveGateway::add_switches() {
+  const auto add = [this](const char* name, const char* type, std::function<void(const Value&)> work) {
+    hub_.add_service(name, type, [work = std::move(work)](const Value& arguments) {
+      return answer_of([&] {
+        work(arguments);
+        return std::string();
+      });
+    });
+  };
+  add("/palpate/emergency_stop", "std_srvs/Trigger",
+      [this](const Value&) { system_.tick().governor().stop(); });
+  add("/palpate/resume", "std_srvs/Trigger", [this](const Value&) { system_.tick().governor().resume(); });
+  add("/palpate/pause", "std_srvs/SetBool", [this](const Value& arguments) {
+    SafetyGovernor& governor = system_.tick().governor();
+    flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.resume();
+  });
+  add("/palpate/clutch", "std_srvs/SetBool",
+      [this](const Value& arguments) { system_.tick().press_clutch(flag_of(arguments)); });
+  add("/palpate/record", "std_srvs/SetBool",
+      [this](const Value& arguments) { flag_of(arguments) ? recording_.begin() : recording_.end(); });
+}
+
+void LiveGateway::add_services() {
+  const auto add = [this](const char* name, const char* type, std::function<std::string(const Value&)> work) {
+    hub_.add_service(name, type, [work = std::move(work)](const Value& arguments) {
+      return answer_of([&] { return work(arguments); });
+    });
+  };
+  const auto change = [this](const Value& wanted) {
+    system_.change([&](LiveSettings& settings) { change_settings(settings, wanted); });
+    return std::string();
+  };
+  add("/palpate/get_parameters", "std_srvs/Trigger", [this](const Value&) { return parameters().dump(); });
+  add("/palpate/config", "std_srvs/Trigger",
+      [this](const Value&) { return settings_toml(system_.settings()); });
+  add("/palpate/set_parameters", "palpate/SetParameters",
+      [=](const Value& arguments) { return change(decode_json(text_field(arguments, "json"))); });
+  add("/palpate/set_model", "palpate/SetString", [=](const Value& arguments) {
+    return change({{"model", text_field(arguments, "data")}});
+  });
+  add("/palpate/load_tool", "palpate/SetString", [this](const Value& arguments) {
+    const Tool tool = parse_tool("the tool", text_field(arguments, "data"));
+    system_.change([&](LiveSettings& settings) { settings.tool = tool; });
+    return std::string();
+  });
+}
+
+/// ROS parameters: /palpate/NAME, one for each name at the top of parameters().
+void LiveGateway::add_parameters() {
+  constexpr std::string_view kPrefix = "/palpate/";
+  const auto name_of = [=](const Value& arguments) {
+    const std::string name = text_field(arguments, "name");
+    return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : name;
+  };
+  hub_.add_service("/rosapi/get_param_names", "rosapi/GetParamNames", [=, this](const Value&) {
+    Value names = Value::array();
+    const Value all = parameters();
+    for (const auto& [name, value] : all.items()) names.push_back(std::string(kPrefix) + name);
+    return Value{{"names", std::move(names)}};
+  });
+  hub_.add_service("/rosapi/has_param", "rosapi/HasParam", [=, this](const Value& arguments) {
+    return Value{{"exists", parameters().contains(name_of(arguments))}};
+  });
+  hub_.add_service("/rosapi/get_param", "rosapi/GetParam", [=, this](const Value& arguments) {
+    const Value all = parameters();
+    const auto at = all.find(name_of(arguments));
+    const std::string missing = text_field(arguments, "default");
+    return Value{{"value", at != all.end() ? at->dump() : missing.empty() ? "null" : missing}};
+  });
+  hub_.add_service("/rosapi/set_param", "rosapi/SetParam", [=, this](const Value& arguments) {
+    const Value wanted{{name_of(arguments), decode_json(text_field(arguments, "value"))}};
+    system_.change([&](LiveSettings& settings) { change_settings(settings, wanted); });
+    return Value::object();
+  });
+}
+
+WebPage LiveGateway::page(const std::string& path) {
+  if (const ViewerFile* file = viewer_file(path)) {
+    WebPage page = page_of(file->type, file->bytes, file->tag);
+    page.policy = kViewerPolicy;
+    return page;
+  }
+  if (path == "/scene") {
+    return page_of("application/octet-stream", scene_file_ ? text_of(*scene_file_) : scene_bytes_,
+                   scene_tag_);
+  }
+  if (path == "/healthz") return health();
+  if (path == "/metrics") return metrics();
+  if (path == "/recording") {
+    const auto csv = recording_.csv();
+    if (!csv) return text_page(404, "nothing has been recorded yet");
+    return page_of("text/csv; charset=utf-8", text_of(*csv), fmt::format("{}", recording_.version()), csv);
+  }
+  if (path == "/recording.html") {
+    const auto report = recording_.page();
+    if (!report) return text_page(404, "nothing has been recorded yet, or its report is being made");
+    WebPage page =
+        page_of("text/html; charset=utf-8", *report, fmt::format("{}", recording_.version()), report);
+    page.policy = kReportPolicy;
+    return page;
+  }
+  return text_page(404, "there is nothing here; the viewer is at /");
+}
+
+WebPage LiveGateway::health() const {
+  constexpr double kPatience = 0.5;  // s
+  const double age = system_.clock().now() - feed_.newest().record.t;
+  if (age <= kPatience) return text_page(200, "ok");
+  return text_page(503, fmt::format("the loop has not ticked for {:.1f} s", age));
+}
+
+/// The text format of Prometheus.
+WebPage LiveGateway::metrics() const {
+  const auto& [tick, times, answers] = feed_.newest();
+  const LoopStatistics& statistics = system_.loop().statistics();
+  std::string text;
+  const auto add = [&](std::string_view name, std::string_view type, std::string_view help, double value) {
+    text += fmt::format("# HELP palpate_{0} {2}\n# TYPE palpate_{0} {1}\npalpate_{0} {3}\n", name, type, help,
+                        value);
+  };
+  add("ticks_total", "counter", "Ticks of the servo loop.", static_cast<double>(statistics.ticks.load()));
+  add("overruns_total", "counter", "Ticks that were left out.",
+      static_cast<double>(statistics.overruns.load()));
+  text += "# HELP palpate_tick_seconds Time that a tick took.\n# TYPE palpate_tick_seconds summary\n";
+  for (const double q : {0.5, 0.99, 0.999})
+    text += fmt::format("palpate_tick_seconds{{quantile=\"{}\"}} {}\n", q, statistics.whole.quantile(q));
+  text += fmt::format("palpate_tick_seconds_count {}\n", statistics.ticks.load());
+  add("force_newtons", "gauge", "Force that the device is sent.", tick.sent.force.norm());
+  add("torque_newton_metres", "gauge", "Torque that the device is sent.", tick.sent.torque.norm());
+  add("contacts", "gauge", "Gaussians that the tool touches.", static_cast<double>(tick.contacts));
+  add("stiffness_margin", "gauge", "How many times as stiff the spring might be; 0: unknown.", tick.margin);
+  add("port_energy_joules", "gauge", "Net energy that the device has put into the hand.", tick.energy);
+  add("force_age_seconds", "gauge", "Age of the pose that the force answers.", times.age);
+  add("active", "gauge", "1 while the governor lets all of the force through.",
+      tick.state == GovernorState::kActive ? 1.0 : 0.0);
+  add("clients", "gauge", "WebSocket clients.", static_cast<double>(hub_.client_count()));
+  WebPage page = text_page(200, text);
+  page.type = "text/plain; version=0.0.4; charset=utf-8";
+  return page;
+}
+
+}  // namespace palpate::cli

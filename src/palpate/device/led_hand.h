@@ -1,0 +1,38 @@
+/// \file
+/// A hand that someone else can lead.
+#pragma once
+
+#include <optional>
+
+#include <palpate/device/simulated_device.h>
+
+namespace palpate {
+
+/// Where a simulated hand wants to be that goes its own way until it is led, follows who leads it, and goes
+/// back to its own way when it is let go, at the speed of a hand throughout: what leads may jump, and come
+/// at any rate. One thread.
+class LedHand {
+ public:
+  /// Where it is led to at a time; nothing while nobody leads it.
+  using Lead = std::function<std::optional<Pose>(double t)>;
+
+  LedHand(HandPath own, Lead lead) : own_(std::move(own)), lead_(std::move(lead)) {}
+
+  /// \param t never falls. Unit: [s].
+  Pose operator()(double t);
+
+  /// Of a hand on its way to where it is led; a hand that touches moves at 1 m/s at most.
+  static constexpr double kSpeed = 1.0;      ///< Unit: [m/s].
+  static constexpr double kTurnSpeed = 6.0;  ///< Unit: [rad/s].
+  /// In which it follows a small change. Unit: [s].
+  static constexpr double kFollow = 0.02;
+
+ private:
+  HandPath own_;
+  Lead lead_;
+  Pose pose_;
+  double t_ = 0.0;
+  bool started_ = false, on_its_way_ = true;  ///< its own
+};
+
+}  // namespace palpate

@@ -1,0 +1,156 @@
+#include <palpate/gateway/access.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+/// In a time that does not tell how much of it is right, but for its length.
+bool same_secret(std::string_view a, std::string_view b) {
+  if (a.size() != b.size() || b.empty()) return false;
+  unsigned char difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return difference == 0;
+}
+
+/// A name that no server far away can claim: an address, or this machine's own name.
+bool is_address(std::string_view name) {
+  if (name == "localhost" || name.starts_with('[')) return true;
+  return !name.empty() && std::all_of(name.begin(), name.end(),
+                                      [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; });
+}
+
+/// Of "a=1; b=2".
+std::string_view cookie_value(std::string_view cookies, std::string_view name) {
+  while (!cookies.empty()) {
+    const std::size_t end = std::min(cookies.find(';'), cookies.size());
+    std::string_view one = cookies.substr(0, end);
+    cookies.remove_prefix(std::min(end + 1, cookies.size()));
+    while (one.starts_with(' ')) one.remove_prefix(1);
+    if (one.starts_with(name) && one.substr(name.size()).starts_with('=')) return one.substr(name.size() + 1);
+  }
+  return {};
+}
+
+int digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::optional<std::string> decoded(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      result += text[i];
+      continue;
+    }
+    const int high = i + 2 < text.size() ? digit(text[i + 1]) : -1;
+    const int low = i + 2 < text.size() ? digit(text[i + 2]) : -1;
+    if (high < 0 || low < 0) return std::nullopt;
+    result += static_cast<char>(high * 16 + low);
+    i += 2;
+  }
+  return result;
+}
+
+std::optional<std::uint64_t> number(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+/// Names are refused but for "localhost": a page of anyone may have its name resolve to this machine, but not
+/// make a browser send an address as Host. With a token nobody gets in by a name alone.
+bool Access::is_own_host(std::string_view host) const {
+  const std::string whole = lower(host);
+  const std::size_t colon = whole.rfind(':');
+  const bool has_port = colon != std::string::npos && (whole.front() != '[' || colon > whole.find(']'));
+  const std::string name = whole.substr(0, has_port ? colon : std::string::npos);
+  const std::optional<std::uint64_t> port = has_port ? number(std::string_view(whole).substr(colon + 1)) : 80;
+  if (port != port_) return !token_.empty() && !name.empty();  // behind a proxy, say
+  return is_address(name) || name == lower(address_) || !token_.empty();
+}
+
+std::optional<Access::Refused> Access::refusal(const RequestHead& head) const {
+  if (head.host.empty() || !is_own_host(head.host))
+    return Refused{
+        403, fmt::format("this server is not called that; open it by its address, with port {}", port_)};
+  if (!head.origin.empty()) {
+    const std::string origin = lower(head.origin), host = lower(head.host);
+    if (origin != "http://" + host && origin != "https://" + host)
+      return Refused{403, "pages of other origins may not use this server"};
+  }
+  if (token_.empty()) return std::nullopt;
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string asked = query_value(head.target, "token");
+  const std::string_view bearer = head.authorization.starts_with(kBearer)
+                                      ? head.authorization.substr(kBearer.size())
+                                      : std::string_view{};
+  for (const std::string_view given :
+       {std::string_view(asked), bearer, cookie_value(head.cookie, "palpate")}) {
+    if (same_secret(given, token_)) return std::nullopt;
+  }
+  return Refused{401, "a token is needed: open the address that palpate run prints"};
+}
+
+std::optional<std::string> path_of(std::string_view target) {
+  const std::optional<std::string> path = decoded(target.substr(0, target.find_first_of("?#")));
+  if (!path || !path->starts_with('/') || path->find("..") != std::string::npos ||
+      path->find('\0') != std::string::npos || path->find('\\') != std::string::npos)
+    return std::nullopt;
+  return path;
+}
+
+std::string query_value(std::string_view target, std::string_view name) {
+  const std::size_t mark = target.find('?');
+  if (mark == std::string_view::npos) return {};
+  std::string_view query = target.substr(mark + 1);
+  while (!query.empty()) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    const std::string_view one = query.substr(0, end);
+    query.remove_prefix(std::min(end + 1, query.size()));
+    if (one.starts_with(name) && one.substr(name.size()).starts_with('='))
+      return decoded(one.substr(name.size() + 1)).value_or("");
+  }
+  return {};
+}
+
+RangeRequest parse_range(std::string_view value, std::uint64_t size) {
+  using Kind = RangeRequest::Kind;
+  constexpr std::string_view kBytes = "bytes=";
+  if (!value.starts_with(kBytes)) return {};
+  value.remove_prefix(kBytes.size());
+  const std::size_t dash = value.find('-');
+  if (dash == std::string_view::npos || value.find(',') != std::string_view::npos) return {};
+  const std::string_view before = value.substr(0, dash), after = value.substr(dash + 1);
+  if (before.empty()) {  // the last so many
+    const auto count = number(after);
+    if (!count) return {};
+    if (*count == 0 || size == 0) return {Kind::kUnsatisfiable, {}};
+    const std::uint64_t most = std::min(*count, size);
+    return {Kind::kPart, {size - most, most}};
+  }
+  const auto first = number(before);
+  const auto last = after.empty() ? std::optional<std::uint64_t>(UINT64_MAX) : number(after);
+  if (!first || !last || *last < *first) return {};
+  if (*first >= size) return {Kind::kUnsatisfiable, {}};
+  return {Kind::kPart, {*first, std::min(*last, size - 1) - *first + 1}};
+}
+
+}  // namespace palpate

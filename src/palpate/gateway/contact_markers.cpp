@@ -1,0 +1,63 @@
+#include <palpate/gateway/contact_markers.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// From just touching, K_min = 0, to 1: dark to bright at a lightness that grows evenly.
+Color color_of(double k_min) {
+  constexpr std::array<std::array<double, 3>, 5> kSteps{
+      {{0.35, 0.07, 0.43}, {0.63, 0.15, 0.42}, {0.87, 0.29, 0.29}, {0.97, 0.54, 0.14}, {0.96, 0.87, 0.40}}};
+  const double at = std::clamp(k_min, 0.0, 1.0) * (kSteps.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(at), kSteps.size() - 2);
+  const double share = at - static_cast<double>(i);
+  const auto mix = [&](std::size_t c) { return (1.0 - share) * kSteps[i][c] + share * kSteps[i + 1][c]; };
+  return {mix(0), mix(1), mix(2), 0.9};
+}
+
+constexpr Color kNormalColor{0.1, 0.14, 0.19, 0.9};
+/// Of an arrow's shaft. Unit: [m].
+constexpr double kThickness = 5e-4;
+
+/// One of each id: the deepest of what several parts of the tool touch; at most `most`, the deepest.
+void choose(std::vector<Contact>& contacts, std::size_t most) {
+  std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
+    return a.id != b.id ? a.id < b.id : a.depth > b.depth;
+  });
+  const auto same = [](const Contact& a, const Contact& b) { return a.id == b.id; };
+  contacts.erase(std::unique(contacts.begin(), contacts.end(), same), contacts.end());
+  if (contacts.size() <= most) return;
+  std::nth_element(contacts.begin(), contacts.begin() + static_cast<std::ptrdiff_t>(most), contacts.end(),
+                   [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
+  contacts.resize(most);
+}
+
+}  // namespace
+
+Json ContactMarkers::message(const Json& header, std::vector<Contact>& contacts,
+                             const EllipsoidLookup& ellipsoids) {
+  choose(contacts, kMost);
+  ++count_;
+  Json markers = Json::array();
+  for (const Contact& c : contacts) {
+    Ellipsoid ellipsoid = ellipsoids.at(c.id);
+    ellipsoid.center = c.center;
+    markers.push_back(ellipsoid_marker(header, "contacts", c.id, ellipsoid, color_of(c.k_min)));
+    markers.push_back(arrow_marker(header, "normals", c.id, c.point, c.point + c.depth * c.normal, kThickness,
+                                   kNormalColor));
+    seen_[c.id] = count_;
+  }
+  for (auto seen = seen_.begin(); seen != seen_.end();) {
+    if (seen->second != count_) {
+      for (const char* ns : {"contacts", "normals"})
+        markers.push_back(deleted_marker(header, ns, seen->first));
+    }
+    seen = count_ - seen->second >= kReach ? seen_.erase(seen) : std::next(seen);
+  }
+  return {{"markers", std::move(markers)}};
+}
+
+}  // namespace palpate

@@ -1,0 +1,286 @@
+#include <palpate/gateway/hub.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kMilli = 1e-3;
+/// By which a message may come before its throttle lets it: what is sent at 60 Hz is 16.67 ms apart only on
+/// average. Unit: [s].
+constexpr double kEarly = 2e-3;
+
+/// As ROS 1 writes it, of either notation.
+std::string plain_type(std::string type) {
+  for (const std::string_view part : {"/msg/", "/srv/"}) {
+    if (const auto at = type.find(part); at != std::string::npos) type.replace(at, part.size(), "/");
+  }
+  return type;
+}
+
+std::string full_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
+
+/// As in a message to people; what a client sent may be anything.
+std::string quoted(const std::string& text) {
+  constexpr std::size_t kShown = 80;
+  return '\'' + text.substr(0, kShown) + (text.size() > kShown ? "..." : "") + '\'';
+}
+
+std::string named(const Json& message, const char* what) {
+  const std::string name = text_field(message, what);
+  if (name.empty()) throw Refusal(fmt::format("'{}' is missing", what));
+  return full_name(name);
+}
+
+/// Text that is not UTF-8 is shown as far as it is.
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+void check_type(const Json& message, const std::string& name, const std::string& type) {
+  const std::string asked = plain_type(text_field(message, "type"));
+  if (!asked.empty() && asked != "*" && asked != type)
+    throw Refusal(fmt::format("{} is of type {}, not {}", name, type, quoted(asked)));
+}
+
+}  // namespace
+
+const std::string& Publication::text() const {
+  if (text_.empty()) text_ = dump(envelope_);
+  return text_;
+}
+
+const std::string& Publication::cbor() const {
+  if (cbor_.empty()) Json::to_cbor(envelope_, nlohmann::detail::output_adapter<char>(cbor_));
+  return cbor_;
+}
+
+void Topic::publish(Json message, const Client* but) {
+  newest_ = std::make_shared<Publication>(name_, std::move(message), ++count_);
+  // A client that is woken may close, and is then gone from the list.
+  const std::vector<Client*> watchers = watchers_;
+  for (Client* client : watchers) {
+    if (client != but) client->offer(*this, newest_);
+  }
+}
+
+void Topic::publish_to(Client& client, Json message) {
+  if (std::find(watchers_.begin(), watchers_.end(), &client) == watchers_.end()) return;
+  client.offer(*this, std::make_shared<Publication>(name_, std::move(message), ++count_));
+}
+
+void Topic::set_reset(Json message, std::uint64_t reach) {
+  reset_ = std::make_shared<Publication>(name_, std::move(message), 0);
+  reach_ = reach;
+}
+
+Topic& Hub::add_topic(const std::string& name, const std::string& type, bool latched) {
+  return topics_.emplace(name, Topic(name, type, latched)).first->second;
+}
+
+void Hub::add_input(const std::string& name, const std::string& type, Listener listener) {
+  inputs_[name] = {type, std::move(listener)};
+}
+
+void Hub::add_service(const std::string& name, const std::string& type, Service service) {
+  services_[name] = {type, std::move(service)};
+}
+
+double Client::Subscription::throttle() const {
+  double least = wishes.begin()->second.throttle;
+  for (const auto& [id, wish] : wishes) least = std::min(least, wish.throttle);
+  return least;
+}
+
+std::size_t Client::Subscription::queue() const {
+  std::size_t most = 1;
+  for (const auto& [id, wish] : wishes) most = std::max(most, wish.queue);
+  return most;
+}
+
+Client::Client(Hub& hub, std::function<void()> wake, std::function<double()> clock)
+    : hub_(hub), wake_(std::move(wake)), clock_(std::move(clock)), counted_at_(clock_()) {
+  ++hub_.clients_;
+}
+
+Client::~Client() {
+  while (!subscriptions_.empty()) drop(subscriptions_.begin());
+  --hub_.clients_;
+  if (hub_.on_leave) hub_.on_leave(*this);
+}
+
+bool Client::too_many() {
+  const double now = clock_();
+  allowance_ = std::min(kMostMessages, allowance_ + kMostMessages * (now - counted_at_)) - 1.0;
+  counted_at_ = now;
+  return allowance_ < 0.0;
+}
+
+void Client::receive(std::string_view frame, bool binary) {
+  if (!fault_.empty()) return;
+  if (too_many()) {
+    fault_ = fmt::format("more than {} messages a second", kMostMessages);
+    return;
+  }
+  Json id;
+  try {
+    const Json message = binary ? decode_cbor(frame) : decode_json(frame);
+    if (!message.is_object()) throw Refusal("a message must be an object with an 'op'");
+    if (const auto at = message.find("id"); at != message.end() && at->is_string()) id = *at;
+    handle(message);
+  } catch (const Refusal& refusal) {
+    tell("error", refusal.what(), id);
+  }
+}
+
+void Client::handle(const Json& message) {
+  const std::string op = text_field(message, "op");
+  if (op == "subscribe") return subscribe(message);
+  if (op == "unsubscribe") return unsubscribe(message);
+  if (op == "advertise") return advertise(message);
+  if (op == "unadvertise") return;
+  if (op == "publish") return publish(message);
+  if (op == "call_service") return call(message);
+  if (op == "set_level") {
+    quiet_ = text_field(message, "level") == "none";
+    return;
+  }
+  throw Refusal(op.empty() ? "'op' is missing"
+                           : fmt::format("op {} is not known here; take subscribe, unsubscribe, advertise, "
+                                         "unadvertise, publish, call_service or set_level",
+                                         quoted(op)));
+}
+
+void Client::subscribe(const Json& message) {
+  const std::string name = named(message, "topic");
+  const auto topic = hub_.topics_.find(name);
+  if (topic == hub_.topics_.end())
+    throw Refusal(fmt::format("there is no topic {}; /rosapi/topics has those there are", quoted(name)));
+  check_type(message, name, topic->second.type());
+  const std::string compression = text_field(message, "compression");
+  if (!compression.empty() && compression != "none" && compression != "cbor")
+    throw Refusal(fmt::format("compression {} is not known here; take none or cbor", quoted(compression)));
+  const Subscription::Wish wish{kMilli * std::max(0.0, number_field(message, "throttle_rate", 0.0)),
+                                static_cast<std::size_t>(std::clamp(
+                                    number_field(message, "queue_length", 1.0), 1.0, double{kMostQueued}))};
+  const std::string id = text_field(message, "id");
+  if (!subscriptions_.contains(name) && subscriptions_.size() == kMostSubscriptions)
+    throw Refusal(fmt::format("more than {} subscriptions", kMostSubscriptions));
+  Subscription& subscription = subscriptions_[name];
+  const bool first = subscription.topic == nullptr;
+  if (subscription.wishes.size() == kMostSubscriptions && !subscription.wishes.contains(id))
+    throw Refusal(fmt::format("more than {} subscriptions of {}", kMostSubscriptions, name));
+  subscription.topic = &topic->second;
+  subscription.wishes[id] = wish;
+  subscription.binary = compression == "cbor";
+  if (first) topic->second.watchers_.push_back(this);
+  if (topic->second.latched_ && topic->second.newest_) offer(topic->second, topic->second.newest_);
+}
+
+void Client::drop(std::map<std::string, Subscription>::iterator subscription) {
+  std::erase(subscription->second.topic->watchers_, this);
+  std::erase(turn_, subscription->first);
+  subscriptions_.erase(subscription);
+}
+
+void Client::unsubscribe(const Json& message) {
+  const auto subscription = subscriptions_.find(named(message, "topic"));
+  if (subscription == subscriptions_.end()) return;
+  const std::string id = text_field(message, "id");
+  if (!id.empty()) subscription->second.wishes.erase(id);
+  if (id.empty() || subscription->second.wishes.empty()) drop(subscription);
+}
+
+void Client::advertise(const Json& message) {
+  const std::string name = named(message, "topic");
+  const auto input = hub_.inputs_.find(name);
+  if (input == hub_.inputs_.end())
+    throw Refusal(fmt::format("{} is not for clients to publish", quoted(name)));
+  check_type(message, name, input->second.type);
+}
+
+void Client::publish(const Json& message) {
+  const std::string name = named(message, "topic");
+  const auto input = hub_.inputs_.find(name);
+  if (input == hub_.inputs_.end())
+    throw Refusal(fmt::format("{} is not for clients to publish", quoted(name)));
+  const Json& published = field(message, "msg");
+  if (!published.is_object()) throw Refusal("'msg' must be an object");
+  input->second.listener(published, *this);
+}
+
+void Client::call(const Json& message) {
+  const std::string name = named(message, "service");
+  Json response{{"op", "service_response"}, {"service", name}};
+  if (const auto id = message.find("id"); id != message.end()) response["id"] = *id;
+  try {
+    const auto offer = hub_.services_.find(name);
+    if (offer == hub_.services_.end())
+      throw Refusal(
+          fmt::format("there is no service {}; /rosapi/services has those there are", quoted(name)));
+    const auto arguments = message.find("args");
+    const bool none = arguments == message.end() || arguments->is_null() || arguments->empty();
+    if (!none && !arguments->is_object()) throw Refusal("'args' must be an object");
+    response["values"] = offer->second.service(none ? Json::object() : *arguments);
+    response["result"] = true;
+  } catch (const Refusal& refusal) {
+    response["values"] = refusal.what();
+    response["result"] = false;
+  }
+  answer(std::move(response));
+}
+
+void Client::tell(const std::string& level, const std::string& text, const Json& id) {
+  if (quiet_) return;
+  Json status{{"op", "status"}, {"level", level}, {"msg", text}};
+  if (!id.is_null()) status["id"] = id;
+  answer(std::move(status));
+}
+
+void Client::answer(Json message) {
+  auto text = std::make_shared<const std::string>(dump(message));
+  answer_bytes_ += text->size();
+  answers_.push_back(std::move(text));
+  if (answers_.size() > kMostAnswers || answer_bytes_ > kMostAnswerBytes)
+    fault_ = "does not read what it is answered";
+  wake_();
+}
+
+void Client::offer(const Topic& topic, const std::shared_ptr<const Publication>& publication) {
+  Subscription& subscription = subscriptions_.at(topic.name());
+  const double now = clock_();
+  if (!topic.latched() && now < subscription.not_before - kEarly) return;
+  subscription.not_before = now + subscription.throttle();
+  if (subscription.waiting.empty()) turn_.push_back(topic.name());
+  subscription.waiting.push_back(publication);
+  if (subscription.waiting.size() > subscription.queue()) subscription.waiting.pop_front();
+  wake_();
+}
+
+std::optional<Client::Outgoing> Client::next() {
+  if (!answers_.empty()) {
+    Outgoing outgoing{std::move(answers_.front()), false};
+    answers_.pop_front();
+    answer_bytes_ -= outgoing.bytes->size();
+    return outgoing;
+  }
+  if (turn_.empty()) return std::nullopt;
+  const std::string name = std::move(turn_.front());
+  turn_.pop_front();
+  Subscription& subscription = subscriptions_.at(name);
+  const Topic& topic = *subscription.topic;
+  std::shared_ptr<const Publication> sent = subscription.waiting.front();
+  if (topic.reset_ && (subscription.last == 0 || sent->number() > subscription.last + topic.reach_)) {
+    subscription.last = sent->number();  // the reset goes first, and `sent` stays
+    sent = topic.reset_;
+  } else {
+    subscription.last = sent->number();
+    subscription.waiting.pop_front();
+  }
+  if (!subscription.waiting.empty()) turn_.push_back(name);
+  const std::string& bytes = subscription.binary ? sent->cbor() : sent->text();
+  return Outgoing{std::shared_ptr<const std::string>(sent, &bytes), subscription.binary};
+}
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+/// \file
+/// What is felt, in the shapes of ROS messages.
+#pragma once
+
+#include <string>
+
+#include <palpate/gateway/message.h>
+#include <palpate/geometry/ellipsoid.h>
+#include <palpate/geometry/pose.h>
+
+namespace palpate {
+
+/// When, for a message. As ROS counts time.
+struct Stamp {
+  std::int64_t seconds = 0;
+  std::int64_t nanoseconds = 0;
+
+  /// The wall clock's.
+  static Stamp now();
+};
+
+/// std_msgs/Header of ROS 1.
+Json header(const Stamp& stamp, const std::string& frame, std::uint64_t seq);
+
+Json to_json(const Eigen::Vector3d& v);     ///< geometry_msgs/Point, Vector3
+Json to_json(const Eigen::Quaterniond& q);  ///< geometry_msgs/Quaternion
+Json to_json(const Pose& pose);             ///< geometry_msgs/Pose
+Json to_json(const Twist& twist);           ///< geometry_msgs/Twist
+Json to_json(const Wrench& wrench);         ///< geometry_msgs/Wrench
+
+/// RGB and opacity, each in [0, 1].
+struct Color {
+  double r, g, b, a;
+};
+
+/// \name visualization_msgs/Marker
+/// @{
+Json ellipsoid_marker(const Json& header, const std::string& ns, std::uint32_t id, const Ellipsoid& ellipsoid,
+                      const Color& color);
+/// \param thickness of its shaft. Unit: [m].
+Json arrow_marker(const Json& header, const std::string& ns, std::uint32_t id, const Eigen::Vector3d& from,
+                  const Eigen::Vector3d& to, double thickness, const Color& color);
+Json deleted_marker(const Json& header, const std::string& ns, std::uint32_t id);
+/// All there are.
+Json all_deleted_marker(const Json& header);
+/// @}
+
+/// A PoseStamped that was received.
+struct StampedPose {
+  Pose pose;
+  Stamp stamp;
+  std::string frame;
+};
+
+/// Of ROS 1 or 2. \throws Refusal if a number is missing or not finite, or the quaternion is far from unit
+/// length; it is normalised.
+StampedPose pose_stamped(const Json& message);
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+/// \file
+/// The newest tick, for the gateway's thread.
+#pragma once
+
+#include <palpate/base/latest_value.h>
+#include <palpate/gateway/client_hand.h>
+#include <palpate/servo/servo_loop.h>
+
+namespace palpate {
+
+/// Hands every tick over, and wakes the gateway where one is the answer to a client's pose.
+class TickFeed final : public TickObserver {
+ public:
+  struct Tick {
+    TickRecord record;
+    TickTimes times;
+    std::uint64_t answers = 0;  ///< ClientHand::Sample::number of the pose that the hand was at
+  };
+
+  /// `hand` must outlive it.
+  explicit TickFeed(const ClientHand& hand) : hand_(hand) {}
+
+  /// The servo thread.
+  void see(const TickRecord& record, const TickTimes& times) override {
+    const std::uint64_t answers = hand_.seen();
+    ticks_.back() = {record, times, answers};
+    ticks_.publish();
+    if (answers != answered_) wake_.set();
+    answered_ = answers;
+  }
+
+  /// \name One other thread
+  /// @{
+  /// True if there was a tick since the last call; newest() is then that of it.
+  bool update() { return ticks_.update(); }
+  const Tick& newest() const { return ticks_.front(); }
+  Wake& wake() { return wake_; }
+  /// @}
+
+ private:
+  const ClientHand& hand_;
+  LatestValue<Tick> ticks_;
+  std::uint64_t answered_ = 0;
+  Wake wake_;
+};
+
+}  // namespace palpate

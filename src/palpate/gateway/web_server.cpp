@@ -1,0 +1,461 @@
+// GCC 12 needs <utility> before Asio. All of Beast is in this one source: it takes the compiler half a
+// minute.
+#include <utility>
+
+#include <palpate/gateway/web_server.h>
+
+#include <chrono>
+#include <deque>
+#include <list>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <boost/asio/dispatch.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <palpate/base/error.h>
+#include <palpate/gateway/access.h>
+#include <palpate/servo/clock.h>
+#include <palpate/servo/real_time.h>
+
+namespace palpate {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = net::ip::tcp;
+using boost::system::error_code;
+using Request = http::request<http::string_body>;
+
+constexpr auto kHttpTimeout = std::chrono::seconds(30);
+constexpr std::size_t kMostHeader = 16 << 10, kMostBody = 4 << 10;
+/// A peer that does not answer a ping for so long is gone.
+constexpr auto kIdle = std::chrono::seconds(30);
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+RequestHead head_of(const Request& request) {
+  return {view(request[http::field::host]), view(request[http::field::origin]),
+          view(request[http::field::authorization]), view(request[http::field::cookie]),
+          view(request.target())};
+}
+
+/// What all sessions share. On the server's thread.
+struct Shared {
+  Hub& hub;
+  WebServer::Site site;
+  Access access;
+  std::size_t connections = 0, sockets = 0;
+  /// To close whatever is open.
+  std::set<class Session*> sessions;
+};
+
+/// Something that is open.
+class Session {
+ public:
+  explicit Session(Shared& shared) : shared_(shared) { shared_.sessions.insert(this); }
+  virtual ~Session() { shared_.sessions.erase(this); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  virtual void close() = 0;
+
+ protected:
+  Shared& shared_;
+};
+
+/// One WebSocket and its Client.
+class SocketSession final : public Session, public std::enable_shared_from_this<SocketSession> {
+ public:
+  SocketSession(Shared& shared, tcp::socket&& socket)
+      : Session(shared),
+        socket_(std::move(socket)),
+        client_(
+            shared.hub, [this] { wake(); }, monotonic_now) {
+    ++shared_.sockets;
+  }
+  ~SocketSession() override { --shared_.sockets; }
+
+  void accept(const Request& request) {
+    websocket::stream_base::timeout timeout{};
+    timeout.handshake_timeout = kHttpTimeout;
+    timeout.idle_timeout = kIdle;
+    timeout.keep_alive_pings = true;
+    socket_.set_option(timeout);
+    socket_.read_message_max(WebServer::kMostMessage);
+    socket_.auto_fragment(false);
+    socket_.async_accept(request, [self = shared_from_this()](error_code error) {
+      if (error) return;
+      self->open_ = true;
+      self->read();
+      self->write();
+    });
+  }
+
+  void close() override { beast::get_lowest_layer(socket_).close(); }
+
+ private:
+  void read() {
+    socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->close();
+      const auto bytes = self->buffer_.cdata();
+      self->client_.receive({static_cast<const char*>(bytes.data()), bytes.size()},
+                            self->socket_.got_binary());
+      self->buffer_.consume(self->buffer_.size());
+      if (!self->client_.fault().empty()) return self->say_goodbye();
+      self->read();
+    });
+  }
+
+  /// The client has something to send: once whoever gave it that is done.
+  void wake() {
+    if (woken_) return;
+    woken_ = true;
+    net::post(socket_.get_executor(), [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) {
+        self->woken_ = false;
+        self->write();
+      }
+    });
+  }
+
+  void write() {
+    if (!open_ || writing_) return;
+    if (!client_.fault().empty()) return say_goodbye();
+    const auto outgoing = client_.next();
+    if (!outgoing) return;
+    writing_ = true;
+    sent_ = outgoing->bytes;
+    socket_.binary(outgoing->binary);
+    socket_.async_write(net::buffer(*sent_), [self = shared_from_this()](error_code error, std::size_t) {
+      self->writing_ = false;
+      if (error) return self->close();
+      self->write();
+    });
+  }
+
+  /// Closes with the reason, if the client still reads that.
+  void say_goodbye() {
+    if (!open_) return;
+    open_ = false;
+    if (writing_) return close();  // it does not even take what is under way
+    const websocket::close_reason reason(websocket::close_code::policy_error, client_.fault());
+    socket_.async_close(reason, [self = shared_from_this()](error_code) { self->close(); });
+  }
+
+  websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer buffer_;
+  Client client_;
+  std::shared_ptr<const std::string> sent_;
+  bool open_ = false, writing_ = false, woken_ = false;
+};
+
+/// One connection of HTTP, which may become a WebSocket.
+class HttpSession final : public Session, public std::enable_shared_from_this<HttpSession> {
+ public:
+  HttpSession(Shared& shared, tcp::socket&& socket) : Session(shared), stream_(std::move(socket)) {
+    ++shared_.connections;
+  }
+  ~HttpSession() override { --shared_.connections; }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMostHeader);
+    parser_->body_limit(kMostBody);
+    stream_.expires_after(kHttpTimeout);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->close();
+      self->handle(self->parser_->release());
+    });
+  }
+
+  void close() override { stream_.close(); }
+
+ private:
+  void handle(const Request& request) {
+    if (const auto refused = shared_.access.refusal(head_of(request)))
+      return send(request, text_page(refused->status, refused->why));
+    if (websocket::is_upgrade(request)) {
+      if (shared_.sockets == WebServer::kMostClients)
+        return send(request, text_page(503, "too many clients are connected"));
+      stream_.expires_never();
+      std::make_shared<SocketSession>(shared_, stream_.release_socket())->accept(request);
+      return;
+    }
+    if (request.method() != http::verb::get && request.method() != http::verb::head)
+      return send(request, text_page(405, "only GET and HEAD are answered here"));
+    const auto path = path_of(view(request.target()));
+    send(request, path ? shared_.site(*path) : text_page(400, "this is no path"));
+  }
+
+  void send(const Request& request, WebPage page) {
+    page_ = std::move(page);
+    answer_ = {};
+    answer_.version(request.version());
+    answer_.keep_alive(request.keep_alive());
+    answer_.set(http::field::server, "palpate");
+    answer_.set(http::field::content_type, page_.type);
+    answer_.set("X-Content-Type-Options", "nosniff");
+    answer_.set("X-Frame-Options", "DENY");
+    answer_.set("Referrer-Policy", "no-referrer");
+    answer_.set("Cross-Origin-Opener-Policy", "same-origin");
+    answer_.set("Cross-Origin-Resource-Policy", "same-origin");
+    answer_.set("Content-Security-Policy", page_.policy.empty() ? "default-src 'none'" : page_.policy);
+    if (page_.status == 401) answer_.set(http::field::www_authenticate, "Bearer");
+    if (page_.status == 405) answer_.set(http::field::allow, "GET, HEAD");
+    remember_token(request);
+    std::string_view body = page_.bytes;
+    if (!page_.tag.empty()) {
+      const std::string tag = '"' + page_.tag + '"';
+      answer_.set(http::field::etag, tag);
+      answer_.set(http::field::cache_control, "no-cache");  // kept, and asked for again
+      answer_.set(http::field::accept_ranges, "bytes");
+      body = part(request, tag);
+    } else {
+      answer_.set(http::field::cache_control, "no-store");
+      answer_.result(static_cast<unsigned>(page_.status));
+    }
+    answer_.body() = {body.data(), body.size()};
+    answer_.prepare_payload();
+    if (answer_.result() == http::status::not_modified) answer_.erase(http::field::content_length);
+    if (request.method() == http::verb::head) return send_head();
+    stream_.expires_after(kHttpTimeout);
+    serializer_.emplace(answer_);
+    write_some();
+  }
+
+  /// In pieces, so that only a peer that takes nothing at all runs out of time, and not one that is slow.
+  void write_some() {
+    constexpr std::size_t kPiece = 1 << 18;
+    serializer_->limit(kPiece);
+    http::async_write_some(stream_, *serializer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->close();
+      self->stream_.expires_after(kHttpTimeout);
+      self->serializer_->is_done() ? self->done() : self->write_some();
+    });
+  }
+
+  void send_head() {
+    serializer_.emplace(answer_);
+    http::async_write_header(stream_, *serializer_,
+                             [self = shared_from_this()](error_code error, std::size_t) {
+                               if (error) return self->close();
+                               self->done();
+                             });
+  }
+
+  void done() {
+    const bool goes_on = answer_.keep_alive();
+    serializer_.reset();
+    page_ = {};
+    goes_on ? read() : close();
+  }
+
+  /// What the request wants of the page, and the status for that.
+  std::string_view part(const Request& request, const std::string& tag) {
+    if (view(request[http::field::if_none_match]).find(tag) != std::string_view::npos) {
+      answer_.result(http::status::not_modified);
+      return {};
+    }
+    const std::string_view condition = view(request[http::field::if_range]);
+    const bool whole = !condition.empty() && condition != tag;
+    const RangeRequest asked =
+        whole ? RangeRequest{} : parse_range(view(request[http::field::range]), page_.bytes.size());
+    answer_.result(static_cast<unsigned>(page_.status));
+    if (asked.kind == RangeRequest::Kind::kNone) return page_.bytes;
+    if (asked.kind == RangeRequest::Kind::kUnsatisfiable) {
+      answer_.result(http::status::range_not_satisfiable);
+      answer_.set(http::field::content_range, fmt::format("bytes */{}", page_.bytes.size()));
+      return {};
+    }
+    const auto [first, count] = asked.range;
+    answer_.result(http::status::partial_content);
+    answer_.set(http::field::content_range,
+                fmt::format("bytes {}-{}/{}", first, first + count - 1, page_.bytes.size()));
+    return page_.bytes.substr(first, count);
+  }
+
+  /// Whoever came with the token need not bring it again: a page cannot add it to all that it loads.
+  void remember_token(const Request& request) {
+    const std::string& token = shared_.access.token();
+    if (token.empty() || query_value(view(request.target()), "token") != token) return;
+    answer_.set(http::field::set_cookie, fmt::format("palpate={}; Path=/; HttpOnly; SameSite=Strict", token));
+  }
+
+  using Answer = http::response<http::span_body<const char>>;
+
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  WebPage page_;
+  Answer answer_;
+  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+};
+
+}  // namespace
+
+WebPage text_page(int status, std::string text) {
+  auto kept = std::make_shared<const std::string>(std::move(text) + '\n');
+  WebPage page;
+  page.status = status;
+  page.bytes = *kept;
+  page.keeps = std::move(kept);
+  return page;
+}
+
+class WebServer::Implementation : public std::enable_shared_from_this<Implementation> {
+ public:
+  Implementation(Hub& hub, Site site, const WebServerOptions& options)
+      : acceptor_(context_), address_(options.address), retry_(context_) {
+    error_code error;
+    const auto address = net::ip::make_address(options.address, error);
+    if (error) throw Error("{}: is not an address to listen on; give one of this machine", options.address);
+    const tcp::endpoint endpoint(address, options.port);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+    if (error) {
+      throw Error("cannot listen on {} port {}: {}; give another --port, or --no-gateway", options.address,
+                  options.port, error.message());
+    }
+    port_ = acceptor_.local_endpoint().port();
+    shared_.emplace(Shared{hub, std::move(site), Access(options.address, port_, options.token), 0, 0, {}});
+  }
+
+  void every(double rate, std::function<void()> work) {
+    timers_.push_back({net::steady_timer(context_), std::chrono::nanoseconds(static_cast<long>(1e9 / rate)),
+                       std::move(work)});
+  }
+
+  void when(Wake& wake, std::function<void()> work) {
+    watches_.push_back({net::posix::stream_descriptor(context_, wake.descriptor()), std::move(work)});
+  }
+
+  void start() {
+    accept();
+    for (Timer& timer : timers_) {
+      timer.timer.expires_after(timer.period);
+      wait(timer);
+    }
+    for (Watch& watch : watches_) wait(watch);
+    thread_ = std::thread([this] {
+      name_thread("palpate-gateway");
+      context_.run();
+    });
+  }
+
+  void stop() {
+    if (thread_.joinable()) {
+      net::post(context_, [this] {
+        error_code ignored;
+        acceptor_.close(ignored);
+        retry_.cancel();
+        for (Timer& timer : timers_) timer.timer.cancel();
+        for (Watch& watch : watches_) watch.descriptor.cancel(ignored);
+        ends_ = true;
+        const std::set<Session*> open = shared_->sessions;
+        for (Session* session : open) session->close();
+      });
+      thread_.join();
+    }
+    for (Watch& watch : watches_) watch.descriptor.release();  // its owner closes it
+    watches_.clear();
+  }
+
+  void post(std::function<void()> work) { net::post(context_, std::move(work)); }
+  std::uint16_t port() const { return port_; }
+  const std::string& address() const { return address_; }
+  const std::string& token() const { return shared_->access.token(); }
+
+ private:
+  struct Timer {
+    net::steady_timer timer;
+    std::chrono::nanoseconds period;
+    std::function<void()> work;
+  };
+  struct Watch {
+    net::posix::stream_descriptor descriptor;
+    std::function<void()> work;
+  };
+
+  void accept() {
+    acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+      if (ends_ || error == net::error::operation_aborted) return;
+      if (error) {  // no more descriptors, say: later there may be
+        retry_.expires_after(std::chrono::milliseconds(100));
+        retry_.async_wait([this](error_code cancelled) {
+          if (!cancelled) accept();
+        });
+        return;
+      }
+      if (shared_->connections + shared_->sockets < WebServer::kMostConnections) {
+        error_code ignored;
+        socket.set_option(tcp::no_delay(true), ignored);
+        std::make_shared<HttpSession>(*shared_, std::move(socket))->read();
+      }  // else it is closed here
+      accept();
+    });
+  }
+
+  void wait(Timer& timer) {
+    timer.timer.async_wait([this, &timer](error_code error) {
+      if (error || ends_) return;
+      timer.work();
+      // From when it was due, so that the rate is kept; what was missed is not made up for.
+      const auto next = timer.timer.expiry() + timer.period;
+      timer.timer.expires_at(std::max(next, std::chrono::steady_clock::now()));
+      wait(timer);
+    });
+  }
+
+  void wait(Watch& watch) {
+    watch.descriptor.async_wait(net::posix::stream_descriptor::wait_read, [this, &watch](error_code error) {
+      if (error || ends_) return;
+      watch.work();
+      wait(watch);
+    });
+  }
+
+  std::optional<Shared> shared_;  ///< outlives what is still to be called in the context
+  net::io_context context_{1};
+  tcp::acceptor acceptor_;
+  std::string address_;
+  std::uint16_t port_ = 0;
+  net::steady_timer retry_;
+  std::list<Timer> timers_;
+  std::list<Watch> watches_;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+WebServer::WebServer(Hub& hub, Site site, const WebServerOptions& options)
+    : implementation_(std::make_shared<Implementation>(hub, std::move(site), options)) {}
+WebServer::~WebServer() { stop(); }
+void WebServer::every(double rate, std::function<void()> work) {
+  implementation_->every(rate, std::move(work));
+}
+void WebServer::when(Wake& wake, std::function<void()> work) { implementation_->when(wake, std::move(work)); }
+void WebServer::start() { implementation_->start(); }
+void WebServer::stop() { implementation_->stop(); }
+void WebServer::post(std::function<void()> work) { implementation_->post(std::move(work)); }
+std::uint16_t WebServer::port() const { return implementation_->port(); }
+
+std::string WebServer::url() const {
+  const std::string& address = implementation_->address();
+  const bool six = address.find(':') != std::string::npos;
+  const std::string& token = implementation_->token();
+  return fmt::format("http://{}:{}/{}", six ? '[' + address + ']' : address, port(),
+                     token.empty() ? "" : "?token=" + token);
+}
+
+}  // namespace palpate

@@ -1,0 +1,94 @@
+// What can be felt of a scene, and what a vibration says: without a browser.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+
+import { Haptics, intensity, slidingSpeed } from './haptics.js';
+import { Kept } from './kept.js';
+
+const gaussian = (center, { deviations = [0.1, 0.1, 0.1], turn = [0, 0, 0, 1], opacity = 0.9 } = {}) =>
+  [...center, ...deviations, ...turn, opacity];
+
+function kept(...gaussians) {
+  const all = new Kept(new Float32Array(gaussians.flat()));
+  all.cut(0.1);
+  return all;
+}
+
+test('the cut keeps what is above it', () => {
+  const scene = kept(gaussian([0, 0, 0]), gaussian([1, 0, 0], { opacity: 0.05 }), gaussian([2, 0, 0], { opacity: 0.5 }));
+  assert.equal(scene.count, 2);
+  scene.cut(0.6);
+  assert.equal(scene.count, 1);
+  scene.cut(0);
+  assert.equal(scene.count, 3);
+});
+
+test('the nearest are chosen', () => {
+  const scene = kept(...[5, 1, 9, 3, 7].map((x) => gaussian([x, 0, 0])));
+  assert.deepEqual([...scene.nearest([0, 0, 0], 2)], [1, 3]);
+  assert.equal(scene.nearest([0, 0, 0], 50).length, 5);
+});
+
+test('the box leaves out the few that are far away', () => {
+  const scene = kept(...Array.from({ length: 200 }, (_, i) => gaussian([i / 199, 0, 0])), gaussian([1000, 0, 0]));
+  assert.ok(scene.box.max[0] < 1.1 && scene.box.min[0] < 0.05);
+  assert.equal(kept().box, null);
+});
+
+test('a ray meets the middle of the first Gaussian in its way', () => {
+  const scene = kept(gaussian([0, 0, 5]), gaussian([0, 0, 2]), gaussian([0, 0, -1]));
+  assert.ok(Math.abs(scene.hit([0, 0, 0], [0, 0, 1]) - 2) < 1e-6);
+  assert.ok(Math.abs(scene.hit([0.1, 0, 0], [0, 0, 2]) - 1) < 1e-6); // in units of the direction
+  assert.equal(scene.hit([0.5, 0, 0], [0, 0, 1]), null);
+  assert.equal(scene.hit([0, 0, 9], [0, 0, 1]), null);
+});
+
+test('a ray meets a turned, flat Gaussian on its plane', () => {
+  // Flat along z, then turned by 90 degrees about y: flat along x.
+  const turn = [0, Math.SQRT1_2, 0, Math.SQRT1_2];
+  const scene = kept(gaussian([3, 0, 0], { deviations: [0.5, 0.5, 0.01], turn }));
+  assert.ok(Math.abs(scene.hit([0, 0.3, 0.4], [1, 0, 0]) - 3) < 1e-3);
+  assert.equal(scene.hit([0, 0, 0.9], [0, 1, 0]), null);
+});
+
+test('the strength of a vibration grows with the force, between nothing and all', () => {
+  const forces = [0, 0.02, 0.06, 0.1, 0.3, 1, 3, 6, 12];
+  const strengths = forces.map((f) => intensity(f, 12));
+  assert.equal(strengths[0], 0);
+  assert.equal(strengths[1], 0);
+  for (let i = 2; i < forces.length; ++i) assert.ok(strengths[i] > strengths[i - 1], `${forces[i]} N`);
+  assert.equal(strengths.at(-1), 1);
+  assert.equal(intensity(50, 12), 1);
+});
+
+test('contact begins with a click, goes on as a hum, and ends', () => {
+  const haptics = new Haptics();
+  const at = (now, newtons) => haptics.update({ force: [0, 0, newtons], forceMax: 12, slidingSpeed: 0, now });
+  assert.equal(at(0, 0), null);
+  const click = at(10, 1);
+  assert.equal(click.kind, 'click');
+  assert.ok(click.intensity > intensity(1, 12));
+  assert.equal(at(20, 1), null); // the click is not cut short
+  assert.equal(at(60, 1).kind, 'hum');
+  assert.ok(at(80, 4).intensity > at(100, 1).intensity);
+  assert.equal(at(120, 0), null);
+  assert.equal(at(140, 1).kind, 'click');
+  assert.equal(haptics.update({ force: null, forceMax: 12, slidingSpeed: 0, now: 200 }), null);
+});
+
+test('sliding is felt as grains, the more the farther', () => {
+  const grains = (speed) => {
+    const haptics = new Haptics();
+    for (let now = 0; now < 2000; now += 10) haptics.update({ force: [0, 0, 1], forceMax: 12, slidingSpeed: speed, now });
+    return haptics.pulses.filter((p) => p.kind === 'grain').length;
+  };
+  assert.equal(grains(0), 0);
+  assert.ok(grains(0.1) > 20 && grains(0.1) > 1.5 * grains(0.05));
+});
+
+test('sliding is what goes across the force', () => {
+  assert.ok(Math.abs(slidingSpeed([0.3, 0.4, 2], [0, 0, 5]) - 0.5) < 1e-12);
+  assert.equal(slidingSpeed([1, 0, 0], [0, 0, 0]), 0);
+  assert.equal(slidingSpeed(null, [0, 0, 1]), 0);
+});

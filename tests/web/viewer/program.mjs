@@ -1,0 +1,74 @@
+// `palpate run` as a process of its own, with a tool that waits above the scene.
+
+import { execFile, spawn } from 'node:child_process';
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import net from 'node:net';
+import os from 'node:os';
+import path from 'node:path';
+import { promisify } from 'node:util';
+
+const binary = process.env.PALPATE_BINARY;
+const startLimit = 30000; // Unit: [ms].
+const execute = promisify(execFile);
+
+async function freePort() {
+  const server = net.createServer();
+  await new Promise((done) => { server.listen(0, '127.0.0.1', done); });
+  const { port } = server.address();
+  await new Promise((done) => { server.close(done); });
+  return port;
+}
+
+async function isHealthy(url) {
+  try {
+    return (await fetch(`${url}healthz`)).ok;
+  } catch {
+    return false;
+  }
+}
+
+/// A ball of about 700 Gaussians and a radius of 0.15 m, and programs that feel it.
+export class Program {
+  static async create() {
+    const program = new Program();
+    program.folder = await mkdtemp(path.join(os.tmpdir(), 'palpate-viewer-'));
+    program.scene = path.join(program.folder, 'ball.ply');
+    await execute(binary, ['make-scene', 'sphere', '--out', program.scene, '--spacing', '0.02', '--quiet']);
+    program.port = await freePort();
+    return program;
+  }
+
+  get url() {
+    return `http://127.0.0.1:${this.port}/`;
+  }
+
+  /// `waitingAt` is where the simulated hand keeps the tool, in the world.
+  async start(waitingAt, options = []) {
+    const trajectory = path.join(this.folder, 'waiting.csv');
+    await writeFile(trajectory, `t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`);
+    this.process = spawn(binary, ['run', this.scene, '--port', String(this.port), '--trajectory', trajectory, ...options],
+      { stdio: ['ignore', 'ignore', 'pipe'] });
+    let said = '';
+    this.process.stderr.on('data', (data) => { said += data; });
+    this.ended = new Promise((done) => { this.process.on('exit', done); });
+    for (const end = Date.now() + startLimit; !(await isHealthy(this.url));) {
+      if (this.process.exitCode !== null || Date.now() > end) throw new Error(`palpate run did not start: ${said}`);
+      await new Promise((done) => { setTimeout(done, 50); });
+    }
+  }
+
+  async stop() {
+    this.process.kill('SIGINT');
+    await this.ended;
+  }
+
+  /// The answer of `palpate query` where the tool is at `position`.
+  async query(position, options = []) {
+    const { stdout } = await execute(binary, ['query', this.scene, '--pose', position.join(), '--json', '--quiet', ...options]);
+    return JSON.parse(stdout);
+  }
+
+  remove() {
+    return rm(this.folder, { recursive: true, force: true });
+  }
+}

@@ -1,0 +1,198 @@
+// The viewer page against the program itself. Needs PALPATE_BINARY; the scene is a ball at the origin.
+
+import assert from 'node:assert/strict';
+import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
+
+import { ask, headsetScript, launch, openViewer, pixel, settle, until } from './browser.mjs';
+import { Program } from './program.mjs';
+
+const radius = 0.15; // of the ball of make-scene. Unit: [m].
+const above = [0, 0, 0.3]; // where the tool waits
+const view = [0.62, -0.78, 0.5].map((c) => c / Math.hypot(0.62, 0.78, 0.5)); // from the scene to the camera at first
+const right = [0.78, 0.62, 0].map((c) => c / Math.hypot(0.78, 0.62));
+
+let browser;
+let program;
+let page;
+let problems;
+
+const scaled = (v, by) => v.map((c) => c * by);
+const dot = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
+const distance = (a, b) => Math.hypot(...a.map((c, k) => c - b[k]));
+const project = (point) => ask(page, (v, p) => v.project(p), point);
+
+async function open(options) {
+  ({ page, problems } = await openViewer(browser, program.url, options));
+  await until(page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 0.01, above);
+}
+
+before(async () => {
+  browser = await launch();
+  program = await Program.create();
+});
+after(async () => {
+  await browser.close();
+  await program.remove();
+});
+
+describe('at a desk', () => {
+  beforeEach(async () => {
+    await program.start(above);
+    await open();
+  });
+  afterEach(async () => {
+    await page.close();
+    await program.stop();
+    assert.deepEqual(problems, []);
+  });
+
+  // The point of the plane of the screen through the tool that is nearest to the middle of the ball: 0.13 m from it.
+  const inside = scaled(view, dot(above, view));
+
+  async function drag(to) {
+    const [from, target] = [await project(await ask(page, (v) => v.tool())), await project(to)];
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...target, { steps: 10 });
+    return target;
+  }
+
+  test('the scene is where the program says', async () => {
+    const colorAt = async (share) => pixel(page, await project(scaled(right, share * radius)));
+    const background = await pixel(page, await project(scaled(right, 1.25 * radius)));
+    assert.ok(distance(await colorAt(0.9), background) > 30);
+    assert.ok(distance(await colorAt(-0.9), background) > 30);
+    assert.ok(distance(await colorAt(-1.25), background) < 5);
+    assert.ok(await ask(page, (v) => v.kept()) > 600);
+  });
+
+  test('the tool follows a drag through the air', async () => {
+    const target = await drag([above[0] + 0.05 * right[0], above[1] + 0.05 * right[1], above[2]]);
+    await until(page, ([x, y]) => {
+      const at = window.palpateViewer.project(window.palpateViewer.tool());
+      return Math.hypot(at[0] - x, at[1] - y) < 6;
+    }, target);
+    await page.mouse.up();
+  });
+
+  test('contacts light up where the tool touches, the arrow points outward, and both go out', async () => {
+    assert.equal(await ask(page, (v) => v.drawnContacts()), 0);
+    await drag(inside);
+    await until(page, () => window.palpateViewer.drawnContacts() > 0 && window.palpateViewer.arrow() !== null);
+    const seen = await ask(page, (v) => ({ tool: v.tool(), arrow: v.arrow(), force: v.force() }));
+    const outward = scaled(seen.tool, 1 / Math.hypot(...seen.tool));
+    assert.ok(dot(seen.arrow, outward) > 0.7, `${seen.arrow} at ${seen.tool}`);
+    assert.ok(dot(seen.force, outward) > 0);
+    for (const { center } of await ask(page, (v) => v.contacts())) {
+      assert.ok(distance(center, seen.tool) < 0.06, `a contact at ${center}, the tool at ${seen.tool}`);
+    }
+    const [x, y] = await project(scaled(above, 1.1));
+    await page.mouse.move(x, y, { steps: 10 });
+    await until(page, () => window.palpateViewer.drawnContacts() === 0 && window.palpateViewer.arrow() === null);
+    await page.mouse.up();
+  });
+
+  test('a stiffness that is set in the panel changes the force', async () => {
+    const set = (value) => page.locator('[data-field=stiffness]').first().evaluate((node, v) => {
+      node.value = v;
+      node.dispatchEvent(new Event('change'));
+    }, value);
+    const settled = () => page.waitForFunction(() => {
+      const [force, past] = [window.palpateViewer.force(), window.pastForce];
+      window.pastForce = force;
+      return force && past && Math.hypot(...force) > 0.2 && Math.hypot(...force.map((c, k) => c - past[k])) < 0.01;
+    }, null, { polling: 400 });
+    await set('100');
+    await until(page, () => window.palpateViewer.parameters().stiffness === 100);
+    await drag(inside);
+    await settled();
+    const soft = await ask(page, (v) => Math.hypot(...v.force()));
+    await set('1000');
+    await until(page, (before) => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 1.3 * before, soft);
+    await page.mouse.up();
+  });
+
+  test('it comes back after a restart', async () => {
+    await program.stop();
+    await page.waitForFunction(() => document.getElementById('state').textContent === 'disconnected');
+    await program.start(above);
+    await until(page, () => window.palpateViewer.connected && window.palpateViewer.force() !== null);
+  });
+
+  test('an emergency stop takes the force away until it is resumed', async () => {
+    await page.keyboard.press('Escape');
+    await page.waitForFunction(() => /emergency-stop/.test(document.getElementById('state').textContent));
+    await page.getByRole('button', { name: 'Resume' }).click();
+    await page.waitForFunction(() => !/emergency-stop/.test(document.getElementById('state').textContent));
+  });
+});
+
+describe('contacts are drawn where the program finds them', () => {
+  const registrations = {
+    'as is': { options: [], at: [0, 0, 0.165] },
+    'scaled, turned and moved': {
+      options: ['--scale', '2', '--rotate', '0.8,0.6,0,0', '--translate', '0.1,-0.2,0.3'],
+      at: [0.1, -0.2, 0.3 + 2 * radius + 0.015],
+    },
+  };
+  for (const [name, { options, at }] of Object.entries(registrations)) {
+    test(name, async () => {
+      await program.start(at, [...options, '--model', 'density']);
+      ({ page, problems } = await openViewer(browser, program.url));
+      await until(page, () => window.palpateViewer.drawnContacts() > 0);
+      const tool = await ask(page, (v) => v.tool());
+      const found = new Map((await program.query(tool, options)).contacts.map((c) => [c.id, c.center]));
+      let compared = 0;
+      for (const { id, center } of await ask(page, (v) => v.contacts())) {
+        const drawn = await ask(page, (v, i) => v.centreOfDrawnContact(i), id);
+        if (!drawn || !found.has(id)) continue; // touched at one of the two instants only
+        assert.ok(distance(drawn, center) < 1e-4);
+        assert.ok(distance(drawn, found.get(id)) < 1e-4, `${id}: ${drawn}, not ${found.get(id)}`);
+        ++compared;
+      }
+      assert.ok(compared > 0);
+      await page.close();
+      await program.stop();
+      assert.deepEqual(problems, []);
+    });
+  }
+});
+
+describe('in a headset', () => {
+  // WebXR's x, y, z of a point of the world, as a small scene is put first: its middle is half a metre ahead.
+  const put = ([x, y, z]) => page.evaluate((p) => window.headset.controllers.right.position.set(...p), [x, 1.1 + z, -(0.5 + y)]);
+  const trigger = (value) => page.evaluate((v) => window.headset.controllers.right.updateButtonValue('trigger', v), value);
+
+  test('the controller feels the surface, the more the deeper, and nothing after it has left', async () => {
+    await program.start(above);
+    await open({ script: await headsetScript(), context: { viewport: { width: 480, height: 360 } } });
+    await page.getByRole('button', { name: 'VR', exact: true }).click();
+    await until(page, () => window.palpateViewer.presenting);
+    await put(above);
+    await trigger(1);
+    await until(page, () => window.palpateViewer.held);
+    const meanAt = async (height) => {
+      await put([0, 0, height]);
+      await page.waitForFunction(() => {
+        const pulses = window.palpateViewer.pulses.slice(-6);
+        const forces = pulses.map((p) => p.force);
+        return pulses.length === 6 && pulses.every((p) => p.kind !== 'click') && Math.max(...forces) - Math.min(...forces) < 0.1;
+      });
+      const last = (await ask(page, (v) => v.pulses)).filter((p) => p.kind === 'hum').slice(-4);
+      return { force: last.at(-1).force, intensity: last.reduce((sum, p) => sum + p.intensity, 0) / last.length };
+    };
+    const [light, firm] = [await meanAt(0.18), await meanAt(0.14)];
+    assert.ok(firm.force > 1.2 * light.force && firm.intensity > light.intensity, JSON.stringify([light, firm]));
+    assert.equal((await ask(page, (v) => v.pulses))[0].kind, 'click');
+    assert.ok(await ask(page, (v) => v.drawnContacts()) > 0);
+    await put(above);
+    await until(page, () => window.palpateViewer.drawnContacts() === 0 && Math.hypot(...window.palpateViewer.force()) < 0.05);
+    const count = (await ask(page, (v) => v.pulses)).length;
+    await settle(page, 5);
+    assert.equal((await ask(page, (v) => v.pulses)).length, count);
+    await trigger(0);
+    await page.close();
+    await program.stop();
+    assert.deepEqual(problems, []);
+  });
+});

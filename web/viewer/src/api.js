@@ -1,0 +1,28 @@
+// A look at the page from outside, for tests and the console. Nothing can be changed through it.
+
+export function exposeApi({ connection, live, view, splats, felt, haptics, hold, parameters }) {
+  const api = {
+    get ready() { return parameters.current !== null && live.isFresh('measured_cp') && splats.loaded; },
+    get connected() { return connection.connected; },
+    get frames() { return view.frames; },
+    get sceneLoaded() { return splats.loaded; },
+    get held() { return hold.active; },
+    get pulses() { return haptics.pulses.map((pulse) => ({ ...pulse })); },
+    get presenting() { return view.renderer.xr.isPresenting; },
+    parameters: () => structuredClone(parameters.current),
+    fresh: (topic) => live.isFresh(topic),
+    tool: () => live.tool?.position ?? null,
+    proxy: () => live.proxy?.position ?? null,
+    hand: () => hold.hand.toArray(),
+    force: () => live.force,
+    contacts: () => live.contacts.map(({ id, position, semiAxes, normal, depth }) =>
+      ({ id, center: position, scale: semiAxes.map((s) => 2 * s), normal, depth })),
+    drawnContacts: () => felt.contacts.count,
+    centreOfDrawnContact: (id) => felt.drawnCentre(id),
+    arrow: () => felt.force.direction,
+    kept: () => splats.keptCount,
+    felt: () => splats.feltCount,
+    project: (point) => view.project(point),
+  };
+  window.palpateViewer = Object.freeze(api);
+}

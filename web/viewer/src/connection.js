@@ -1,0 +1,131 @@
+// The rosbridge connection to the program that served this page. It comes back by itself.
+//
+// Every attempt has a Ros of its own, so that nothing said before a break is said again after it: a pose or a
+// `resume` must never arrive late.
+
+import { Ros, Service, Topic, WebSocketTransportFactory } from 'roslib';
+
+const firstDelay = 250; // before another attempt. Unit: [ms].
+const longestDelay = 2000; // Unit: [ms].
+const silenceLimit = 3000; // diagnostics come every 50 ms; what is silent for this long is dead. Unit: [ms].
+const answerLimit = 20000; // of a service. Unit: [ms].
+
+/// What `error` says about itself, whatever it is: roslib hands on texts and objects.
+export const errorText = (error) => error?.message ?? (typeof error === 'string' && error ? error : 'no answer');
+
+export class Connection {
+  connected = false;
+  #ros = null;
+  #subscriptions = [];
+  #topics = new Map(); // what is published in this connection
+  #pending = new Set(); // rejections of the calls that wait for an answer
+  #listeners = new Set();
+  #delay = firstDelay;
+  #lastHeard = 0;
+
+  constructor(url) {
+    this.url = url;
+  }
+
+  /// `onStatus` is called with what the server says about a message of ours: {level, msg, id}.
+  open(onStatus) {
+    this.onStatus = onStatus;
+    this.#attempt();
+    setInterval(() => this.#checkSilence(), 500);
+  }
+
+  /// Calls `listener` when the connection comes (true) and goes (false).
+  onChange(listener) {
+    this.#listeners.add(listener);
+  }
+
+  /// `name` is below /palpate/; `rest` is what roslib's Topic takes besides. To be called before `open`.
+  subscribe(name, messageType, callback, rest = {}) {
+    this.#subscriptions.push({ name, messageType, callback, rest });
+  }
+
+  publish(name, messageType, message) {
+    if (!this.connected) return;
+    if (!this.#topics.has(name)) this.#topics.set(name, this.#topic(name, messageType, { queue_size: 1 }));
+    this.#topics.get(name).publish(message);
+  }
+
+  /// The values of the answer; rejected if there is none.
+  call(name, serviceType, request = {}) {
+    if (!this.connected) return Promise.reject(new Error('Not connected.'));
+    const service = new Service({ ros: this.#ros, name: `/palpate/${name}`, serviceType });
+    return new Promise((resolve, reject) => {
+      const timer = setTimeout(() => reject(new Error(`${name}: no answer`)), answerLimit);
+      const settle = (finish) => (value) => {
+        clearTimeout(timer);
+        this.#pending.delete(reject);
+        finish(value);
+      };
+      this.#pending.add(reject);
+      service.callService(request, settle(resolve), settle((error) => reject(new Error(errorText(error)))));
+    });
+  }
+
+  /// A service whose answer is {success, message}: the message, rejected if it did not succeed.
+  async ask(name, serviceType, request) {
+    const { success, message } = await this.call(name, serviceType, request);
+    if (!success) throw new Error(message || `${name} was refused`);
+    return message;
+  }
+
+  #topic(name, messageType, rest) {
+    return new Topic({ ros: this.#ros, name: `/palpate/${name}`, messageType, reconnect_on_close: false, ...rest });
+  }
+
+  #attempt() {
+    this.#lastHeard = performance.now();
+    let transport;
+    const ros = new Ros({
+      transportFactory: async (url) => {
+        transport = await WebSocketTransportFactory(url);
+        transport.on('message', (message) => {
+          this.#lastHeard = performance.now();
+          if (message.op === 'status') this.onStatus(message);
+        });
+        return transport;
+      },
+    });
+    this.#ros = ros;
+    ros.on('connection', () => this.#opened());
+    ros.on('close', () => this.#closed(ros));
+    ros.on('error', () => {}); // a close follows
+    ros.connect(this.url).catch(() => this.#closed(ros));
+  }
+
+  #opened() {
+    this.#delay = firstDelay;
+    for (const { name, messageType, callback, rest } of this.#subscriptions) {
+      this.#topic(name, messageType, rest).subscribe(callback);
+    }
+    this.#change(true);
+  }
+
+  #closed(ros) {
+    if (ros !== this.#ros) return;
+    this.#ros = null;
+    this.#topics.clear();
+    for (const reject of this.#pending) reject(new Error('The connection broke off.'));
+    this.#pending.clear();
+    this.#change(false);
+    setTimeout(() => this.#attempt(), this.#delay);
+    this.#delay = Math.min(2 * this.#delay, longestDelay);
+  }
+
+  #checkSilence() {
+    const ros = this.#ros;
+    if (!ros || performance.now() - this.#lastHeard < silenceLimit) return;
+    ros.close();
+    this.#closed(ros); // a dead peer would let the closing handshake take its time
+  }
+
+  #change(connected) {
+    if (this.connected === connected) return;
+    this.connected = connected;
+    for (const listener of this.#listeners) listener(connected);
+  }
+}

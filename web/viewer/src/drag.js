@@ -1,0 +1,89 @@
+// The tool in the hand by mouse or touch: dragging it moves it in the plane of the screen; the wheel, the right
+// button or a second finger moves it along the line of sight.
+
+import { Raycaster } from 'three';
+
+const wheelShare = 0.2; // of what the wheel scrolls
+const rightButton = 2;
+const reach = { mouse: 14, pen: 14, touch: 32 }; // around the handle, where the tool is caught. Unit: [px].
+
+export class Drag {
+  #pointers = new Map(); // pointerId: last position on the page
+  #first = null; // the pointer that holds
+
+  constructor(view, hold, felt) {
+    Object.assign(this, { view, hold, felt });
+    const on = (name, react) => view.canvas.addEventListener(name, react, { capture: true, passive: false });
+    on('pointerdown', (event) => this.#down(event));
+    on('pointermove', (event) => this.#move(event));
+    on('pointerup', (event) => this.#up(event));
+    on('pointercancel', (event) => this.#up(event));
+    on('wheel', (event) => this.#wheel(event));
+    on('contextmenu', (event) => event.preventDefault());
+  }
+
+  #catches(event) {
+    if (event.shiftKey || this.hold.holds('keys')) return true;
+    const caster = new Raycaster();
+    caster.ray.copy(this.view.rayAt(event));
+    return caster.intersectObject(this.felt.tool).length > 0 || this.#isNear(event);
+  }
+
+  // Small tools are caught around their handle, too.
+  #isNear({ clientX, clientY, pointerType }) {
+    const { live } = this.hold;
+    const at = live.isFresh('measured_cp') && this.view.project(live.tool.position);
+    return Boolean(at) && Math.hypot(at[0] - clientX, at[1] - clientY) < (reach[pointerType] ?? reach.mouse);
+  }
+
+  #down(event) {
+    if (this.#first !== null) {
+      this.#pointers.set(event.pointerId, event);
+      event.stopImmediatePropagation();
+      return;
+    }
+    if (!this.#catches(event) || !this.hold.begin('pointer')) return;
+    event.stopImmediatePropagation();
+    this.view.canvas.focus({ preventScroll: true });
+    this.view.canvas.setPointerCapture(event.pointerId);
+    this.#first = event.pointerId;
+    this.#pointers.set(event.pointerId, event);
+    this.view.canvas.classList.add('holding');
+  }
+
+  #move(event) {
+    const last = this.#pointers.get(event.pointerId);
+    if (!last) return;
+    event.stopImmediatePropagation();
+    const [dx, dy] = [event.clientX - last.clientX, event.clientY - last.clientY];
+    this.#pointers.set(event.pointerId, event);
+    const inDepth = event.pointerId !== this.#first || event.buttons & rightButton;
+    if (inDepth) this.moveBy(0, 0, -dy);
+    else this.moveBy(dx, -dy, 0);
+  }
+
+  #up(event) {
+    if (!this.#pointers.delete(event.pointerId)) return;
+    event.stopImmediatePropagation();
+    if (event.pointerId !== this.#first) return;
+    this.#first = null;
+    this.#pointers.clear();
+    this.hold.end('pointer');
+    this.view.canvas.classList.remove('holding');
+  }
+
+  #wheel(event) {
+    if (!this.hold.active) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    this.moveBy(0, 0, -event.deltaY * wheelShare);
+  }
+
+  /// Moves the hand right, up and away from the camera. Unit: [px] where the hand is.
+  moveBy(right, up, away) {
+    const axes = this.view.axesOfCamera;
+    const pixel = this.view.pixelAt(this.hold.hand.toArray());
+    this.hold.hand.addScaledVector(axes.right, right * pixel)
+      .addScaledVector(axes.up, up * pixel).addScaledVector(axes.forward, away * pixel);
+  }
+}

@@ -1,0 +1,87 @@
+// Many ellipsoids in one draw call.
+
+import {
+  Color, DynamicDrawUsage, IcosahedronGeometry, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion,
+  ShaderMaterial, Vector3,
+} from 'three';
+
+const matrix = new Matrix4();
+const position = new Vector3();
+const rotation = new Quaternion();
+const size = new Vector3();
+const color = new Color();
+
+// The rim of a shell stands out and its middle lets one see through, so that its shape is seen without hiding
+// what it touches.
+const vertexShader = `
+  varying vec3 seenNormal;
+  varying vec3 seenPosition;
+  void main() {
+    mat3 axes = mat3(instanceMatrix);
+    // The normal of a stretched sphere is stretched by the inverse.
+    vec3 turned = axes * (normal / vec3(dot(axes[0], axes[0]), dot(axes[1], axes[1]), dot(axes[2], axes[2])));
+    seenNormal = normalMatrix * turned;
+    vec4 seen = modelViewMatrix * instanceMatrix * vec4(position, 1.0);
+    seenPosition = seen.xyz;
+    gl_Position = projectionMatrix * seen;
+  }`;
+const fragmentShader = `
+  uniform vec3 color;
+  uniform float fill;
+  uniform float rim;
+  varying vec3 seenNormal;
+  varying vec3 seenPosition;
+  void main() {
+    vec3 n = normalize(seenNormal);
+    float facing = abs(dot(n, normalize(seenPosition)));
+    float light = 0.72 + 0.28 * n.y;
+    gl_FragColor = vec4(color * light, mix(fill, rim, pow(1.0 - facing, 2.0)));
+    #include <colorspace_fragment>
+  }`;
+
+/// A translucent look. `fill` and `rim` are the opacities of its middle and its edge; `options` are a material's.
+export function shellMaterial(colorName, fill, rim, options = {}) {
+  const material = new ShaderMaterial({
+    vertexShader, fragmentShader, transparent: true, depthWrite: false,
+    uniforms: { color: { value: new Color() }, fill: { value: fill }, rim: { value: rim } },
+    ...options,
+  });
+  material.color = material.uniforms.color.value;
+  material.userData.color = colorName;
+  return material;
+}
+
+/// A solid, lit look. Transparent in name only: it is drawn after the splats, which are transparent.
+export function solidMaterial(options = {}) {
+  return new MeshLambertMaterial({ transparent: true, ...options });
+}
+
+export class Ellipsoids extends InstancedMesh {
+  /// `detail` is how often the faces of an icosahedron are divided.
+  constructor(capacity, material, { order, detail = 4 }) {
+    super(new IcosahedronGeometry(1, detail), material, capacity);
+    this.instanceMatrix.setUsage(DynamicDrawUsage);
+    this.frustumCulled = false;
+    this.renderOrder = order;
+    this.count = 0;
+  }
+
+  /// Shows `list` of {position, orientation: [x, y, z, w], semiAxes, color: [r, g, b] as on the screen, if any}.
+  show(list) {
+    this.count = Math.min(list.length, this.instanceMatrix.count);
+    for (let i = 0; i < this.count; ++i) {
+      const { position: p, orientation, semiAxes, color: rgb } = list[i];
+      this.setMatrixAt(i, matrix.compose(position.set(...p), rotation.set(...orientation).normalize(), size.set(...semiAxes)));
+      if (rgb) this.setColorAt(i, color.setRGB(...rgb).convertSRGBToLinear());
+    }
+    this.instanceMatrix.needsUpdate = true;
+    this.boundingSphere = null; // three.js keeps it for its raycaster
+    if (this.instanceColor) this.instanceColor.needsUpdate = true;
+  }
+
+  /// Where the centre of an instance is drawn, in the space of the mesh.
+  centre(index) {
+    this.getMatrixAt(index, matrix);
+    return new Vector3().setFromMatrixPosition(matrix).toArray();
+  }
+}

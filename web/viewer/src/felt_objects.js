@@ -1,0 +1,138 @@
+// What the program says is felt, as things to look at: tool, proxy, contacts, normals, force and torque.
+
+import {
+  BufferGeometry, BufferAttribute, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Quaternion, Vector3,
+} from 'three';
+
+import { Arrow } from './arrow.js';
+import { Ellipsoids, shellMaterial, solidMaterial } from './ellipsoids.js';
+import { rampColor } from './ramp.js';
+import { niceFloor } from './format.js';
+
+const mostContacts = 256;
+const mostParts = 256;
+const longestForce = 5; // of the arrow of the device's greatest force, in sizes of the tool
+const normalLength = 0.6; // of the longest contact normal that is drawn, in sizes of the tool
+const leastForce = 0.01; // what is shorter is no arrow. Unit: [N].
+const [fill, rim] = [0.4, 0.95]; // opacities of the tool
+const staleShare = 0.3; // of them while it is not known where the tool is
+const proxyShare = 0.02; // how far the proxy must be from the tool to be drawn, in sizes of the tool
+
+// Drawn in this order, all after the splats (0) and what can be felt (1): what touches is seen through the tool.
+const order = { hidden: 2, proxy: 3, tool: 4, contacts: 5, normals: 6, torque: 7, force: 8 };
+
+const magnitude = (v) => Math.hypot(...v);
+const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+
+/// Half of the extent of a tool of {semi_axes, position}, at least a tenth of a millimetre.
+export function toolSize(parts) {
+  const reach = ({ semi_axes: s, position: p }) => magnitude(p) + magnitude(s) / Math.sqrt(3);
+  return Math.max(1e-4, ...parts.map(reach));
+}
+
+export class FeltObjects {
+  group = new Group();
+  colorBy = 'k_min';
+  size = 0.03; // of the tool. Unit: [m].
+  forceLength = 0.01; // of an arrow. Unit: [m/N].
+  #parts = [];
+
+  constructor() {
+    // They lie exactly on what can be felt, and stand out from it.
+    const bright = solidMaterial({ polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
+    this.contacts = new Ellipsoids(mostContacts, bright, { order: order.contacts });
+    this.tool = new Ellipsoids(mostParts, shellMaterial('--tool', fill, rim), { order: order.tool });
+    // What the felt surface hides of the tool shines through.
+    const hidden = shellMaterial('--tool', 0.06, 0.3, { depthTest: false });
+    this.hidden = new Ellipsoids(mostParts, hidden, { order: order.hidden });
+    this.proxy = new Ellipsoids(mostParts, shellMaterial('--proxy', 0, 0.95, { depthTest: false }), { order: order.proxy });
+    this.normals = normalLines();
+    this.force = new Arrow('--force', order.force);
+    this.torque = new Arrow('--torque', order.torque);
+    this.group.add(this.contacts, this.normals, this.hidden, this.proxy, this.tool, this.torque, this.force);
+  }
+
+  /// Sizes that follow from the tool and the device.
+  follow({ tool, device }) {
+    this.#parts = tool;
+    this.size = toolSize(tool);
+    this.forceLength = niceFloor((longestForce * this.size) / (device.force_max || 10));
+  }
+
+  /// Draws the newest of everything; what is stale keeps its place but claims no force and no contact.
+  update(live, shown) {
+    const parts = live.toolParts;
+    this.tool.show(parts);
+    this.hidden.show(parts);
+    const fresh = live.isFresh('measured_cp');
+    this.#dim(!fresh);
+    this.#showProxy(live, shown.proxy && fresh);
+    this.#showContacts(live.isFresh('contacts') ? live.contacts : [], shown);
+    const wrench = live.force && live.tool ? live.wrench : { force: [0, 0, 0], torque: [0, 0, 0] };
+    const at = live.tool?.position ?? [0, 0, 0];
+    const thickness = 0.09 * this.size;
+    const scaled = (v, by) => v.map((c) => c * by);
+    this.force.point(at, scaled(wrench.force, shown.force ? this.forceLength : 0), thickness, leastForce * this.forceLength);
+    // A torque is as long as the force that makes it with a lever of the tool's size.
+    const torqueLength = this.forceLength / this.size;
+    this.torque.point(at, scaled(wrench.torque, shown.torque ? torqueLength : 0), thickness, leastForce * this.forceLength);
+  }
+
+  #dim(stale) {
+    const by = stale ? staleShare : 1;
+    this.tool.material.uniforms.rim.value = by * rim;
+    this.tool.material.uniforms.fill.value = by * fill;
+  }
+
+  #showProxy({ proxy, tool }, wanted) {
+    const apart = wanted && proxy && tool && distance(proxy.position, tool.position) > proxyShare * this.size;
+    this.proxy.visible = Boolean(apart);
+    if (apart) this.proxy.show(this.#parts.map((part) => placed(part, proxy)));
+  }
+
+  #showContacts(contacts, shown) {
+    this.contactIds = contacts.map((c) => c.id);
+    const deepest = Math.max(0, ...contacts.map((c) => c.depth ?? 0));
+    this.deepest = deepest;
+    const colored = this.colorBy === 'depth'
+      ? contacts.map((c) => ({ ...c, color: rampColor(deepest > 0 ? (c.depth ?? 0) / deepest : 0) })) : contacts;
+    this.contacts.visible = shown.contacts;
+    this.contacts.show(colored);
+    const length = deepest > 0 ? (normalLength * this.size) / deepest : 0;
+    const ends = shown.normals ? contacts.filter((c) => c.normal).slice(0, mostContacts) : [];
+    setLines(this.normals, ends.map(({ normal: { from, to } }) =>
+      [from, from.map((v, k) => v + length * (to[k] - v))]));
+  }
+
+  /// Where the centre of the drawn contact with an id is, or null. Unit: [m].
+  drawnCentre(id) {
+    const index = this.contactIds?.indexOf(id) ?? -1;
+    return index >= 0 ? this.contacts.centre(index) : null;
+  }
+}
+
+// A part of the tool where the handle is at `pose`.
+function placed(part, pose) {
+  const [w, x, y, z] = part.orientation;
+  const handle = new Quaternion(...pose.orientation);
+  const position = new Vector3(...part.position).applyQuaternion(handle).add(new Vector3(...pose.position));
+  const orientation = handle.clone().multiply(new Quaternion(x, y, z, w));
+  return { position: position.toArray(), orientation: orientation.toArray(), semiAxes: part.semi_axes };
+}
+
+function normalLines() {
+  const positions = new BufferAttribute(new Float32Array(6 * mostContacts), 3).setUsage(DynamicDrawUsage);
+  const material = new LineBasicMaterial({ transparent: true, opacity: 0.8, depthTest: false });
+  material.userData.color = '--normal';
+  const lines = new LineSegments(new BufferGeometry().setAttribute('position', positions), material);
+  lines.frustumCulled = false;
+  lines.renderOrder = order.normals;
+  return lines;
+}
+
+function setLines(lines, ends) {
+  const { position } = lines.geometry.attributes;
+  ends.flat().forEach((point, i) => position.setXYZ(i, ...point));
+  position.needsUpdate = true;
+  lines.geometry.setDrawRange(0, 2 * ends.length);
+}

@@ -1,0 +1,29 @@
+// Panel: what can be taken along: a recording, and a configuration that starts the next run as things are now.
+
+import { httpUrl } from './address.js';
+import { byId, element } from './dom.js';
+import { button, hint } from './fields.js';
+
+function download(text, name) {
+  const url = URL.createObjectURL(new Blob([text], { type: 'application/toml' }));
+  element('a', { attributes: { href: url, download: name } }).click();
+  URL.revokeObjectURL(url);
+}
+
+export function createKeepPanel(parameters, actions) {
+  const record = button('Record', () => actions.record(!parameters.current.recording), { name: 'record' });
+  const report = element('a', { text: 'Last recording', attributes: { href: httpUrl('/recording.html'), target: '_blank', rel: 'noopener' } });
+  const raw = element('a', { text: 'as CSV', attributes: { href: httpUrl('/recording'), download: 'recording.csv' } });
+  const config = button('Save as configuration', async () => {
+    const text = await actions.config();
+    if (text !== null) download(text, 'palpate.toml');
+  }, { name: 'config' });
+  byId('keep').append(
+    element('div', { className: 'buttons' }, record, report, raw), element('div', { className: 'buttons' }, config),
+    hint('The next run starts as things are now with --config palpate.toml.'));
+  parameters.onChange(({ recording }) => {
+    record.textContent = recording ? 'End the recording' : 'Record';
+    record.setAttribute('aria-pressed', String(Boolean(recording)));
+    record.classList.toggle('recording', Boolean(recording));
+  });
+}

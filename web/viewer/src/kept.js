@@ -1,0 +1,100 @@
+// What the hand can feel: the Gaussians above the opacity cut, as ellipsoids. In the frame of the capture.
+
+const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
+const middle = 2; // how near to its centre a ray must pass to meet it. Unit: [standard deviations].
+
+/// Reads a SplatMesh once.
+export function readGaussians(mesh) {
+  const data = new Float32Array(stride * mesh.numSplats);
+  mesh.forEachSplat((i, centre, scales, rotation, opacity) => {
+    centre.toArray(data, stride * i);
+    scales.toArray(data, stride * i + 3);
+    rotation.toArray(data, stride * i + 6);
+    data[stride * i + 10] = opacity;
+  });
+  return new Kept(data);
+}
+
+export class Kept {
+  #data;
+  #rows = new Uint32Array(0); // of the kept ones
+
+  constructor(data) {
+    this.#data = data;
+  }
+
+  get count() {
+    return this.#rows.length;
+  }
+
+  cut(opacityMin) {
+    const rows = [];
+    for (let i = 10, row = 0; i < this.#data.length; i += stride, ++row) if (this.#data[i] > opacityMin) rows.push(row);
+    this.#rows = Uint32Array.from(rows);
+  }
+
+  at(row) {
+    const d = this.#data.subarray(stride * row, stride * (row + 1));
+    return { row, position: d.slice(0, 3), deviations: d.slice(3, 6), orientation: d.slice(6, 10) };
+  }
+
+  /// The rows of the `most` kept Gaussians whose centres are nearest to a point.
+  nearest([x, y, z], most) {
+    if (this.count <= most) return this.#rows;
+    const data = this.#data;
+    const squares = Float32Array.from(this.#rows, (row) => {
+      const at = stride * row;
+      return (data[at] - x) ** 2 + (data[at + 1] - y) ** 2 + (data[at + 2] - z) ** 2;
+    });
+    const limit = squares.slice().sort()[most - 1];
+    return this.#rows.filter((_, i) => squares[i] <= limit).subarray(0, most);
+  }
+
+  /// The box that all but the outermost hundredth of the kept centres lie in along each axis: captures have a few
+  /// Gaussians far away. {min, max}, or null if there are none.
+  get box() {
+    if (this.count === 0) return null;
+    const axis = (k) => Float32Array.from(this.#rows, (row) => this.#data[stride * row + k]).sort();
+    const sorted = [0, 1, 2].map(axis);
+    const at = (share) => sorted.map((values) => values[Math.round(share * (values.length - 1))]);
+    return { min: at(0.01), max: at(0.99) };
+  }
+
+  /// Where a ray first passes through the middle of a kept Gaussian: the distance in units of `direction`, or null.
+  /// It is the densest point of the ray, which lies on the surface that is seen even where ellipsoids leave gaps.
+  hit(origin, direction) {
+    let nearest = Infinity;
+    for (const row of this.#rows) {
+      const distance = this.#distance(stride * row, origin, direction);
+      if (distance < nearest) nearest = distance;
+    }
+    return nearest < Infinity ? nearest : null;
+  }
+
+  // In the frame where the Gaussian is round: where |o + t d| is least, if that is small.
+  #distance(at, origin, direction) {
+    const d = this.#data;
+    const offset = [origin[0] - d[at], origin[1] - d[at + 1], origin[2] - d[at + 2]];
+    const reach = middle * Math.max(d[at + 3], d[at + 4], d[at + 5]);
+    const along = dot(offset, direction) ** 2 / dot(direction, direction);
+    if (dot(offset, offset) - along > reach * reach) return Infinity;
+    const inverse = [-d[at + 6], -d[at + 7], -d[at + 8], d[at + 9]];
+    const round = (v) => rotate(inverse, v).map((c, k) => c / d[at + 3 + k]);
+    const [o, u] = [round(offset), round(direction)];
+    const distance = -dot(o, u) / dot(u, u);
+    const least = dot(o, o) - distance * distance * dot(u, u);
+    return distance >= 0 && least < middle * middle ? distance : Infinity;
+  }
+}
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+// v turned by a unit quaternion: v + 2 q x (q x v + w v).
+function rotate([x, y, z, w], v) {
+  const t = [y * v[2] - z * v[1] + w * v[0], z * v[0] - x * v[2] + w * v[1], x * v[1] - y * v[0] + w * v[2]];
+  return [
+    v[0] + 2 * (y * t[2] - z * t[1]),
+    v[1] + 2 * (z * t[0] - x * t[2]),
+    v[2] + 2 * (x * t[1] - y * t[0]),
+  ];
+}

@@ -1,0 +1,63 @@
+// The tool in the hand by keyboard and gamepad, while the button `Hold` is on.
+
+import { Quaternion, Vector3 } from 'three';
+
+const speed = 2; // in sizes of the tool a second
+const slow = 0.25; // of that, with Shift
+const turnSpeed = 1.2; // by the gamepad. Unit: [rad/s].
+const deadZone = 0.12; // of a stick
+const longestFrame = 0.1; // a page that stood still does not leap. Unit: [s].
+const moves = { // right, up, away
+  ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowDown: [0, -1, 0], ArrowUp: [0, 1, 0],
+  PageDown: [0, 0, -1], PageUp: [0, 0, 1],
+};
+
+const isField = (node) => node instanceof HTMLElement && node.matches('input, select, textarea');
+const live = (value) => (Math.abs(value) > deadZone ? value : 0);
+
+export class Keys {
+  #down = new Set();
+  #last = 0;
+
+  constructor(view, hold, felt) {
+    Object.assign(this, { view, hold, felt });
+    window.addEventListener('keydown', (event) => {
+      if (!hold.holds('keys') || !(event.key in moves) || isField(event.target)) return;
+      this.#down.add(event.key);
+      this.slowly = event.shiftKey;
+      event.preventDefault();
+    });
+    window.addEventListener('keyup', ({ key, shiftKey }) => {
+      this.#down.delete(key);
+      this.slowly = shiftKey;
+    });
+    window.addEventListener('blur', () => this.#down.clear());
+  }
+
+  /// To be called before every frame.
+  update(now) {
+    const seconds = Math.min(now - this.#last, longestFrame);
+    this.#last = now;
+    if (!this.hold.holds('keys')) return;
+    const wanted = [0, 1, 2].map((k) => [...this.#down].reduce((sum, key) => sum + moves[key][k], 0));
+    const pad = this.gamepad;
+    if (pad) this.#addSticks(pad, wanted, seconds);
+    const step = speed * this.felt.size * seconds * (this.slowly ? slow : 1);
+    const { right, up, forward } = this.view.axesOfCamera;
+    this.hold.hand.addScaledVector(right, step * wanted[0])
+      .addScaledVector(up, step * wanted[1]).addScaledVector(forward, step * wanted[2]);
+  }
+
+  // Left stick: along the screen. Right stick: in depth, and a turn about the vertical.
+  #addSticks({ axes }, wanted, seconds) {
+    wanted[0] += live(axes[0] ?? 0);
+    wanted[1] -= live(axes[1] ?? 0);
+    wanted[2] -= live(axes[3] ?? 0);
+    const turn = new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), -turnSpeed * seconds * live(axes[2] ?? 0));
+    this.hold.orientation.premultiply(turn);
+  }
+
+  get gamepad() {
+    return navigator.getGamepads?.().find((pad) => pad?.mapping === 'standard') ?? null;
+  }
+}

@@ -1,0 +1,122 @@
+// What the loop says while it runs: the newest message of every topic, and when it came.
+
+import { isNumber } from './format.js';
+
+export const staleAfter = 500; // Unit: [ms].
+const added = 0; // visualization_msgs/Marker: ADD, DELETE, DELETEALL
+const deleted = 2;
+const deletedAll = 3;
+const ownRate = 10; // least time between two wrenches; who holds the tool would get one a tick. Unit: [ms].
+
+const vector = ({ x, y, z }) => [x, y, z];
+const quaternion = ({ x, y, z, w }) => [x, y, z, w];
+
+/// A pose as {position: [x, y, z], orientation: [x, y, z, w]}.
+const poseOf = ({ position, orientation }) => ({ position: vector(position), orientation: quaternion(orientation) });
+
+function applyMarkers(known, { markers }) {
+  for (const marker of markers) {
+    const key = `${marker.ns}/${marker.id}`;
+    if (marker.action === deletedAll) known.clear();
+    else if (marker.action === deleted) known.delete(key);
+    else if (marker.action === added) known.set(key, marker);
+  }
+}
+
+// Values of a DiagnosticStatus are texts; those that are numbers become numbers.
+function diagnosticValues(status) {
+  const asValue = (text) => (text !== '' && isNumber(Number(text)) ? Number(text) : text);
+  return Object.fromEntries(status.values.map(({ key, value }) => [key, asValue(value)]));
+}
+
+function ellipsoid(marker) {
+  return { id: marker.id, ...poseOf(marker.pose), semiAxes: vector(marker.scale).map((d) => 0.5 * d) };
+}
+
+export class Live {
+  tool = null; // its pose
+  velocity = null; // [m/s]
+  proxy = null; // its pose
+  wrench = null; // {force, torque} in the world. Unit: [N], [N m].
+  diagnostics = null; // {level, values}
+  #toolMarkers = new Map();
+  #contactMarkers = new Map();
+  #heard = new Map(); // topic: when
+  #listeners = new Map();
+
+  constructor(connection) {
+    this.connection = connection;
+    const { subscribe } = this.#subscriber(connection);
+    subscribe('measured_cp', 'geometry_msgs/PoseStamped', (m) => { this.tool = poseOf(m.pose); });
+    subscribe('measured_cv', 'geometry_msgs/TwistStamped', (m) => { this.velocity = vector(m.twist.linear); });
+    subscribe('proxy_cp', 'geometry_msgs/PoseStamped', (m) => { this.proxy = poseOf(m.pose); });
+    subscribe('spatial/servo_cf', 'geometry_msgs/WrenchStamped', (m) => {
+      this.wrench = { force: vector(m.wrench.force), torque: vector(m.wrench.torque) };
+    }, { throttle_rate: ownRate });
+    subscribe('tool', 'visualization_msgs/MarkerArray', (m) => applyMarkers(this.#toolMarkers, m));
+    // Markers are changes to what came before, so none may be left out.
+    subscribe('contacts', 'visualization_msgs/MarkerArray', (m) => applyMarkers(this.#contactMarkers, m),
+      { queue_length: 10 });
+    subscribe('diagnostics', 'diagnostic_msgs/DiagnosticArray', ({ status: [status] }) => {
+      this.diagnostics = { level: status.level, values: diagnosticValues(status) };
+    });
+    // What a new connection says starts anew.
+    connection.onChange((connected) => { if (!connected) this.#forget(); });
+  }
+
+  #subscriber(connection) {
+    return {
+      subscribe: (name, type, apply, rest) => connection.subscribe(name, type, (message) => {
+        apply(message);
+        this.#heard.set(name, performance.now());
+        for (const listener of this.#listeners.get(name) ?? []) listener();
+      }, rest),
+    };
+  }
+
+  #forget() {
+    this.#heard.clear();
+    this.#toolMarkers.clear();
+    this.#contactMarkers.clear();
+  }
+
+  /// Calls `listener` after every message of a topic.
+  on(name, listener) {
+    this.#listeners.set(name, [...(this.#listeners.get(name) ?? []), listener]);
+  }
+
+  /// Whether what was last heard of a topic can still be taken for what is.
+  isFresh(name) {
+    const heard = this.#heard.get(name);
+    return this.connection.connected && heard !== undefined && performance.now() - heard < staleAfter;
+  }
+
+  /// The force, or null if it is not known.
+  get force() {
+    return this.isFresh('spatial/servo_cf') ? this.wrench.force : null;
+  }
+
+  /// [{id, position, orientation, semiAxes}], one per part.
+  get toolParts() {
+    return [...this.#toolMarkers.values()].map(ellipsoid);
+  }
+
+  /// [{id, position, orientation, semiAxes, color, normal: {from, to} or null, depth or null}].
+  get contacts() {
+    return [...this.#contactMarkers.values()].filter((m) => m.ns === 'contacts').map((marker) => {
+      const arrow = this.#contactMarkers.get(`normals/${marker.id}`);
+      const normal = arrow ? arrowEnds(arrow) : null;
+      const depth = normal && Math.hypot(...normal.to.map((v, k) => v - normal.from[k]));
+      return { ...ellipsoid(marker), color: [marker.color.r, marker.color.g, marker.color.b], normal, depth };
+    });
+  }
+}
+
+// An ARROW goes from its first point to its second, or, without points, along x of its pose for scale.x.
+function arrowEnds({ points, pose, scale }) {
+  if (points?.length === 2) return { from: vector(points[0]), to: vector(points[1]) };
+  const { position, orientation: { x, y, z, w } } = pose;
+  const axis = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)];
+  const from = vector(position);
+  return { from, to: from.map((v, k) => v + scale.x * axis[k]) };
+}

@@ -1,0 +1,92 @@
+// The last seconds as curves, from the diagnostics.
+
+import uPlot from 'uplot';
+
+import { byId, element, followTheme, themeValue } from './dom.js';
+import { formatFixed, isNumber, niceFloor } from './format.js';
+
+const span = 20; // Unit: [s].
+const height = 64; // of a plot. Unit: [px].
+const redrawEvery = 100; // Unit: [ms].
+
+const plots = [
+  { title: 'Force', unit: 'N', decimals: 2, series: [['force_n', '--force', 'force']] },
+  { title: 'Contacts', unit: '', decimals: 0, series: [['contacts', '--colliding', 'contacts']] },
+  { title: 'Tick', unit: 'µs', decimals: 0, series: [['tick_us', '--compute', 'mean'], ['tick_p99_us', '--muted', '99 %']] },
+  { title: 'Energy', unit: 'mJ', decimals: 2, series: [['energy_mj', '--magnitude', 'put out'], ['stored_mj', '--filtered', 'stored']] },
+  { title: 'Margin', unit: '', decimals: 2, series: [['margin', '--axis-z', 'margin']] },
+];
+
+function options(plot, width) {
+  const grid = { stroke: themeValue('--grid'), width: 1 };
+  const axis = { stroke: themeValue('--muted'), grid, ticks: { show: false }, font: '11px system-ui' };
+  return {
+    width, height, legend: { show: false }, cursor: { show: false }, padding: [6, 4, 4, 0],
+    scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(low ?? 0, 0), Math.max(high ?? 1, low ?? 0, 1e-3) * 1.05] } },
+    axes: [{ ...axis, show: false }, { ...axis, size: 40, splits: (u, i, low, high) => [0, niceFloor(high)] }],
+    series: [{}, ...plot.series.map(([, color]) => ({ stroke: themeValue(color), width: 1.5, points: { show: false } }))],
+  };
+}
+
+class LivePlot {
+  constructor(plot, host) {
+    this.plot = plot;
+    this.values = plot.series.map(() => element('output'));
+    const labels = plot.series.map(([, color, label], k) =>
+      element('span', { className: `curve ${color.slice(2)}` }, plot.series.length > 1 ? `${label} ` : '', this.values[k]));
+    this.canvas = element('div', { className: 'plot', attributes: { role: 'img', 'aria-label': `${plot.title} over the last ${span} seconds` } });
+    host.append(element('div', { className: 'plot-head' },
+      element('h3', { text: plot.title }), ...labels, element('span', { className: 'unit', text: plot.unit })), this.canvas);
+  }
+
+  make(width) {
+    this.chart?.destroy();
+    this.chart = new uPlot(options(this.plot, width), [[], ...this.plot.series.map(() => [])], this.canvas);
+  }
+
+  draw(times, rows, now) {
+    const columns = this.plot.series.map(([name]) => rows.map((row) => (isNumber(row?.[name]) ? row[name] : null)));
+    const data = [times, ...columns];
+    this.chart.setData(data, false);
+    this.chart.batch(() => {
+      this.chart.setScale('x', { min: now - span, max: now });
+    });
+    columns.forEach((column, k) => { this.values[k].textContent = formatFixed(column.at(-1), this.plot.decimals); });
+  }
+}
+
+export class Plots {
+  #times = [];
+  #rows = [];
+  #drawnAt = 0;
+
+  constructor(connection, live) {
+    this.live = live;
+    this.host = byId('plots');
+    this.list = plots.map((plot) => new LivePlot(plot, this.host));
+    live.on('diagnostics', () => this.#add(live.diagnostics.values));
+    connection.onChange(() => this.#add(null)); // a gap
+    const make = () => this.host.clientWidth > 0 && this.list.forEach((plot) => plot.make(this.host.clientWidth));
+    new ResizeObserver(make).observe(this.host);
+    followTheme(make);
+  }
+
+  #add(values) {
+    const now = performance.now() / 1000;
+    this.#times.push(now);
+    this.#rows.push(values);
+    const old = this.#times.findIndex((t) => t >= now - span);
+    if (old > 0) {
+      this.#times.splice(0, old);
+      this.#rows.splice(0, old);
+    }
+  }
+
+  /// To be called before every frame.
+  update() {
+    const now = performance.now();
+    if (now - this.#drawnAt < redrawEvery || this.host.clientWidth === 0 || !this.list[0].chart) return;
+    this.#drawnAt = now;
+    for (const plot of this.list) plot.draw(this.#times, this.#rows, now / 1000);
+  }
+}

@@ -1,0 +1,147 @@
+// The scene as it was captured, unfiltered, placed by the program's registration; and what of it can be felt.
+
+import { SparkRenderer, SplatMesh } from '@sparkjsdev/spark';
+import { Box3, Group, Ray, Vector3 } from 'three';
+
+import { httpUrl } from './address.js';
+import { Ellipsoids, solidMaterial } from './ellipsoids.js';
+import { readGaussians } from './kept.js';
+
+const mostFelt = { desk: 50000, headset: 8000 }; // ellipsoids that are drawn
+const splatBudget = 500000; // of a headset that draws by itself
+const standalone = /Quest|OculusBrowser|Android|Pico|VisionOS/i;
+const movedShare = 0.25; // of the way to the farthest drawn ellipsoid, after which they are chosen anew
+
+async function download(scene, onProgress) {
+  const response = await fetch(httpUrl(scene.url));
+  if (!response.ok) throw new Error(`${scene.url}: ${response.status} ${response.statusText}`);
+  const length = Number(response.headers.get('Content-Length')) || scene.bytes;
+  let loaded = 0;
+  const count = new TransformStream({
+    transform(chunk, controller) {
+      loaded += chunk.byteLength;
+      onProgress(Math.min(loaded / length, 1));
+      controller.enqueue(chunk);
+    },
+  });
+  return { stream: response.body.pipeThrough(count), streamLength: length };
+}
+
+export class Splats {
+  loaded = false;
+  sceneShown = true;
+  group = new Group(); // from the captured frame to the world
+  #mesh = null;
+  #kept = null;
+  #felt = null; // as drawn
+  #chosenAt = null; // the point that the drawn ones are nearest to, and how far they reach from it
+  #reach = 0;
+  #opacityMin = null;
+  #most = mostFelt.desk;
+
+  /// Centres stay in single precision through all of Spark: halves would drift from what is felt.
+  constructor(renderer, onDirty) {
+    this.onDirty = onDirty;
+    this.spark = new SparkRenderer({ renderer, accumExtSplats: true, onDirty });
+    this.group.matrixAutoUpdate = false;
+  }
+
+  async load(scene, onProgress) {
+    this.loaded = false;
+    const source = await download(scene, onProgress);
+    const mesh = new SplatMesh({ ...source, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
+    await mesh.initialized;
+    this.#mesh?.dispose();
+    this.#mesh?.removeFromParent();
+    this.#mesh = mesh;
+    this.#kept = readGaussians(mesh);
+    this.#opacityMin = null;
+    mesh.visible = this.sceneShown;
+    this.group.add(mesh);
+    this.loaded = true;
+  }
+
+  showScene(shown) {
+    this.sceneShown = shown;
+    if (this.#mesh) this.#mesh.visible = shown;
+    this.onDirty();
+  }
+
+  /// The matrix, the cut and the size of the ellipsoids, as the program has them.
+  follow({ registration, filter }) {
+    this.group.matrix.fromArray(registration.matrix);
+    this.group.matrixWorldNeedsUpdate = true;
+    if (this.#kept && filter.opacity_min !== this.#opacityMin) this.#kept.cut(filter.opacity_min);
+    this.#opacityMin = this.#kept ? filter.opacity_min : null;
+    this.sigma = filter.sigma;
+    this.#chosenAt = null;
+    this.onDirty();
+  }
+
+  get keptCount() {
+    return this.#kept?.count ?? 0;
+  }
+
+  get feltCount() {
+    return this.#felt?.visible ? this.#felt.count : 0;
+  }
+
+  showFelt(shown) {
+    if (shown) this.#felt ??= this.#makeFelt();
+    if (this.#felt) this.#felt.visible = shown;
+    this.onDirty();
+  }
+
+  #makeFelt() {
+    const material = solidMaterial();
+    material.userData.color = '--felt';
+    const felt = new Ellipsoids(mostFelt.desk, material, { order: 1, detail: 2 });
+    this.group.add(felt);
+    this.onMaterial?.(felt);
+    return felt;
+  }
+
+  /// Draws the felt ellipsoids nearest to a point of the world, if they are on.
+  update(point) {
+    if (!this.#felt?.visible || !this.#kept) return;
+    const near = new Vector3(...point).applyMatrix4(this.group.matrix.clone().invert());
+    if (this.#chosenAt && near.distanceTo(this.#chosenAt) <= movedShare * this.#reach) return;
+    const list = [...this.#kept.nearest(near.toArray(), this.#most)].map((row) => this.#kept.at(row));
+    for (const gaussian of list) gaussian.semiAxes = gaussian.deviations.map((s) => s * this.sigma);
+    this.#felt.show(list);
+    this.#chosenAt = near;
+    const farthest = list.reduce((far, { position: p }) => Math.max(far, near.distanceToSquared(new Vector3(...p))), 0);
+    this.#reach = list.length === this.keptCount ? Infinity : Math.sqrt(farthest);
+    this.onDirty();
+  }
+
+  /// Where a ray of the world first meets what can be felt, or null.
+  pick(ray) {
+    if (!this.#kept) return null;
+    const local = new Ray().copy(ray).applyMatrix4(this.group.matrix.clone().invert());
+    const distance = this.#kept.hit(local.origin.toArray(), local.direction.toArray());
+    return distance === null ? null : local.at(distance, new Vector3()).applyMatrix4(this.group.matrix);
+  }
+
+  /// The box of what can be felt, in the world; empty before anything is loaded.
+  get box() {
+    const box = this.#kept?.box;
+    return box ? new Box3(new Vector3(...box.min), new Vector3(...box.max)).applyMatrix4(this.group.matrix) : new Box3();
+  }
+
+  /// Fewer splats and ellipsoids for a headset that draws by itself.
+  async enterHeadset() {
+    this.#most = mostFelt.headset;
+    this.#chosenAt = null;
+    if (!standalone.test(navigator.userAgent) || !this.#mesh || this.#mesh.numSplats <= splatBudget) return;
+    this.spark.lodSplatCount = splatBudget;
+    if (!this.#mesh.extSplats.lodSplats) await this.#mesh.createLodSplats();
+    this.#mesh.enableLod = true;
+  }
+
+  leaveHeadset() {
+    this.#most = mostFelt.desk;
+    this.#chosenAt = null;
+    if (this.#mesh) this.#mesh.enableLod = false;
+  }
+}

@@ -1,0 +1,176 @@
+// The 3D view: camera, light, frames. The world is drawn as it is, z up and in metres; only in a headset the
+// group `world` is moved, to where the room wants it.
+
+import {
+  Box3, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+
+import { createAxes } from './axes.js';
+import { followTheme, themeValue } from './dom.js';
+
+const fieldOfView = 45; // vertical. Unit: [deg].
+const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
+const fitMargin = 1.15;
+const keyTurn = Math.PI / 36; // a press of an arrow key. Unit: [rad].
+const keyZoom = 1.1;
+
+export class View {
+  frames = 0;
+  world = new Group();
+  #scene = new Scene();
+  #dirty = true;
+  #perFrame = [];
+  #atDesk = null; // the camera before a headset had it
+
+  constructor(host, canvas) {
+    this.host = host;
+    this.canvas = canvas;
+    // Splats are soft by themselves: multisampling would only cost time.
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.camera = new PerspectiveCamera(fieldOfView, 1, 0.001, 100);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.copy(firstDirection);
+    this.orbit = new OrbitControls(this.camera, canvas);
+    this.orbit.addEventListener('change', () => this.invalidate());
+    this.#addLight();
+    this.#scene.add(this.world, this.camera);
+    this.axes = createAxes();
+    host.append(this.axes.node);
+    new ResizeObserver(() => this.#resize()).observe(host);
+    followTheme(() => this.applyTheme(this.#scene));
+    this.#followKeys();
+    this.renderer.setAnimationLoop((time, frame) => this.#tick(time, frame));
+  }
+
+  #addLight() {
+    const lamp = new DirectionalLight(0xffffff, 1.6);
+    lamp.position.set(0.4, 1, 0.6);
+    this.camera.add(lamp, lamp.target);
+    this.#scene.add(new HemisphereLight(0xffffff, 0x8a8f99, 1.7));
+  }
+
+  add(...objects) {
+    this.#scene.add(...objects);
+  }
+
+  /// Calls `work(seconds, frame)` before every frame, drawn or not. `frame` is an XRFrame in a headset.
+  everyFrame(work) {
+    this.#perFrame.push(work);
+  }
+
+  invalidate() {
+    this.#dirty = true;
+  }
+
+  /// Gives the themed materials below `root` the colours of the theme that is on.
+  applyTheme(root) {
+    root.traverse(({ material }) => {
+      if (material?.userData.color) material.color.set(themeValue(material.userData.color));
+    });
+    this.setBackground(true);
+  }
+
+  setBackground(opaque) {
+    this.renderer.setClearColor(themeValue('--view'), opaque ? 1 : 0);
+    this.invalidate();
+  }
+
+  /// Moves the camera so that it sees all of a Box3 from where it looks now.
+  frameAll(box) {
+    if (box.isEmpty()) return;
+    const middle = box.getCenter(new Vector3());
+    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 1e-3);
+    const away = this.camera.position.clone().sub(this.orbit.target).normalize();
+    const narrow = Math.min(1, this.camera.aspect) * Math.tan((0.5 * fieldOfView * Math.PI) / 180);
+    const farthest = (fitMargin * radius) / Math.sin(Math.atan(narrow));
+    this.camera.position.copy(middle).addScaledVector(away, farthest);
+    this.camera.near = 0.002 * radius;
+    this.camera.far = 200 * radius;
+    this.camera.updateProjectionMatrix();
+    this.orbit.target.copy(middle);
+    this.orbit.minDistance = 0.02 * radius;
+    this.orbit.maxDistance = 50 * radius;
+    this.orbit.update();
+    this.invalidate();
+  }
+
+  /// In a headset the camera is the head, and the room's size says how near and far it sees.
+  enterHeadset(opaque) {
+    this.#atDesk = this.camera.clone();
+    Object.assign(this.camera, { near: 0.02, far: 1000 });
+    this.setBackground(opaque);
+  }
+
+  leaveHeadset() {
+    this.camera.copy(this.#atDesk, false);
+    for (const part of [this.world, this.camera]) part.updateMatrixWorld(true);
+    this.setBackground(true);
+    this.#resize();
+  }
+
+  #followKeys() {
+    const turns = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    this.canvas.addEventListener('keydown', ({ key }) => {
+      if (!this.orbit.enabled) return;
+      if (key in turns) {
+        this.orbit.rotateLeft(keyTurn * turns[key][0]);
+        this.orbit.rotateUp(keyTurn * turns[key][1]);
+      } else if (key === '+') this.orbit.dollyIn(keyZoom);
+      else if (key === '-') this.orbit.dollyOut(keyZoom);
+    });
+  }
+
+  #resize() {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (width === 0 || height === 0 || this.renderer.xr.isPresenting) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  #tick(time, frame) {
+    for (const work of this.#perFrame) work(time / 1000, frame);
+    if (!this.#dirty && !this.renderer.xr.isPresenting) return;
+    this.#dirty = false;
+    this.renderer.render(this.#scene, this.camera);
+    this.axes.turn(this.camera);
+    ++this.frames;
+  }
+
+  /// Where a point of the world is, in pixels from the top left of the page; null behind the camera.
+  project(point) {
+    const p = new Vector3(...point).project(this.camera);
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    return Math.abs(p.z) > 1 ? null : [left + 0.5 * (p.x + 1) * width, top + 0.5 * (1 - p.y) * height];
+  }
+
+  /// The ray through a point of the page, in the world.
+  rayAt({ clientX, clientY }) {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const at = new Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
+    const caster = new Raycaster();
+    caster.setFromCamera(at, this.camera);
+    return caster.ray;
+  }
+
+  /// The size of a pixel at a point of the world. Unit: [m].
+  pixelAt(point) {
+    const depth = new Vector3(...point).sub(this.camera.position).dot(this.camera.getWorldDirection(new Vector3()));
+    return (2 * Math.max(depth, this.camera.near) * Math.tan((0.5 * fieldOfView * Math.PI) / 180)) / this.canvas.clientHeight;
+  }
+
+  /// The camera's right, up and forward in the world.
+  get axesOfCamera() {
+    const [right, up, back] = [new Vector3(), new Vector3(), new Vector3()];
+    this.camera.matrixWorld.extractBasis(right, up, back);
+    return { right, up, forward: back.negate() };
+  }
+}
+
+/// The box around some points of the world with room to all sides.
+export function boxAround(points, room) {
+  return new Box3().setFromPoints(points.map((p) => new Vector3(...p))).expandByScalar(room);
+}
