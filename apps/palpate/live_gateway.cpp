@@ -24,9 +24,8 @@ constexpr const char* kGatewayGroup = "Gateway";
 
 /// Of the viewer: its own files, workers that it makes itself, and connections to where it came from.
 constexpr const char* kViewerPolicy =
-    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src blob:; style-src 'self'; "
-    "img-src 'self' data: blob:; connect-src 'self' data: blob:; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'";
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self'; worker-src "
+    "blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Of a report, which has its own policy in the page, and needs what that allows.
 constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'none'";
@@ -166,7 +165,8 @@ Value LiveGateway::parameters() const {
                     {"torque_max", device.torque_max},
                     {"workspace", device.workspace}};
   json["paused"] = is_paused();
-  json["recording"] = recording_.is_on() ? "on" : recording_.page() ? "ready" : "";
+  json["recording"] = recording_.is_on();
+  json["recorded"] = recording_.page() != nullptr;
   json["busy"] = system_.busy();
   json["message"] = system_.message();
   return json;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <palpate/base/mapped_file.h>
@@ -74,7 +75,7 @@ class LiveGateway {
   std::unique_ptr<WebServer> server_;
   std::unique_ptr<MappedFile> scene_file_;  ///< null: the built-in scene
   std::string scene_bytes_, scene_tag_;
-  Shown told_;  ///< to clients
+  std::optional<Shown> told_;  ///< to clients
   const FeltScene* felt_ = nullptr;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include <fmt/format.h>
@@ -54,6 +55,16 @@ Trajectory slowed(Trajectory path, double most) {
     gained += path[i].t - now;
   }
   return path;
+}
+
+/// Above everything that there is.
+Pose waiting_place(const SceneIndex& index, const Tool& tool) {
+  Eigen::AlignedBox3d box;
+  for (const Ellipsoid& ellipsoid : EllipsoidLookup(index).all().ellipsoids) box.extend(ellipsoid.center);
+  Pose pose;
+  pose.position = box.center();
+  pose.position.z() = box.max().z() + 2.0 * tool.radius();
+  return pose;
 }
 
 }  // namespace
@@ -142,7 +153,9 @@ void LiveSystem::read_scene(const QueryOptions& query, const DeviceOptions& devi
   try {
     path_ = explore(*index_, query.tool);
   } catch (const Error& error) {
-    throw Error("{}: {}; or give --trajectory", scene.name(), error.what());
+    if (index_->size() == 0) throw Error("{}: {}; or give --trajectory", scene.name(), error.what());
+    notify(fmt::format("note: the hand waits above the scene: {}: {}", scene.name(), error.what()));
+    path_.emplace_back().pose = waiting_place(*index_, query.tool);
   }
 }
 
@@ -205,6 +218,11 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   ServoTickOptions ticks;
   ticks.period = 1.0 / options_.rate;
   ticks.map = map_;
+  if (dynamic_cast<const SimulatedDevice*>(device_.get()) != nullptr) {
+    // It cannot freeze, but a client that leads its hand may hold perfectly still.
+    ticks.limits = SafetyLimits::of(device_->capabilities(), ticks.period);
+    ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
+  }
   tick_ = std::make_unique<ServoTick>(*device_, felt_->model(settings_.model), ticks);
   ServoLoop::Options options;
   options.rate = options_.rate;

@@ -14,7 +14,7 @@ const mostParts = 256;
 const longestForce = 5; // of the arrow of the device's greatest force, in sizes of the tool
 const normalLength = 0.6; // of the longest contact normal that is drawn, in sizes of the tool
 const leastForce = 0.01; // what is shorter is no arrow. Unit: [N].
-const [fill, rim] = [0.4, 0.95]; // opacities of the tool
+const [fill, rim] = [0.5, 0.95]; // opacities of the tool
 const staleShare = 0.3; // of them while it is not known where the tool is
 const proxyShare = 0.02; // how far the proxy must be from the tool to be drawn, in sizes of the tool
 

@@ -21,9 +21,10 @@ export function createKeepPanel(parameters, actions) {
   byId('keep').append(
     element('div', { className: 'buttons' }, record, report, raw), element('div', { className: 'buttons' }, config),
     hint('The next run starts as things are now with --config palpate.toml.'));
-  parameters.onChange(({ recording }) => {
+  parameters.onChange(({ recording, recorded }) => {
     record.textContent = recording ? 'End the recording' : 'Record';
-    record.setAttribute('aria-pressed', String(Boolean(recording)));
-    record.classList.toggle('recording', Boolean(recording));
+    record.setAttribute('aria-pressed', String(recording));
+    record.classList.toggle('recording', recording);
+    report.hidden = raw.hidden = !recorded;
   });
 }

@@ -45,10 +45,12 @@ export class View {
   }
 
   #addLight() {
-    const lamp = new DirectionalLight(0xffffff, 1.6);
+    const lamp = new DirectionalLight(0xffffff, 1.8);
     lamp.position.set(0.4, 1, 0.6);
     this.camera.add(lamp, lamp.target);
-    this.#scene.add(new HemisphereLight(0xffffff, 0x8a8f99, 1.7));
+    const sky = new HemisphereLight(0xffffff, 0x9a9fa8, 2.4);
+    sky.position.set(0, 0, 1);
+    this.#scene.add(sky);
   }
 
   add(...objects) {

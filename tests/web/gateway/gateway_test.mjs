@@ -1,0 +1,217 @@
+// roslib, the client that people use, against palpate run. Nothing about how long something takes is asserted; what it
+// took is printed.
+
+import assert from 'node:assert/strict';
+import { after, before, describe, test } from 'node:test';
+import { Param, Service, Topic } from 'roslib';
+import { connect, first, makeFolder, nextStatus, start, valuesOf } from './palpate.mjs';
+
+const pose = (x, y, z, stamp = 0) => ({
+  header: { seq: 0, stamp: { secs: 0, nsecs: stamp }, frame_id: 'world' },
+  pose: { position: { x, y, z }, orientation: { x: 0, y: 0, z: 0, w: 1 } },
+});
+const call = (ros, name, serviceType, request = {}) =>
+  new Promise((done, failed) => new Service({ ros, name, serviceType }).callService(request, done, failed));
+
+let scene;
+before(() => { scene = makeFolder(); });
+after(() => scene.remove());
+
+describe('a client that looks on', () => {
+  let palpate;
+  let ros;
+  before(async () => {
+    palpate = await start(scene.folder, '--tool', '0.02,0.02,0.02');
+    ros = await connect(palpate.url);
+  });
+  after(async () => {
+    ros.close();
+    const summary = await palpate.stop();
+    assert.ok(summary.ticks > 100);
+  });
+
+  test('finds topics and services with their types', async () => {
+    const { topics, types } = await new Promise((done, failed) => ros.getTopics(done, failed));
+    assert.equal(types[topics.indexOf('/palpate/measured_cp')], 'geometry_msgs/PoseStamped');
+    assert.equal(types[topics.indexOf('/palpate/contacts')], 'visualization_msgs/MarkerArray');
+    const services = await new Promise((done, failed) => ros.getServices(done, failed));
+    assert.ok(services.includes('/palpate/pause'));
+    const type = await new Promise((done, failed) => ros.getTopicType('/palpate/tool', done, failed));
+    assert.equal(type, 'visualization_msgs/MarkerArray');
+    assert.deepEqual(await new Promise((done, failed) => ros.getNodes(done, failed)), ['/palpate']);
+  });
+
+  for (const compression of ['none', 'cbor']) {
+    test(`gets every topic (${compression})`, async () => {
+      const options = { compression };
+      const tool = await first(ros, '/palpate/measured_cp', 'geometry_msgs/PoseStamped', undefined, options);
+      const q = tool.pose.orientation;
+      assert.ok(Math.abs(Math.hypot(q.x, q.y, q.z, q.w) - 1) < 1e-9);
+      const markers = await first(ros, '/palpate/tool', 'visualization_msgs/MarkerArray', undefined, options);
+      assert.deepEqual(markers.markers[0].scale, { x: 0.04, y: 0.04, z: 0.04 });
+      const array = await first(ros, '/palpate/diagnostics', 'diagnostic_msgs/DiagnosticArray', undefined, options);
+      assert.ok(Number(valuesOf(array).tick_p50_us) > 0);
+      for (const [name, type] of [['measured_cv', 'geometry_msgs/TwistStamped'], ['proxy_cp', 'geometry_msgs/PoseStamped'],
+        ['spatial/servo_cf', 'geometry_msgs/WrenchStamped'], ['body/servo_cf', 'geometry_msgs/WrenchStamped']])
+        await first(ros, `/palpate/${name}`, type, undefined, options);
+    });
+  }
+
+  test('sees the contacts of the exploring hand, and that they go', async () => {
+    const name = '/palpate/contacts';
+    const touched = await first(ros, name, 'visualization_msgs/MarkerArray',
+      ({ markers }) => markers.some((m) => m.action === 0 && m.ns === 'contacts'));
+    const { id, pose: { position: p } } = touched.markers.find((m) => m.ns === 'contacts' && m.action === 0);
+    assert.ok(Math.abs(Math.hypot(p.x, p.y, p.z) - 0.15) < 0.02); // on the sphere
+    assert.ok(touched.markers.some((m) => m.ns === 'normals' && m.id === id));
+    await first(ros, name, 'visualization_msgs/MarkerArray', ({ markers }) =>
+      markers.some((m) => m.id === id && m.action === 2) && !markers.some((m) => m.id === id && m.action === 0));
+  });
+
+  test('is sent fewer messages with a throttle', async () => {
+    const count = async (throttle_rate) => {
+      let messages = 0;
+      const topic = new Topic({ ros, name: '/palpate/measured_cp', messageType: 'geometry_msgs/PoseStamped', throttle_rate });
+      topic.subscribe(() => { messages += 1; });
+      await new Promise((done) => { setTimeout(done, 1500); });
+      topic.unsubscribe();
+      return messages;
+    };
+    const all = await count(0);
+    const few = await count(250);
+    assert.ok(few >= 1 && few <= 8 && all > 2 * few, `${all} and ${few}`);
+  });
+
+  test('reads and sets parameters', async () => {
+    const stiffness = new Param({ ros, name: '/palpate/stiffness' });
+    assert.equal(await new Promise((done) => { stiffness.get(done); }), 500);
+    const known = first(ros, '/palpate/parameters', 'std_msgs/String', ({ data }) => JSON.parse(data).stiffness === 800);
+    stiffness.set(800);
+    await known;
+    const refused = await call(ros, '/palpate/set_parameters', 'palpate/SetParameters', { json: '{"friction": -1}' });
+    assert.equal(refused.success, false);
+    assert.match(refused.message, /friction/);
+    const tool = await call(ros, '/palpate/load_tool', 'palpate/SetString',
+      { data: '[[ellipsoid]]\nname = "a"\nsemi_axes = [0.01, 0.01, 0.01]\n' });
+    assert.deepEqual(tool, { success: true, message: '' });
+    await first(ros, '/palpate/tool', 'visualization_msgs/MarkerArray', ({ markers }) => markers[0].scale.x === 0.02);
+    const { message } = await call(ros, '/palpate/config', 'std_srvs/Trigger');
+    assert.match(message, /stiffness = 800/);
+  });
+
+  test('a registration moves what is touched', async () => {
+    await call(ros, '/palpate/set_parameters', 'palpate/SetParameters',
+      { json: '{"registration": {"scale": 2, "translation": [5, 0, 0]}}' });
+    const touched = await first(ros, '/palpate/contacts', 'visualization_msgs/MarkerArray',
+      ({ markers }) => markers.some((m) => m.action === 0 && m.pose.position.x > 4));
+    const { x, y, z } = touched.markers.find((m) => m.ns === 'contacts' && m.action === 0).pose.position;
+    assert.ok(Math.abs(Math.hypot(x - 5, y, z) - 0.3) < 0.04);
+  });
+
+  test('pauses and stops', async () => {
+    const state = (wanted) => first(ros, '/palpate/diagnostics', 'diagnostic_msgs/DiagnosticArray',
+      (m) => valuesOf(m).state === wanted[0] && valuesOf(m).fault === wanted[1]);
+    await call(ros, '/palpate/pause', 'std_srvs/SetBool', { data: true });
+    await state(['stopped', 'paused']);
+    await call(ros, '/palpate/pause', 'std_srvs/SetBool', { data: false });
+    await state(['active', '']);
+    await call(ros, '/palpate/emergency_stop', 'std_srvs/Trigger');
+    await state(['stopped', 'emergency-stop']);
+    await call(ros, '/palpate/resume', 'std_srvs/Trigger');
+    await state(['active', '']);
+  });
+
+  test('records, and gets the report', async () => {
+    await call(ros, '/palpate/record', 'std_srvs/SetBool', { data: true });
+    await first(ros, '/palpate/contacts', 'visualization_msgs/MarkerArray', ({ markers }) => markers.length > 0);
+    await call(ros, '/palpate/record', 'std_srvs/SetBool', { data: false });
+    await first(ros, '/palpate/parameters', 'std_msgs/String', ({ data }) => JSON.parse(data).recorded);
+    assert.match(await (await fetch(`${palpate.url}recording`)).text(), /^t,x,y,z,qw/);
+    assert.match(await (await fetch(`${palpate.url}recording.html`)).text(), /<script/);
+  });
+
+  test('is told what it does wrong', async () => {
+    const told = (send) => {
+      const status = nextStatus(ros);
+      send();
+      return status;
+    };
+    const status = await told(() => new Topic({ ros, name: '/nobody', messageType: 'std_msgs/String' }).subscribe(() => {}));
+    assert.equal(status.level, 'error');
+    assert.match(status.msg, /nobody/);
+    const posed = await told(() => new Topic({ ros, name: '/palpate/client/measured_cp', messageType: 'geometry_msgs/PoseStamped' })
+      .publish({ ...pose(0, 0, 0), pose: { position: { x: 'here' }, orientation: {} } }));
+    assert.match(posed.msg, /x/);
+    await assert.rejects(call(ros, '/palpate/nothing', 'std_srvs/Trigger'));
+  });
+});
+
+describe('a client that is the device', () => {
+  let palpate;
+  let ros;
+  before(async () => {
+    palpate = await start(scene.folder, '--device', 'client', '--tool', '0.02,0.02,0.02');
+    ros = await connect(palpate.url);
+  });
+  after(async () => {
+    ros.close();
+    await palpate.stop();
+  });
+
+  /// Publishes poses a millisecond apart until `over`, and what comes back to `hear`.
+  async function drive(path, over, hear) {
+    const hand = new Topic({ ros, name: '/palpate/client/measured_cp', messageType: 'geometry_msgs/PoseStamped' });
+    hand.advertise();
+    const force = new Topic({ ros, name: '/palpate/client/servo_cf', messageType: 'geometry_msgs/WrenchStamped' });
+    const sent = new Map();
+    force.subscribe((message) => {
+      const key = message.header.stamp.nsecs;
+      if (!sent.has(key)) return;
+      hear(message.wrench.force, performance.now() - sent.get(key));
+      sent.delete(key);
+    });
+    const begin = performance.now();
+    for (let k = 1; !over(); k += 1) {
+      while (performance.now() < begin + k) await new Promise((done) => { setImmediate(done); });
+      sent.set(k, performance.now());
+      hand.publish(pose(...path((performance.now() - begin) / 1000), k));
+    }
+    force.unsubscribe();
+    hand.unadvertise();
+  }
+
+  test('gets a wrench for its poses, outward where it is pressed in', async () => {
+    const times = [];
+    let pushed = null;
+    const end = performance.now() + 30_000;
+    // Free for a second, so that the governor lets go; then 5 mm into the sphere from above.
+    const height = (t) => 0.17 + 0.02 - 0.025 * Math.min(1, Math.max(0, t - 1) / 0.5);
+    await drive((t) => [0, 0, height(t)], () => (pushed !== null && times.length > 3000) || performance.now() > end,
+      (force, took) => {
+        times.push(took);
+        if (force.z > 1) pushed = force;
+      });
+    assert.ok(pushed !== null, 'no force came');
+    assert.ok(pushed.z > 5 * Math.hypot(pushed.x, pushed.y), JSON.stringify(pushed));
+    times.sort((a, b) => a - b);
+    const at = (share) => times[Math.floor(share * (times.length - 1))].toFixed(3);
+    console.log(`pose to wrench at 1 kHz: p50 ${at(0.5)} ms, p99 ${at(0.99)} ms of ${times.length}`);
+  });
+
+  test('has no force when it is silent, and another one may take the tool', async () => {
+    await first(ros, '/palpate/diagnostics', 'diagnostic_msgs/DiagnosticArray', (m) => valuesOf(m).fault === 'stale-pose');
+    const other = await connect(palpate.url);
+    try {
+      const taken = first(other, '/palpate/measured_cp', 'geometry_msgs/PoseStamped', (m) => m.pose.position.x === 0.7);
+      const hand = new Topic({ ros: other, name: '/palpate/client/measured_cp', messageType: 'geometry_msgs/PoseStamped' });
+      const timer = setInterval(() => hand.publish(pose(0.7, 0, 0)), 10);
+      await taken;
+      const refused = nextStatus(ros);
+      new Topic({ ros, name: '/palpate/client/measured_cp', messageType: 'geometry_msgs/PoseStamped' }).publish(pose(0, 0, 1));
+      assert.match((await refused).msg, /another client/);
+      clearInterval(timer);
+    } finally {
+      other.close();
+    }
+  });
+});
