@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Writes seeds for the fuzzers into FOLDER/ply, csv, config, materials, tool and index.
+"""Writes seeds for the fuzzers into FOLDER/ply, csv, config, materials, tool, index and gateway.
 
     make_seeds.py FOLDER
 
 The seeds are small sound files and the table of broken inputs of the command line tests.
 """
 
+import json
 import os
+import struct
 import sys
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
@@ -23,6 +25,47 @@ LISTS = (
     b"element vertex 1\n" + b"".join(b"property double %s\n" % name.encode() for name in broken_inputs.BARE) +
     b"property float filter_3D\nelement edge 1\nproperty short s\nend_header\n3 0 1 2\n0\n"
     b"500000.123 5400000 1 2 -4 -4 -4 1 0 0 0 0.01\n7\n")
+
+
+CUT = b"\xfe"
+POSE = {"header": {"seq": 1, "stamp": {"secs": 1, "nsecs": 2}, "frame_id": "world"},
+        "pose": {"position": {"x": 0.1, "y": -2, "z": 3e-2}, "orientation": {"x": 0.6, "y": 0, "z": 0, "w": 0.8}}}
+MESSAGES = (
+    {"op": "subscribe", "id": "1", "topic": "/t", "type": "std_msgs/msg/String", "throttle_rate": 16,
+     "queue_length": 2, "compression": "cbor"},
+    {"op": "subscribe", "topic": "/l"},
+    {"op": "advertise", "topic": "/i", "type": "geometry_msgs/PoseStamped"},
+    {"op": "publish", "topic": "/i", "msg": POSE},
+    {"op": "call_service", "service": "/s", "args": {"data": [True, None, 1.5], "text": "x", "number": 7}, "id": "2"},
+    {"op": "call_service", "service": "/rosapi/topic_type", "args": {"topic": "/t"}},
+    {"op": "call_service", "service": "/rosapi/services"},
+    {"op": "set_level", "level": "none"},
+    {"op": "unsubscribe", "topic": "/t", "id": "1"},
+)
+
+
+def cbor_head(major, n):
+    for mark, (limit, code) in enumerate(((1 << 8, ">B"), (1 << 16, ">H"), (1 << 32, ">I"), (1 << 64, ">Q")), 24):
+        if n < 24:
+            return bytes([major << 5 | n])
+        if n < limit:
+            return bytes([major << 5 | mark]) + struct.pack(code, n)
+    raise ValueError(n)
+
+
+def cbor(value):
+    """What a browser's encoder makes of it (RFC 8949)."""
+    if value is None or isinstance(value, bool):
+        return {False: b"\xf4", True: b"\xf5", None: b"\xf6"}[value]
+    if isinstance(value, int):
+        return cbor_head(0, value) if value >= 0 else cbor_head(1, -1 - value)
+    if isinstance(value, float):
+        return b"\xfb" + struct.pack(">d", value)
+    if isinstance(value, str):
+        return cbor_head(3, len(value.encode())) + value.encode()
+    if isinstance(value, dict):
+        return cbor_head(5, len(value)) + b"".join(cbor(part) for pair in value.items() for part in pair)
+    return cbor_head(4, len(value)) + b"".join(map(cbor, value))
 
 
 def sound_files():
@@ -53,6 +96,18 @@ def sound_files():
     yield "index", bytes([0, 16, 0, 255, 0, 80, 0, 255])
     yield "index", bytes([0, 32, 0])
     yield "index", b"PALPATE\n" + bytes([4, 3, 2, 1, 1, 0, 0, 0]) + bytes(8176)
+    # What clients say, see gateway_fuzzer.cpp: frames of text, of CBOR, and heads of requests.
+    yield "gateway", b"\0" + CUT.join(json.dumps(message).encode() for message in MESSAGES)
+    for message in MESSAGES:
+        yield "gateway", b"\0" + json.dumps(message).encode()
+    yield "gateway", b"\1" + CUT.join(cbor(message) for message in MESSAGES)
+    yield "gateway", b"\0" + b"[" * 33 + b"]" * 33
+    yield "gateway", b"\1" + b"\x81" * 33 + b"\1" + CUT + b"\x9f\xff" + CUT + b"\xc1\0" + CUT + b"\xbb" + b"\xff" * 8
+    yield "gateway", b"\2" + CUT.join((b"/a%20b?x=1&token=s3cret", b"127.0.0.1:9090", b"http://127.0.0.1:9090", b"", b"",
+                                      b"bytes=0-499"))
+    yield "gateway", b"\2" + CUT.join((b"/%2e%2e/a", b"[::1]", b"null", b"Bearer s3cret", b"a=b; palpate=s3cret",
+                                      b"bytes=-5"))
+    yield "gateway", b"\2" + CUT.join((b"http://a/b#c", b"LOCALHOST:80", b"", b"Basic x", b"palpate=", b"bytes=1-,5-6"))
 
 
 def main():

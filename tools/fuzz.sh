@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fuzzes every reader of the project for SECONDS each, under AddressSanitizer and UBSan; fails on any
 # crash, hang or leak, and leaves the input that did it in build/fuzz.
-#   tools/fuzz.sh SECONDS [TARGET...]     targets: ply csv config materials tool index
+#   tools/fuzz.sh SECONDS [TARGET...]     targets: ply csv config materials tool index gateway
 # Needs clang-16 and libclang-rt-16-dev.
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
@@ -12,7 +12,7 @@ seconds=${1:-}
 [[ $seconds =~ ^[1-9][0-9]*$ ]] || die "usage: tools/fuzz.sh SECONDS [TARGET...]"
 shift
 targets=("$@")
-[[ $# -gt 0 ]] || targets=(ply csv config materials tool index)
+[[ $# -gt 0 ]] || targets=(ply csv config materials tool index gateway)
 command -v clang++-16 >/dev/null || die "needs clang-16: apt-get install clang-16 libclang-rt-16-dev"
 
 build=$root/build/fuzz

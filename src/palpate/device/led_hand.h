@@ -26,13 +26,18 @@ class LedHand {
   static constexpr double kTurnSpeed = 6.0;  ///< Unit: [rad/s].
   /// In which it follows a small change. Unit: [s].
   static constexpr double kFollow = 0.02;
+  /// Of those speeds, in the end of a way.
+  static constexpr double kLeastShare = 0.01;
 
  private:
   HandPath own_;
   Lead lead_;
   Pose pose_;
   double t_ = 0.0;
-  bool started_ = false, on_its_way_ = true;  ///< its own
+  Pose own_before_;
+  bool led_before_ = false;
+  bool started_ = false;
+  bool away_ = false;  ///< from its own way
 };
 
 }  // namespace palpate

@@ -97,9 +97,9 @@ std::optional<Access::Refused> Access::refusal(const RequestHead& head) const {
       return Refused{403, "pages of other origins may not use this server"};
   }
   if (token_.empty()) return std::nullopt;
-  constexpr std::string_view kBearer = "Bearer ";
+  constexpr std::string_view kBearer = "bearer ";
   const std::string asked = query_value(head.target, "token");
-  const std::string_view bearer = head.authorization.starts_with(kBearer)
+  const std::string_view bearer = lower(head.authorization.substr(0, kBearer.size())) == kBearer
                                       ? head.authorization.substr(kBearer.size())
                                       : std::string_view{};
   for (const std::string_view given :

@@ -26,7 +26,7 @@ std::string full_name(const std::string& name) { return name.starts_with('/') ? 
 /// As in a message to people; what a client sent may be anything.
 std::string quoted(const std::string& text) {
   constexpr std::size_t kShown = 80;
-  return '\'' + text.substr(0, kShown) + (text.size() > kShown ? "..." : "") + '\'';
+  return fmt::format("'{}{}'", text.substr(0, kShown), text.size() > kShown ? "..." : "");
 }
 
 std::string named(const Json& message, const char* what) {
@@ -58,10 +58,11 @@ const std::string& Publication::cbor() const {
 
 void Topic::publish(Json message, const Client* but) {
   newest_ = std::make_shared<Publication>(name_, std::move(message), ++count_);
-  // A client that is woken may close, and is then gone from the list.
+  // A client that is woken may unsubscribe itself or another, or take them away.
   const std::vector<Client*> watchers = watchers_;
   for (Client* client : watchers) {
-    if (client != but) client->offer(*this, newest_);
+    const bool still = std::find(watchers_.begin(), watchers_.end(), client) != watchers_.end();
+    if (still && client != but) client->offer(*this, newest_);
   }
 }
 
@@ -250,8 +251,8 @@ void Client::answer(Json message) {
 void Client::offer(const Topic& topic, const std::shared_ptr<const Publication>& publication) {
   Subscription& subscription = subscriptions_.at(topic.name());
   const double now = clock_();
-  if (!topic.latched() && now < subscription.not_before - kEarly) return;
-  subscription.not_before = now + subscription.throttle();
+  if (!topic.latched() && now < subscription.taken_at + subscription.throttle() - kEarly) return;
+  subscription.taken_at = now;
   if (subscription.waiting.empty()) turn_.push_back(topic.name());
   subscription.waiting.push_back(publication);
   if (subscription.waiting.size() > subscription.queue()) subscription.waiting.pop_front();

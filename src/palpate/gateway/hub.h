@@ -146,8 +146,8 @@ class Client {
     Topic* topic = nullptr;
     std::map<std::string, Wish> wishes;
     bool binary = false;
-    double not_before = 0.0;  ///< of the next message. Unit: [s].
-    std::uint64_t last = 0;   ///< number of the publication that was sent last
+    double taken_at = -1e300;  ///< the last message, for sending. Unit: [s].
+    std::uint64_t last = 0;    ///< number of the publication that was sent last
     std::deque<std::shared_ptr<const Publication>> waiting;
 
     double throttle() const;

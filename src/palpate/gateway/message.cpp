@@ -84,11 +84,15 @@ class CborWalk {
 }  // namespace
 
 Json decode_json(std::string_view text) {
-  const auto levels = [](int depth, Json::parse_event_t, Json&) {
-    if (depth > static_cast<int>(kMostLevels))
+  const auto levels = [](int depth, Json::parse_event_t event, Json&) {
+    // Where something begins, the depth is still that of what it is in.
+    const bool begins =
+        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+    if (depth + (begins ? 1 : 0) > static_cast<int>(kMostLevels))
       throw Refusal(fmt::format("JSON: nested in more than {} levels", kMostLevels));
     return true;
   };
+  if (text.find('\0') != std::string_view::npos) throw Refusal("this is not JSON");  // the parser's end
   try {
     return Json::parse(text.begin(), text.end(), levels);
   } catch (const Json::exception&) {

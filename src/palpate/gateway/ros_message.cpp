@@ -1,5 +1,7 @@
 #include <palpate/gateway/ros_message.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 

@@ -262,12 +262,13 @@ class HttpSession final : public Session, public std::enable_shared_from_this<Ht
 
   /// What the request wants of the page, and the status for that.
   std::string_view part(const Request& request, const std::string& tag) {
-    if (view(request[http::field::if_none_match]).find(tag) != std::string_view::npos) {
+    const std::string_view known = view(request[http::field::if_none_match]);
+    if (known == "*" || known.find(tag) != std::string_view::npos) {
       answer_.result(http::status::not_modified);
       return {};
     }
     const std::string_view condition = view(request[http::field::if_range]);
-    const bool whole = !condition.empty() && condition != tag;
+    const bool whole = (!condition.empty() && condition != tag) || request.method() == http::verb::head;
     const RangeRequest asked =
         whole ? RangeRequest{} : parse_range(view(request[http::field::range]), page_.bytes.size());
     answer_.result(static_cast<unsigned>(page_.status));

@@ -18,13 +18,14 @@ namespace palpate {
 
 /// What happened in a tick.
 struct TickRecord {
-  double t = 0.0;              ///< Unit: [s].
-  DeviceReading reading;       ///< the last good one, of the device
-  Pose tool;                   ///< where that is in the world
-  Twist velocity;              ///< world frame
-  ForceOutput felt;            ///< of the model, there
-  Wrench sent;                 ///< what the device was told, its frame
-  Eigen::Vector3d sent_force;  ///< of that, the force along the axes of the world. Unit: [N].
+  double t = 0.0;         ///< Unit: [s].
+  DeviceReading reading;  ///< the last good one, of the device
+  Pose tool;              ///< where that is in the world
+  Twist velocity;         ///< world frame
+  ForceOutput felt;       ///< of the model, there
+  Wrench sent;            ///< what the device was told, its frame
+  Eigen::Vector3d sent_force =
+      Eigen::Vector3d::Zero();  ///< of that, the force along the axes of the world. Unit: [N].
   std::size_t candidates = 0, filtered = 0,
               contacts = 0;  ///< of the tool, by ServoTick::look(); see ContactSet
   double k_max = 0.0;        ///< ContactSet::k_max(), likewise

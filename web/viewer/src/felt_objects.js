@@ -11,7 +11,7 @@ import { niceFloor } from './format.js';
 
 const mostContacts = 256;
 const mostParts = 256;
-const longestForce = 5; // of the arrow of the device's greatest force, in sizes of the tool
+const longestForce = 12; // sizes of the tool, that an arrow of all the device can is long: what is felt is mostly a tenth of that
 const normalLength = 0.6; // of the longest contact normal that is drawn, in sizes of the tool
 const leastForce = 0.01; // what is shorter is no arrow. Unit: [N].
 const [fill, rim] = [0.5, 0.95]; // opacities of the tool

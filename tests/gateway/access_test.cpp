@@ -1,0 +1,280 @@
+#include <palpate/gateway/access.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+/// Status of the refusal; 0 if it is none.
+int status(const Access& access, const RequestHead& head) {
+  const auto refused = access.refusal(head);
+  return refused ? refused->status : 0;
+}
+
+int status_of_host(const Access& access, std::string_view host) {
+  RequestHead head;
+  head.host = host;
+  head.target = "/";
+  return status(access, head);
+}
+
+TEST(Access, IsForHostsThatAreAddressesOfThisServer) {
+  const Access local("127.0.0.1", 9090, "");
+  for (const char* host : {"127.0.0.1:9090", "localhost:9090", "LocalHost:9090", "[::1]:9090",
+                           "192.168.1.7:9090", "[FE80::1]:9090"}) {
+    EXPECT_EQ(status_of_host(local, host), 0) << host;
+  }
+}
+
+// A page of anybody's may have its own name resolve to this machine, and then ask it as its own origin.
+TEST(Access, RefusesNamesOfOthersAndOtherPorts) {
+  const Access local("127.0.0.1", 9090, "");
+  for (const char* host : {"",
+                           "evil.example:9090",
+                           "evil.example",
+                           "127.0.0.1.evil.example:9090",
+                           "localhost.evil.example:9090",
+                           "evil-localhost:9090",
+                           "1.2.3.4x:9090",
+                           "a127.0.0.1:9090",
+                           "::1:9090",
+                           "127.0.0.1",
+                           "localhost",
+                           "[::1]",
+                           "127.0.0.1:9091",
+                           "127.0.0.1:80",
+                           "127.0.0.1:",
+                           "127.0.0.1:9090x",
+                           "127.0.0.1:+9090",
+                           "127.0.0.1: 9090",
+                           "127.0.0.1:99999999999999999999",
+                           ":9090",
+                           "[::1",
+                           "user@127.0.0.1:9090"}) {
+    EXPECT_EQ(status_of_host(local, host), 403) << host;
+  }
+}
+
+TEST(Access, LeavesOutThePortWhereItIsThatOfHttp) {
+  const Access web("127.0.0.1", 80, "");
+  for (const char* host : {"127.0.0.1", "127.0.0.1:80", "localhost", "[::1]", "[::1]:80"})
+    EXPECT_EQ(status_of_host(web, host), 0) << host;
+  EXPECT_EQ(status_of_host(web, "127.0.0.1:9090"), 403);
+  EXPECT_EQ(status_of_host(web, "evil.example"), 403);
+}
+
+TEST(Access, KnowsTheNameThatItListensOn) {
+  const Access named("Lab.Example", 9090, "");
+  EXPECT_EQ(status_of_host(named, "lab.example:9090"), 0);
+  EXPECT_EQ(status_of_host(named, "lab.example:9091"), 403);
+  EXPECT_EQ(status_of_host(named, "x.lab.example:9090"), 403);
+}
+
+// Nobody has the token who only has a name; and a proxy has a name and a port of its own.
+TEST(Access, TakesAnyNameWithTheToken) {
+  const Access proxied("0.0.0.0", 9090, "secret");
+  for (const char* host : {"haptics.example", "haptics.example:443", "127.0.0.1:9090"}) {
+    EXPECT_EQ(status_of_host(proxied, host), 401) << host;
+    RequestHead head;
+    head.host = host;
+    head.target = "/?token=secret";
+    EXPECT_EQ(status(proxied, head), 0) << host;
+  }
+  EXPECT_EQ(status_of_host(proxied, ""), 403);
+  EXPECT_EQ(status_of_host(proxied, ":443"), 403);
+}
+
+TEST(Access, IsForPagesOfItsOwnOrigin) {
+  const Access local("127.0.0.1", 9090, "");
+  const auto with_origin = [&](std::string_view host, std::string_view origin) {
+    RequestHead head;
+    head.host = host;
+    head.origin = origin;
+    head.target = "/";
+    return status(local, head);
+  };
+  EXPECT_EQ(with_origin("localhost:9090", ""), 0) << "no browser";
+  EXPECT_EQ(with_origin("localhost:9090", "http://localhost:9090"), 0);
+  EXPECT_EQ(with_origin("LOCALHOST:9090", "HTTP://localhost:9090"), 0);
+  EXPECT_EQ(with_origin("localhost:9090", "https://localhost:9090"), 0) << "behind a proxy that encrypts";
+  EXPECT_EQ(with_origin("[::1]:9090", "http://[::1]:9090"), 0);
+  for (const char* origin :
+       {"null", "file://", "http://evil.example", "http://localhost", "http://localhost:9091",
+        "http://127.0.0.1:9090", "http://localhost:9090.evil.example", "http://localhost:9090/",
+        "http://evil.example/http://localhost:9090", "ws://localhost:9090", "localhost:9090",
+        "chrome-extension://abc", " http://localhost:9090"}) {
+    EXPECT_EQ(with_origin("localhost:9090", origin), 403) << origin;
+  }
+}
+
+TEST(Access, WantsTheTokenInOneOfThreePlaces) {
+  const Access access("0.0.0.0", 9090, "s3cret");
+  const auto with = [&](std::string_view target, std::string_view authorization, std::string_view cookie) {
+    RequestHead head{"127.0.0.1:9090", {}, authorization, cookie, target};
+    return status(access, head);
+  };
+  EXPECT_EQ(with("/", "", ""), 401);
+
+  EXPECT_EQ(with("/?token=s3cret", "", ""), 0);
+  EXPECT_EQ(with("/scene?a=b&token=s3cret&c", "", ""), 0);
+  EXPECT_EQ(with("/?token=s%33cret", "", ""), 0) << "percent-encoded";
+  for (const char* target : {"/?token=", "/?token=s3cre", "/?token=s3cret1", "/?token=S3CRET",
+                             "/?token=s3creT", "/?token=s3cret%00", "/?tokens3cret", "/?xtoken=s3cret",
+                             "/?TOKEN=s3cret", "/token=s3cret", "/?token=%s3cret"}) {
+    EXPECT_EQ(with(target, "", ""), 401) << target;
+  }
+
+  EXPECT_EQ(with("/", "Bearer s3cret", ""), 0);
+  for (const char* authorization :
+       {"s3cret", "Basic s3cret", "Bearer", "Bearer ", "Bearer s3cre", "Bearer s3crets", "Bearer s3crex"}) {
+    EXPECT_EQ(with("/", authorization, ""), 401) << authorization;
+  }
+
+  EXPECT_EQ(with("/", "", "palpate=s3cret"), 0);
+  EXPECT_EQ(with("/", "", "a=1; palpate=s3cret; theme=dark"), 0);
+  EXPECT_EQ(with("/", "", "a=1;palpate=s3cret"), 0);
+  for (const char* cookie : {"palpate=", "palpate", "palpate=s3cre", "palpate=s3cret2", "xpalpate=s3cret",
+                             "palpatex=s3cret", "a=palpate=s3cret", "; ;=;"}) {
+    EXPECT_EQ(with("/", "", cookie), 401) << cookie;
+  }
+
+  EXPECT_EQ(with("/?token=wrong", "Bearer wrong", "palpate=s3cret"), 0) << "one of them will do";
+}
+
+// RFC 9110, 11.1: the name of a scheme is case-insensitive.
+TEST(Access, TakesBearerInAnyCase) {
+  const Access access("0.0.0.0", 9090, "s3cret");
+  RequestHead head{"127.0.0.1:9090", {}, "bearer s3cret", {}, "/"};
+  EXPECT_EQ(status(access, head), 0);
+}
+
+TEST(Access, ATokenDoesNotHelpAPageOfAnotherOrigin) {
+  const Access access("0.0.0.0", 9090, "s3cret");
+  RequestHead head{"127.0.0.1:9090", "http://evil.example", {}, "palpate=s3cret", "/"};
+  EXPECT_EQ(status(access, head), 403);
+}
+
+TEST(PathOf, DecodesOnce) {
+  EXPECT_EQ(path_of("/"), "/");
+  EXPECT_EQ(path_of("/scene"), "/scene");
+  EXPECT_EQ(path_of("/a%20b/%C3%A9"), "/a b/\u00e9");
+  EXPECT_EQ(path_of("/a+b"), "/a+b");
+  EXPECT_EQ(path_of("/%41"), "/A") << "at the very end";
+  EXPECT_EQ(path_of("/scene?token=a#b"), "/scene");
+  EXPECT_EQ(path_of("/scene#b?c"), "/scene");
+  EXPECT_EQ(path_of("/a%3Fb"), "/a?b");
+  EXPECT_EQ(path_of("/%2541"), "/%41") << "what is encoded twice is decoded once";
+  EXPECT_EQ(path_of("/%252e%252e/a"), "/%2e%2e/a");
+  EXPECT_EQ(path_of("%2Fscene"), "/scene");
+}
+
+TEST(PathOf, RefusesWhatClimbsOrIsNoPath) {
+  for (const char* target : {"",
+                             "?",
+                             "scene",
+                             "*",
+                             "http://127.0.0.1/scene",
+                             "/..",
+                             "/../etc/passwd",
+                             "/a/../../b",
+                             "/%2e%2e/a",
+                             "/.%2E/a",
+                             "/a\\b",
+                             "/a%5Cb",
+                             "/..%2fa",
+                             "/a%00",
+                             "/%",
+                             "/%4",
+                             "/a%",
+                             "/a%4",
+                             "/%zz",
+                             "/%4g",
+                             "/%g4",
+                             "/%%41",
+                             "/% 1",
+                             "/%-1"}) {
+    EXPECT_EQ(path_of(target), std::nullopt) << target;
+  }
+  EXPECT_EQ(path_of(std::string_view("/a\0b", 4)), std::nullopt);
+}
+
+TEST(QueryValue, IsTheFirstOfItsName) {
+  EXPECT_EQ(query_value("/a?b=c", "b"), "c");
+  EXPECT_EQ(query_value("/a?x=1&b=c&b=d", "b"), "c");
+  EXPECT_EQ(query_value("/a?b=c=d", "b"), "c=d");
+  EXPECT_EQ(query_value("/a?b=%26%3d%20", "b"), "&= ");
+  EXPECT_EQ(query_value("?b=c", "b"), "c");
+  EXPECT_EQ(query_value("/a?&&b=c&", "b"), "c");
+  for (const char* target : {"", "/", "/a", "/b=c", "/a?", "/a?b", "/a?bb=c", "/a?ab=c", "/a?b=", "/a?b=%",
+                             "/a?b=%4", "/a?c=b", "/a?=c", "/a?&", "/a?%62=c"}) {
+    EXPECT_EQ(query_value(target, "b"), "") << target;
+  }
+}
+
+std::string range_of(std::string_view value, std::uint64_t size) {
+  const RangeRequest request = parse_range(value, size);
+  switch (request.kind) {
+    case RangeRequest::Kind::kNone: return "none";
+    case RangeRequest::Kind::kUnsatisfiable: return "unsatisfiable";
+    default: return std::to_string(request.range.first) + '+' + std::to_string(request.range.count);
+  }
+}
+
+TEST(ParseRange, AsRfc9110HasIt) {
+  EXPECT_EQ(range_of("bytes=0-499", 10'000), "0+500");
+  EXPECT_EQ(range_of("bytes=500-999", 10'000), "500+500");
+  EXPECT_EQ(range_of("bytes=-500", 10'000), "9500+500");
+  EXPECT_EQ(range_of("bytes=9500-", 10'000), "9500+500");
+  EXPECT_EQ(range_of("bytes=0-0", 10'000), "0+1");
+  EXPECT_EQ(range_of("bytes=-1", 10'000), "9999+1");
+  EXPECT_EQ(range_of("bytes=9999-9999", 10'000), "9999+1");
+  EXPECT_EQ(range_of("bytes=0-", 10'000), "0+10000");
+  // What goes beyond the end ends there.
+  EXPECT_EQ(range_of("bytes=9999-10000", 10'000), "9999+1");
+  EXPECT_EQ(range_of("bytes=0-18446744073709551615", 10'000), "0+10000");
+  EXPECT_EQ(range_of("bytes=-20000", 10'000), "0+10000");
+}
+
+TEST(ParseRange, CannotSatisfyWhatBeginsBeyondTheEnd) {
+  EXPECT_EQ(range_of("bytes=10000-", 10'000), "unsatisfiable");
+  EXPECT_EQ(range_of("bytes=10000-10001", 10'000), "unsatisfiable");
+  EXPECT_EQ(range_of("bytes=18446744073709551615-", 10'000), "unsatisfiable");
+  EXPECT_EQ(range_of("bytes=-0", 10'000), "unsatisfiable");
+  for (const char* value : {"bytes=0-", "bytes=0-0", "bytes=-1", "bytes=-0"})
+    EXPECT_EQ(range_of(value, 0), "unsatisfiable") << value << " of an empty file";
+}
+
+TEST(ParseRange, IsNoneOfWhatItDoesNotKnow) {
+  for (const char* value : {"",
+                            "bytes",
+                            "bytes=",
+                            "bytes=-",
+                            "bytes=--1",
+                            "bytes=5-4",
+                            "bytes=a-b",
+                            "bytes=0x0-1",
+                            "bytes=1",
+                            "bytes=+1-2",
+                            "bytes=1-+2",
+                            "bytes=1.0-2",
+                            "bytes= 1-2",
+                            "bytes=1-2 ",
+                            "bytes=0-1,3-4",
+                            "bytes=0-1,",
+                            "items=0-1",
+                            "=0-1",
+                            "0-1",
+                            "bytes=0-1-2",
+                            "bytes=-1-2",
+                            "bytes=99999999999999999999-",
+                            "bytes=0-99999999999999999999"}) {
+    EXPECT_EQ(range_of(value, 10), "none") << value;
+  }
+}
+
+}  // namespace
+}  // namespace palpate

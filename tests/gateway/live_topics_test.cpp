@@ -1,0 +1,275 @@
+#include <palpate/gateway/live_topics.h>
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <support/splats.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kHand = "/palpate/client/measured_cp";
+constexpr const char* kAnswer = "/palpate/client/servo_cf";
+constexpr const char* kSpatial = "/palpate/spatial/servo_cf";
+constexpr const char* kBody = "/palpate/body/servo_cf";
+constexpr const char* kContacts = "/palpate/contacts";
+
+/// A device that is turned by 90 degrees about z, half as large as the world, and elsewhere.
+WorkspaceMap map() {
+  WorkspaceMap result;
+  result.scale = 2.0;
+  result.rotation = Quaterniond(AngleAxisd(M_PI / 2, Vector3d::UnitZ()));
+  result.offset = {1, 0, 0};
+  return result;
+}
+
+class LiveTopicsTest : public testing::Test {
+ protected:
+  void begin(bool client_is_device = false) {
+    live = std::make_unique<LiveTopics>(hub, feed, hand, clock, statistics, map(), client_is_device);
+    for (auto* client : {&first, &second})
+      *client = std::make_unique<Client>(
+          hub, [] {}, [this] { return now; });
+  }
+
+  /// Everything that waits for a client, by topic; what is no publication under its op.
+  static std::map<std::string, std::vector<Json>> all(Client& client) {
+    std::map<std::string, std::vector<Json>> messages;
+    while (const auto outgoing = client.next()) {
+      const Json message = decode_json(*outgoing->bytes);
+      messages[message.value("topic", message.value("op", ""))].push_back(message.value("msg", Json()));
+    }
+    return messages;
+  }
+
+  void subscribe(Client& client, const std::vector<std::string>& topics) {
+    for (const std::string& topic : topics)
+      client.receive(Json{{"op", "subscribe"}, {"topic", topic}, {"queue_length", 100}}.dump(), false);
+    EXPECT_THAT(all(client), IsEmpty());
+  }
+
+  static void put(Client& client, const Vector3d& position, const std::string& frame, int seconds = 0) {
+    const Json message{{"header", header({seconds, 0}, frame, 0)}, {"pose", to_json(Pose{position})}};
+    client.receive(Json{{"op", "publish"}, {"topic", kHand}, {"msg", message}}.dump(), false);
+  }
+
+  /// What the servo thread does.
+  void tick() {
+    hand.newest();
+    ++statistics.ticks;
+    feed.see(record, {});
+  }
+
+  static TickRecord quiet() {
+    TickRecord record;
+    record.sent_force.setZero();
+    record.tool.position = {0, 0, 5};
+    return record;
+  }
+
+  double now = 0.0;
+  Hub hub;
+  ClientHand hand;
+  TickFeed feed{hand};
+  LoopClock clock;
+  LoopStatistics statistics;
+  TickRecord record = quiet();
+  std::unique_ptr<LiveTopics> live;
+  std::unique_ptr<Client> first, second;
+};
+
+TEST_F(LiveTopicsTest, TakesAPoseInTheWorldToTheDevice) {
+  begin();
+  EXPECT_FALSE(hand.is_held());
+  put(*first, {1, 2, 4}, "world");
+  EXPECT_THAT(all(*first), IsEmpty());
+  EXPECT_TRUE(hand.is_held());
+  EXPECT_TRUE(live->is_held());
+  // (0, 2, 4) from the offset, turned back to (2, 0, 4), and half of that.
+  EXPECT_TRUE(hand.newest().pose.position.isApprox(Vector3d(1, 0, 2)));
+  EXPECT_NEAR(hand.newest().pose.orientation.angularDistance(map().rotation.conjugate()), 0.0, 1e-12);
+  put(*first, {1, 2, 4}, "device");
+  EXPECT_EQ(hand.newest().pose.position, Vector3d(1, 2, 4));
+}
+
+TEST_F(LiveTopicsTest, APoseWithoutAFrameIsInThatOfWhatTheClientIs) {
+  begin(false);
+  put(*first, {1, 2, 4}, "");
+  EXPECT_TRUE(hand.newest().pose.position.isApprox(Vector3d(1, 0, 2))) << "whoever leads, in the world";
+}
+
+TEST_F(LiveTopicsTest, APoseWithoutAFrameIsTheDevicesOwnWhereThatIsTheClient) {
+  begin(true);
+  put(*first, {1, 2, 4}, "");
+  EXPECT_EQ(hand.newest().pose.position, Vector3d(1, 2, 4));
+}
+
+TEST_F(LiveTopicsTest, OneClientHoldsTheToolUntilItGoes) {
+  begin();
+  put(*first, {1, 0, 0}, "device");
+  put(*second, {2, 0, 0}, "device");
+  const auto told = all(*second)["status"];
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told[0].get<std::string>(), HasSubstr("another client holds the tool"));
+  EXPECT_EQ(hand.newest().pose.position.x(), 1.0);
+  second.reset();
+  EXPECT_TRUE(hand.is_held()) << "that one did not hold it";
+  first.reset();
+  EXPECT_FALSE(hand.is_held());
+  EXPECT_FALSE(live->is_held());
+}
+
+TEST_F(LiveTopicsTest, WhatIsNoPoseHoldsNothing) {
+  begin();
+  first->receive(Json{{"op", "publish"}, {"topic", kHand}, {"msg", Json::object()}}.dump(), false);
+  EXPECT_EQ(all(*first)["status"].size(), 1U);
+  EXPECT_FALSE(hand.is_held());
+  put(*second, {2, 0, 0}, "device");
+  EXPECT_TRUE(hand.is_held());
+}
+
+TEST_F(LiveTopicsTest, ASecondOfSilenceLetsGo) {
+  begin();
+  put(*first, {1, 0, 0}, "device");
+  live->publish();
+  EXPECT_TRUE(hand.is_held());
+  clock.sleep_until(clock.now() + LiveTopics::kSilence + 0.01);
+  live->publish();
+  EXPECT_FALSE(hand.is_held());
+  put(*second, {2, 0, 0}, "device");
+  EXPECT_THAT(all(*second), IsEmpty());
+  EXPECT_EQ(hand.newest().pose.position.x(), 2.0);
+}
+
+TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
+  begin();
+  for (Client* client : {first.get(), second.get()}) subscribe(*client, {kAnswer, kSpatial, kBody});
+  put(*first, {1, 0, 0}, "device", 7);
+  live->answer();
+  EXPECT_THAT(all(*first), IsEmpty()) << "it was not felt yet";
+
+  record.sent = {{1, 2, 3}, {4, 5, 6}};
+  record.sent_force = {-2, 1, 3};  // turned by 90 degrees about z
+  record.tool.orientation = Quaterniond(AngleAxisd(M_PI, Vector3d::UnitX()));
+  tick();
+  live->answer();
+  auto told = all(*first);
+  EXPECT_THAT(all(*second), IsEmpty());
+  for (const char* topic : {kAnswer, kSpatial, kBody}) ASSERT_EQ(told[topic].size(), 1U) << topic;
+  const Json answer = told[kAnswer][0], spatial = told[kSpatial][0], body = told[kBody][0];
+  EXPECT_EQ(answer["wrench"], to_json(record.sent));
+  EXPECT_EQ(answer["header"]["frame_id"], "device");
+  EXPECT_EQ(answer["header"]["stamp"], (Json{{"secs", 7}, {"nsecs", 0}})) << "that of the pose";
+  EXPECT_EQ(spatial["header"]["frame_id"], "world");
+  EXPECT_EQ(spatial["wrench"]["force"], to_json(record.sent_force));
+  EXPECT_NEAR(spatial["wrench"]["torque"]["x"].get<double>(), -5.0, 1e-12);
+  EXPECT_NEAR(spatial["wrench"]["torque"]["y"].get<double>(), 4.0, 1e-12);
+  EXPECT_NEAR(spatial["wrench"]["torque"]["z"].get<double>(), 6.0, 1e-12);
+  EXPECT_EQ(body["header"]["frame_id"], "tool");
+  EXPECT_NEAR(body["wrench"]["force"]["x"].get<double>(), -2.0, 1e-12);
+  EXPECT_NEAR(body["wrench"]["force"]["y"].get<double>(), -1.0, 1e-12);
+  EXPECT_NEAR(body["wrench"]["force"]["z"].get<double>(), -3.0, 1e-12);
+
+  tick();
+  live->answer();
+  EXPECT_THAT(all(*first), IsEmpty()) << "a tick without another pose";
+  live->publish();
+  EXPECT_THAT(all(*first), IsEmpty()) << "who gets it a tick does not get it 60 times a second, too";
+  EXPECT_EQ(all(*second)[kSpatial].size(), 1U);
+}
+
+TEST_F(LiveTopicsTest, PublishesAsOftenAsItSays) {
+  begin();
+  const std::vector<std::string> topics{"/palpate/measured_cp", "/palpate/measured_cv", kSpatial, kBody,
+                                        "/palpate/proxy_cp",    "/palpate/tool",        kAnswer,  kContacts,
+                                        "/palpate/diagnostics"};
+  subscribe(*first, topics);
+  const auto index =
+      std::make_shared<const SceneIndex>(test::scene_of({test::Splat{}}), SceneFilter{}, Similarity{});
+  live->feel(index, Tool());
+  tick();
+  for (int k = 0; k < 60; ++k) live->publish();
+  auto told = all(*first);
+  for (std::size_t k = 0; k < 7; ++k) EXPECT_EQ(told[topics[k]].size(), 60U) << topics[k];
+  EXPECT_EQ(told[kContacts].size(), 30U + 1U) << "and the reset";
+  EXPECT_EQ(told["/palpate/diagnostics"].size(), 20U);
+  EXPECT_EQ(told["/palpate/measured_cp"][0]["pose"], to_json(record.tool));
+  EXPECT_EQ(told["/palpate/measured_cp"][0]["header"]["frame_id"], "world");
+  ASSERT_EQ(told["/palpate/tool"][0]["markers"].size(), 1U);
+  EXPECT_EQ(told["/palpate/tool"][0]["markers"][0]["ns"], "tool");
+}
+
+TEST_F(LiveTopicsTest, ShowsWhatTheToolTouchesOfWhatIsFeltNow) {
+  begin();
+  subscribe(*first, {kContacts});
+  live->publish();
+  live->publish();
+  EXPECT_THAT(all(*first), IsEmpty()) << "there is nothing to feel";
+  const auto scene =
+      test::scene_of({test::Splat{{0, 0, 0}}, test::Splat{{0, 0, 5}}, test::Splat{{0, 0, 5.01}}});
+  live->feel(std::make_shared<const SceneIndex>(scene, SceneFilter{}, Similarity{}), Tool());
+  tick();
+  const auto next = [&] {
+    live->publish();
+    live->publish();
+    return all(*first)[kContacts];
+  };
+  const auto ids = [](const Json& message, int action) {
+    std::set<int> result;
+    for (const Json& marker : message["markers"]) {
+      if (marker["action"] == action) result.insert(marker["id"].get<int>());
+    }
+    return result;
+  };
+  const std::vector<Json> touching = next();
+  ASSERT_EQ(touching.size(), 2U);
+  EXPECT_EQ(touching[0]["markers"][0]["action"], 3) << "DELETEALL first";
+  EXPECT_THAT(ids(touching[1], 0), ElementsAre(1, 2));
+  record.tool.position = {0, 0, 0};
+  tick();
+  const std::vector<Json> elsewhere = next();
+  ASSERT_EQ(elsewhere.size(), 1U);
+  EXPECT_THAT(ids(elsewhere[0], 0), ElementsAre(0));
+  EXPECT_THAT(ids(elsewhere[0], 2), ElementsAre(1, 2));
+}
+
+TEST_F(LiveTopicsTest, DiagnosticsHaveWhatIsDocumented) {
+  begin();
+  subscribe(*first, {"/palpate/diagnostics"});
+  record.state = GovernorState::kActive;
+  record.sent.force = {3, 4, 0};
+  tick();
+  live->publish();
+  const Json status = all(*first)["/palpate/diagnostics"].at(0)["status"].at(0);
+  EXPECT_EQ(status["name"], "palpate: servo");
+  EXPECT_EQ(status["level"], 0);
+  std::map<std::string, std::string> values;
+  for (const Json& pair : status["values"]) values[pair["key"]] = pair["value"];
+  for (const char* key :
+       {"state",  "fault",     "advice",    "rate_hz",    "tick_us", "tick_p50_us", "tick_p99_us",
+        "age_us", "overruns",  "contacts",  "candidates", "k_max",   "force_n",     "torque_nm",
+        "margin", "energy_mj", "stored_mj", "put_out_mj", "damping", "clients"}) {
+    EXPECT_EQ(values.count(key), 1U) << key;
+  }
+  EXPECT_EQ(values.size(), 20U);
+  EXPECT_EQ(values["force_n"], "5");
+  EXPECT_EQ(values["clients"], "2");
+  EXPECT_EQ(values["fault"], "");
+}
+
+}  // namespace
+}  // namespace palpate
