@@ -21,7 +21,9 @@ std::string plain_type(std::string type) {
   return type;
 }
 
-std::string full_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
+std::string full_name(const std::string& name) {
+  return name.starts_with('/') ? name : fmt::format("/{}", name);
+}
 
 /// As in a message to people; what a client sent may be anything.
 std::string quoted(const std::string& text) {
