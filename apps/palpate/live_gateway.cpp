@@ -7,6 +7,7 @@
 #include <random>
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 
 #include <palpate/base/error.h>
 #include <palpate/device/profiles.h>
@@ -127,6 +128,8 @@ LiveGateway::~LiveGateway() { stop(); }
 void LiveGateway::start() {
   topics_ = std::make_unique<LiveTopics>(hub_, feed_, system_.client_hand(), system_.clock(),
                                          system_.loop().statistics(), map_, device_kind_ == "client");
+  // Who locks all memory does not mean this: it is read when someone wants to see it.
+  if (scene_file_) ::munlock(scene_file_->bytes().data(), scene_file_->bytes().size());
   server_->every(LiveTopics::kRate, [this] { beat(); });
   server_->when(feed_.wake(), [this] { topics_->answer(); });
   server_->start();
@@ -308,6 +311,7 @@ WebPage LiveGateway::metrics() const {
   add("active", "gauge", "1 while the governor lets all of the force through.",
       tick.state == GovernorState::kActive ? 1.0 : 0.0);
   add("clients", "gauge", "WebSocket clients.", static_cast<double>(hub_.client_count()));
+  text.pop_back();  // text_page() ends the last line
   WebPage page = text_page(200, text);
   page.type = "text/plain; version=0.0.4; charset=utf-8";
   return page;

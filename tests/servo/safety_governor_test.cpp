@@ -136,6 +136,13 @@ TEST(SafetyGovernor, ADeviceWithoutTorqueGetsNone) {
   EXPECT_EQ(loop.sent.torque, Vector3d::Zero());
 }
 
+TEST(SafetyGovernor, ADeviceOfFewReadingsIsStaleAfterThreeOfThem) {
+  DeviceCapabilities slow = device();
+  EXPECT_EQ(SafetyLimits::of(slow, kTick).stale_after, 0.02);
+  slow.rate = 60.0;
+  EXPECT_DOUBLE_EQ(SafetyLimits::of(slow, kTick).stale_after, 0.05);
+}
+
 TEST(SafetyGovernor, SlewsByHand) {
   Loop loop;
   loop.feel({0, 0, 0.1});

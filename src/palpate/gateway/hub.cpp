@@ -16,7 +16,7 @@ constexpr double kEarly = 2e-3;
 /// As ROS 1 writes it, of either notation.
 std::string plain_type(std::string type) {
   for (const std::string_view part : {"/msg/", "/srv/"}) {
-    if (const auto at = type.find(part); at != std::string::npos) type.replace(at, part.size(), "/");
+    if (const auto at = type.find(part); at != std::string::npos) type.erase(at, part.size() - 1);
   }
   return type;
 }

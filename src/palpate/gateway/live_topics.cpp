@@ -57,8 +57,7 @@ void LiveTopics::take(const Json& message, Client& from) {
   const Pose device = world ? map_.to_device(said.pose) : said.pose;
   holder_ = &from;
   held_at_ = clock_.now();
-  stamp_ = said.stamp;
-  put_ = hand_.put(device, held_at_);
+  stamps_[hand_.put(device, held_at_) % stamps_.size()] = said.stamp;
 }
 
 void LiveTopics::release() {
@@ -74,7 +73,9 @@ void LiveTopics::publish_wrenches(const Stamp& stamp, Client* only) {
   const auto message = [&](const Wrench& wrench, const char* frame, const Stamp& when) {
     return Json{{"header", header(when, frame, feed_.newest().answers)}, {"wrench", to_json(wrench)}};
   };
-  if (client_.is_watched()) send(client_, message(tick.sent, "device", only != nullptr ? stamp_ : stamp));
+  if (client_.is_watched())
+    send(client_,
+         message(tick.sent, "device", only != nullptr ? stamps_[answered_ % stamps_.size()] : stamp));
   if (!spatial_.is_watched() && !body_.is_watched()) return;
   // Torques as forces: what the device shows, along the axes of the world.
   const Wrench world{tick.sent_force, map_.rotation * tick.sent.torque};

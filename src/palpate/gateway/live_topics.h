@@ -2,6 +2,7 @@
 /// What a loop does, as topics.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -66,10 +67,10 @@ class LiveTopics {
 
   Client* holder_ = nullptr;  ///< whose hand it is
   double held_at_ = 0.0;      ///< when it spoke last. Unit: [s].
-  Stamp stamp_;               ///< of its newest pose
-  std::uint64_t put_ = 0;     ///< number of that
-  std::uint64_t answered_ = 0;
-  std::uint64_t count_ = 0;  ///< calls of publish()
+  /// Of its last poses, by number.
+  std::array<Stamp, 256> stamps_;
+  std::uint64_t answered_ = 0;  ///< number of a pose
+  std::uint64_t count_ = 0;     ///< calls of publish()
   std::uint64_t ticks_ = 0;
   double ticks_at_ = 0.0, rate_ = 0.0;
 };

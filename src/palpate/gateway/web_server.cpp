@@ -452,7 +452,8 @@ void WebServer::post(std::function<void()> work) { implementation_->post(std::mo
 std::uint16_t WebServer::port() const { return implementation_->port(); }
 
 std::string WebServer::url() const {
-  const std::string& address = implementation_->address();
+  std::string address = implementation_->address();
+  if (address == "0.0.0.0" || address == "::") address = net::ip::host_name();
   const bool six = address.find(':') != std::string::npos;
   const std::string& token = implementation_->token();
   return fmt::format("http://{}:{}/{}", six ? '[' + address + ']' : address, port(),

@@ -63,7 +63,8 @@ class WebServer {
   void post(std::function<void()> work);
 
   std::uint16_t port() const;
-  /// "http://127.0.0.1:9090/", with the token.
+  /// "http://127.0.0.1:9090/", with the token; by this machine's name where all of its addresses are listened
+  /// on.
   std::string url() const;
 
   static constexpr std::size_t kMostClients = 128;        ///< WebSockets

@@ -64,6 +64,8 @@ SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
   limits.torque_slew = device.torque_max / kSlewTime;
   limits.tick = tick;
   limits.reading_period = 1.0 / device.rate;
+  constexpr double kMissed = 3.0;  // readings in a row: then it is not just late
+  limits.stale_after = std::max(limits.stale_after, kMissed * limits.reading_period);
   return limits;
 }
 

@@ -35,7 +35,7 @@ struct SafetyLimits {
   double gate_time = 0.05;   ///< for as long. Unit: [s].
   double rise_time = 0.5;    ///< from the gate to full force. Unit: [s].
 
-  double stale_after = 0.02;      ///< Unit: [s].
+  double stale_after = 0.02;      ///< or three readings of a device that has fewer. Unit: [s].
   double frozen_after = 5.0;      ///< no hand holds still for so long, to a count of six encoders. Unit: [s].
   double contacts_after = 0.2;    ///< Unit: [s].
   double recover_after = 0.25;    ///< Unit: [s].
