@@ -38,7 +38,6 @@ class LiveTopics {
   /// A client that is silent for longer holds nothing. Unit: [s].
   static constexpr double kSilence = 1.0;
 
-  const TickFeed::Tick& newest() const { return feed_.newest(); }
   bool is_held() const { return holder_ != nullptr; }
 
  private:

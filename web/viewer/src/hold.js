@@ -10,6 +10,7 @@ export class Hold {
   #by = new Set(); // 'pointer', 'keys', 'headset'
   #seq = 0;
   #refusedAt = -Infinity;
+  #endedAt = -Infinity;
   #listeners = [];
 
   constructor(connection, live) {
@@ -46,12 +47,15 @@ export class Hold {
   }
 
   end(by) {
-    if (this.#by.delete(by)) this.#tell();
+    if (!this.#by.delete(by)) return;
+    this.#endedAt = performance.now();
+    this.#tell();
   }
 
   endAll() {
     if (!this.active) return;
     this.#by.clear();
+    this.#endedAt = performance.now();
     this.#tell();
   }
 
@@ -62,6 +66,11 @@ export class Hold {
   /// The program has said that someone else holds the tool.
   refused() {
     this.#refusedAt = performance.now();
+  }
+
+  /// The program takes a hand that is silent for one that is still there for a second.
+  get justLetGo() {
+    return performance.now() - this.#endedAt < refusalShown;
   }
 
   get isRefused() {

@@ -36,6 +36,7 @@ export class StatusBar {
     if (!this.connection.connected) return '';
     if (this.hold.isRefused) return 'someone else holds the tool';
     if (this.hold.active) return 'you hold the tool';
+    if (this.live.diagnostics?.values.held_by === 'client' && !this.hold.justLetGo) return 'someone else holds the tool';
     return this.parameters.current?.device.kind === 'simulated' ? 'the simulated hand explores' : '';
   }
 
