@@ -77,6 +77,18 @@ class Signals {
 };
 /// @}
 
+/// Ends the loop before what looks on is gone, whatever happens.
+class LoopEnd {
+ public:
+  explicit LoopEnd(LiveSystem& system) : system_(system) {}
+  ~LoopEnd() { system_.stop(); }
+  LoopEnd(const LoopEnd&) = delete;
+  LoopEnd& operator=(const LoopEnd&) = delete;
+
+ private:
+  LiveSystem& system_;
+};
+
 /// Every tick into the recording.
 class RecordingObserver final : public TickObserver {
  public:
@@ -302,6 +314,7 @@ void run(const Options& options) {
   warn(system);
   if (const auto refused = lock_memory(); refused && talks) notify("note: " + *refused);
   system.start(observers);
+  const LoopEnd end(system);
   if (gateway) gateway->start();
   const Signals signals(system.tick());
   if (talks) {

@@ -189,7 +189,7 @@ describe('in a headset', () => {
     assert.equal((await ask(page, (v) => v.pulses))[0].kind, 'click');
     assert.ok(await ask(page, (v) => v.drawnContacts()) > 0);
     await put(above);
-    await until(page, () => window.palpateViewer.drawnContacts() === 0 && Math.hypot(...window.palpateViewer.force()) < 0.05);
+    await until(page, () => window.palpateViewer.drawnContacts() === 0 && Math.hypot(...(window.palpateViewer.force() ?? [1])) < 0.05);
     const count = (await ask(page, (v) => v.pulses)).length;
     await settle(page, 5);
     assert.equal((await ask(page, (v) => v.pulses)).length, count);
