@@ -228,7 +228,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   options.rate = options_.rate;
   if (options_.cpu >= 0) options.priority.cpu = options_.cpu;
   loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
-  changer_ = std::thread([this] { change_until_stopped(); });
+  changer_ = std::thread([this, begin = settings_] { change_until_stopped(begin); });
 }
 
 void LiveSystem::stop() {
@@ -284,8 +284,8 @@ void LiveSystem::say(const std::string& busy) {
   ++version_;
 }
 
-void LiveSystem::change_until_stopped() {
-  LiveSettings done = settings();
+/// \param done what is felt already
+void LiveSystem::change_until_stopped(LiveSettings done) {
   std::uint64_t seen = 0;
   for (;;) {
     std::unique_lock lock(mutex_);
@@ -350,9 +350,12 @@ void LiveSystem::apply(const LiveSettings& wanted, const LiveSettings& now) {
     const std::scoped_lock lock(mutex_);
     if (ends_) return;  // both stay until the loop has stopped
   }
-  const std::scoped_lock lock(mutex_);
-  felt_.swap(next_);
-  index_ = index;
+  {
+    const std::scoped_lock lock(mutex_);
+    felt_.swap(next_);
+    index_ = index;
+  }
+  next_.reset();  // what was felt before, with its worker
 }
 
 }  // namespace palpate::cli

@@ -102,7 +102,7 @@ class LiveSystem {
   HandPath simulated_hand();
   std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index,
                                        const LiveSettings& settings) const;
-  void change_until_stopped();
+  void change_until_stopped(LiveSettings done);
   void apply(const LiveSettings& wanted, const LiveSettings& now);
   void say(const std::string& busy);
 
