@@ -58,7 +58,6 @@ class LiveGateway {
   void add_parameters();
   void beat();
   Value parameters() const;
-  Value set(const Value& wanted);
   WebPage page(const std::string& path);
   bool is_paused() const { return feed_.newest().record.fault == Fault::kPaused; }
   WebPage health() const;

@@ -50,7 +50,7 @@ void RecordingSwitch::end() {
   constexpr double kPatience = 0.1, kLook = 1e-3;  // s
   const std::uint64_t seen = ticks_.load(std::memory_order_acquire);
   const double until = monotonic_now() + kPatience;
-  while (ticks_.load(std::memory_order_acquire) < seen + 1 && monotonic_now() < until)
+  while (ticks_.load(std::memory_order_acquire) == seen && monotonic_now() < until)
     sleep_until(monotonic_now() + kLook);
   recorder_->close();
   const std::optional<std::string> failure = recorder_->failure();

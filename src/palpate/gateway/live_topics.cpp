@@ -147,7 +147,7 @@ void LiveTopics::publish_diagnostics(const Stamp& stamp) {
   text("state", to_string(tick.state));
   text("fault", tick.fault == Fault::kNone ? "" : traits(tick.fault).name);
   text("advice", tick.fault == Fault::kNone ? "" : traits(tick.fault).advice);
-  text("held_by", holder_ != nullptr ? "client" : "");
+  text("held_by", is_held() ? "client" : "");
   number("rate_hz", rate_);
   number("tick_us", kMicro * times.whole);
   number("tick_p50_us", kMicro * statistics_.whole.quantile(0.5));

@@ -57,7 +57,7 @@ void add_rosapi(Hub& hub) {
     hub.add_service(std::string("/rosapi/") + name, std::string("rosapi/") + type, std::move(service));
   };
   add("topics", "Topics", [&hub](const Json&) {
-    Json names = Json::array(), types = Json::array(), texts = Json::array();
+    Json names = Json::array(), types = Json::array();
     for (const auto& [name, type] : all_topics(hub)) {
       names.push_back(name);
       types.push_back(type);

@@ -12,15 +12,10 @@ if [ $# -gt 2 ]; then
   export PALPATE_BINARY
   tests+=(program_test.mjs)
 fi
-mkdir -p "$work"
 here=$(dirname "$(realpath "$0")")
-cp "$here"/{package.json,package-lock.json,*.mjs} "$work"
-cp "$here"/../../../web/viewer/src/{kept,haptics}.js "$work"
-cd "$work"
-# npm in a copy: the source tree stays as it is.
-if ! cmp -s package-lock.json installed-lock.json; then
-  npm ci --no-audit --no-fund --ignore-scripts
-  cp package-lock.json installed-lock.json
-fi
+# shellcheck source=tests/web/packages.sh
+source "$here/../packages.sh"
+enter "$work" "$here"
+cp "$here"/../../../web/viewer/src/{kept,haptics}.js .
 # One after the other: each has a browser that draws in software.
 node --test --test-concurrency=1 "${tests[@]}"
