@@ -25,6 +25,11 @@ using test::Splat;
 
 constexpr Bars kRounding{1e-12, 1e-8};
 
+bool same_bits(const Contact& a, const Contact& b) {
+  return a.k_min == b.k_min && a.lambda == b.lambda && a.point == b.point && a.normal == b.normal &&
+         a.depth == b.depth;
+}
+
 /// A tool that walks.
 struct Walker {
   Pose pose;
@@ -43,6 +48,9 @@ class ContactTrackerOnEveryTarget : public test::OnEveryTarget {
  protected:
   struct Seen {
     std::size_t contacts = 0;
+    /// Of them, whose figures are not the same bits. Where rounding takes t the other way there is one, one
+    /// in a hundred thousand; a tracker that lets its start be seen has nothing else.
+    std::size_t different = 0;
     std::size_t searches = 0;  ///< at most: poses at which what is kept changed
   };
 
@@ -61,11 +69,14 @@ class ContactTrackerOnEveryTarget : public test::OnEveryTarget {
       EXPECT_LE(tracked.contacts.size(), tracked.filtered);
       EXPECT_LE(tracked.filtered, tracked.candidates);
       seen.contacts += tracked.contacts.size();
+      for (std::size_t k = 0; k < std::min(tracked.contacts.size(), fresh.contacts.size()); ++k)
+        seen.different += !same_bits(tracked.contacts[k], fresh.contacts[k]);
       seen.searches += i == 0 || tracked.filtered != kept || tracked.candidates != walked;
       kept = tracked.filtered;
       walked = tracked.candidates;
       if (HasFailure()) break;
     }
+    EXPECT_LE(seen.different, seen.contacts / 1000);
     return seen;
   }
 };

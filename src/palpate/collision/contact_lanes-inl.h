@@ -137,6 +137,32 @@ HWY_INLINE Vec3<L> adjugate_times_distance(const Vec3<L>& d, const Vec3<L> (&l)[
   return fma(t, fma(t, second, first), d);
 }
 
+/// The place of the minimum, t, and K there.
+template <class L>
+struct Minimum {
+  L t, k_min;
+};
+
+/// In double: makes what minimize() found a function of the pair alone. Of t it leaves kLastStep^2 to chance,
+/// to where it began, which is another place for a fresh query than for a tool that was near by a moment ago;
+/// and a force on the edge between two surfaces makes newtons of that. Rounded, t no longer knows of it, and
+/// two steps from there, 2^-13 in ln t or less, are as near as before and nearer: to rounding.
+template <class L>
+HWY_INLINE Minimum<L> settled(const KLanes<L>& k, Minimum<L> at) {
+  if constexpr (sizeof(typename L::T) == sizeof(double)) {
+    constexpr int kDigits = 12;
+    constexpr double kLongest = 0x1p-12;  // on a plateau Newton's step may be anything
+    at.t = rounded<kDigits>(at.t);
+    for (int step = 0; step < 2; ++step) {
+      const FSlope<L> slope(FTerms<L>(k, at.t), at.t);
+      const L s = max(L(-kLongest), min(L(kLongest), newton_step(slope)));
+      at.k_min = 1.0 - fma(slope.f, 0.5 * (slope.g * s), slope.f);
+      at.t = advance(at.t, s);
+    }
+  }
+  return at;
+}
+
 /// As many numbers as L has lanes, as doubles in memory.
 template <class L>
 struct InMemory {
@@ -168,8 +194,9 @@ HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& t
   using T = typename L::T;
   const Vec3<L> distance = load3<L>(pairs.distance, i);
   const Vec3<L> l[3] = {load3<L>(pairs.l, i, 0), load3<L>(pairs.l, i, 3), load3<L>(pairs.l, i, 6)};
-  const L t = load<L>(pairs.t, i);
-  const FTerms<L> x(load_k<L>(pairs, i), t);
+  const KLanes<L> k = load_k<L>(pairs, i);
+  const auto [t, k_least] = settled<L>(k, {load<L>(pairs.t, i), load<L>(pairs.k_min, i)});
+  const FTerms<L> x(k, t);
   const L inverse_Eq = T{1} / (x.E * x.q);
   const Vec3<L> y = (inverse_Eq * x.q) * adjugate_times_distance(distance, l, t);
   // World frame: dK/dc_tool is along -W^T y, the way out along q = W^T y; the columns of W^-1 are the tool's
@@ -187,8 +214,8 @@ HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& t
   const L extents = norm(y) + norm(Vec3<L>{dot(l[0], y), dot(l[1], y), dot(l[2], y)});
 
   const PointsInMemory<L> normal(inverse_q * q), point(axes * y), center(axes * distance);
-  const InMemory<L> depth(inverse_q * (extents - dot(y, distance))), lambda(t * (inverse_Eq * x.E)),
-      k_min(load<L>(pairs.k_min, i));
+  const InMemory<L> depth(inverse_q * (extents - dot(y, distance))),
+      lambda(min(t * (inverse_Eq * x.E), L(T{1}))), k_min(k_least);
   const Vec3<Doubles> origin = broadcast<Doubles>(tool.world.ellipsoid.center);
   for (std::size_t j = 0; j < L::width(); j += Doubles::width()) {
     const auto put = [&](std::size_t row, const Doubles& a, const Doubles& b) HWY_ATTR {

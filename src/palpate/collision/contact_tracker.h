@@ -12,7 +12,8 @@ namespace palpate {
 /// Lookahead, another thread looks further, and farther, before the tool is there.
 ///
 /// However the tool moves, and however late that thread is, the contacts are those of a fresh query: the same
-/// ids, and figures that differ by rounding alone. What is not near enough to be known costs the time of such
+/// ids, and in double the same bits, but for one figure in a hundred thousand, in whose last digits rounding
+/// shows where its search began. What is not near enough to be known costs the time of such
 /// a query, never its truth.
 ///
 /// Belongs to one thread; the index must outlive it. Takes nothing from the heap after construction, but for

@@ -178,6 +178,20 @@ PALPATE_LANES LaneMask<D, N> is_negative(const Lanes<D, N>& a) {
   return r;
 }
 
+/// To the nearest number with `kDigits` binary digits behind the first.
+template <int kDigits, class D, std::size_t N>
+HWY_INLINE Lanes<D, N> rounded(const Lanes<D, N>& a) {
+  const hn::RebindToUnsigned<D> bits;
+  using Bits = hn::TFromD<decltype(bits)>;
+  constexpr Bits kUnit = Bits{1} << (hwy::MantissaBits<hn::TFromD<D>>() - kDigits);
+  Lanes<D, N> r;
+  for (std::size_t j = 0; j < N; ++j) {
+    const auto carried = hn::Add(hn::BitCast(bits, a.v[j]), hn::Set(bits, kUnit / 2));
+    r.v[j] = hn::BitCast(D(), hn::And(carried, hn::Set(bits, ~(kUnit - 1))));
+  }
+  return r;
+}
+
 /// The lanes of all vectors as bits, the first lane in bit 0; up to 32 lanes.
 PALPATE_LANES std::uint32_t bits_of(const LaneMask<D, N>& mask) {
   std::uint32_t bits = 0;
