@@ -20,7 +20,7 @@ Value numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}
 /// Of the axes of the captured frame and the point between them, column by column.
 Value matrix_of(const Similarity& s) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
-  m.topLeftCorner<3, 3>() = s.scale * s.rotation.toRotationMatrix();
+  m.topLeftCorner<3, 3>() = s.scale * s.orthogonal();
   m.topRightCorner<3, 1>() = s.translation;
   return std::vector<double>(m.data(), m.data() + m.size());
 }
@@ -115,7 +115,11 @@ void change_registration(SceneOptions& scene, const Value& wanted) {
       throw Refusal(fmt::format("'frame' must be one of {}", fmt::join(known, ", ")));
     scene.frame = asked;
   };
-  change_place(scene.registration, wanted, "registration", {{"frame", frame}});
+  const auto mirrored = [&](const Value& value, const std::string& name) {
+    if (!value.is_boolean()) throw Refusal(fmt::format("'{}' must be true or false", name));
+    scene.registration.mirrored = value.get<bool>();
+  };
+  change_place(scene.registration, wanted, "registration", {{"frame", frame}, {"mirrored", mirrored}});
 }
 
 void change_filter(SceneFilter& filter, const Value& wanted) {
@@ -145,6 +149,7 @@ Value settings_json(const LiveSettings& s) {
                     {"orientation", numbers(part.pose.orientation)}});
   return {{"registration",
            {{"frame", s.scene.frame},
+            {"mirrored", s.scene.registration.mirrored},
             {"scale", s.scene.registration.scale},
             {"rotation", numbers(s.scene.registration.rotation)},
             {"translation", numbers(s.scene.registration.translation)},
@@ -196,9 +201,19 @@ std::string settings_toml(const LiveSettings& s) {
   std::string text = "# For palpate --config.\n";
   text += fmt::format("opacity-min = {}\n", filter.opacity_min);
   text += filter.iso ? fmt::format("iso = {}\n", *filter.iso) : fmt::format("sigma = {}\n", filter.sigma);
+  if (filter.max_scale) text += fmt::format("max-scale = {}\n", *filter.max_scale);
+  if (filter.crop_box) {
+    const Eigen::Vector3d &a = filter.crop_box->min(), &b = filter.crop_box->max();
+    text += fmt::format("crop-box = [{}, {}, {}, {}, {}, {}]\n", a[0], a[1], a[2], b[0], b[1], b[2]);
+  }
+  if (filter.crop_sphere) {
+    const Eigen::Vector3d& c = filter.crop_sphere->center;
+    text += fmt::format("crop-sphere = [{}, {}, {}, {}]\n", c[0], c[1], c[2], filter.crop_sphere->radius);
+  }
   text += fmt::format("frame = \"{}\"\nscale = {}\nrotate = [{}, {}, {}, {}]\ntranslate = [{}, {}, {}]\n",
                       s.scene.frame, place.scale, q.w(), q.x(), q.y(), q.z(), place.translation.x(),
                       place.translation.y(), place.translation.z());
+  if (place.mirrored) text += "mirror = true\n";
   text += fmt::format("model = \"{}\"\nstiffness = {}\nfriction = {}\n", kModels[s.model], proxy.stiffness,
                       proxy.friction);
   if (proxy.detail) text += fmt::format("detail = {}\n", *proxy.detail);

@@ -42,7 +42,8 @@ double contacts_across(const Tool& tool, double extent) {
 }
 
 bool same(const Similarity& a, const Similarity& b) {
-  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
+  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation &&
+         a.mirrored == b.mirrored;
 }
 
 /// The same way, no faster than `most`.

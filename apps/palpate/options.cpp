@@ -72,6 +72,9 @@ void declare_registration(CLI::App& app, SceneOptions& options) {
   add_choice(app, "--frame", options.frame, frame_names(),
              "which captured axis points up; it becomes world +z")
       .in_group(kSceneGroup);
+  add_flag(app, "--mirror", options.registration.mirrored,
+           "the capture is a mirror image: reverse its x axis, before --frame")
+      .in_group(kSceneGroup);
   add_number(app, "--scale", options.registration.scale, kMinScale, kMaxScale, "m/unit",
              "metres per captured unit")
       .in_group(kSceneGroup);
@@ -131,8 +134,12 @@ std::string SceneOptions::name() const {
 }
 
 std::string SceneOptions::frame_note() const {
-  if (frame != "as-is") return fmt::format("captured frame taken as {}, turned to world z up", frame);
-  return "no frame is declared in the file: captured axes are taken as world axes, z up (see --frame)";
+  const char* mirror = registration.mirrored ? ", its x axis reversed" : "";
+  if (frame != "as-is")
+    return fmt::format("captured frame taken as {}{}, turned to world z up", frame, mirror);
+  return fmt::format(
+      "no frame is declared in the file: captured axes are taken as world axes{}, z up (see --frame)",
+      mirror);
 }
 
 namespace {

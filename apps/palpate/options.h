@@ -40,14 +40,14 @@ struct SceneOptions {
   std::string path;
   SceneFilter filter;
   std::string frame = "as-is";
-  Similarity registration;  ///< of --scale, --rotate, --translate; applied after `frame`
+  Similarity registration;  ///< of --scale, --rotate, --translate, --mirror; turns after `frame`
 
   /// Declares the options, with the scene as positional argument SCENE, which may be optional, or as option
   /// --scene.
   enum class As { kPositional, kOptionalPositional, kOption };
   void declare(CLI::App& app, As as);
 
-  /// From the captured frame to the world: first turns the axis named by `frame` up, then registers.
+  /// From the captured frame to the world: mirrors, turns the axis named by `frame` up, then registers.
   Similarity world_from_scene() const;
 
   /// Of the file, or of the scene that load_or_make() makes.

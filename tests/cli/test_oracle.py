@@ -32,7 +32,8 @@ def parse_ply(data):
 class Scene:
     """Ellipsoids in the world, after filter and registration (paper III-A, eqs. 2 and 3)."""
 
-    def __init__(self, data, opacity_min=0.1, sigma=1.0, iso=None, scale=1.0, rotate=(1, 0, 0, 0), translate=(0, 0, 0)):
+    def __init__(self, data, opacity_min=0.1, sigma=1.0, iso=None, scale=1.0, rotate=(1, 0, 0, 0), translate=(0, 0, 0),
+                 mirror=False):
         p = parse_ply(data)
         alpha = 1 / (1 + np.exp(-p["opacity"]))
         keep = alpha > opacity_min if iso is None else (alpha > opacity_min) & (alpha > iso)
@@ -42,7 +43,7 @@ class Scene:
         mu = np.stack([p["x"], p["y"], p["z"]], 1)[keep]
         sigmas = np.exp(np.stack([p[f"scale_{i}"] for i in range(3)], 1)[keep])
         turns = np.stack([quaternion_matrix(q) for q in np.stack([p[f"rot_{i}"] for i in range(4)], 1)[keep]])
-        world = quaternion_matrix(rotate)
+        world = quaternion_matrix(rotate) @ np.diag([-1 if mirror else 1, 1, 1])
         self.center = scale * mu @ world.T + np.asarray(translate, float)
         axes = np.einsum("ij,njk,nk->nik", world, turns, sigmas) * (scale * k)[:, None, None]
         self.covariance = np.einsum("nij,nkj->nik", axes, axes)
@@ -136,6 +137,9 @@ class Oracle(Case):
         kwargs = {"scale": scale, "rotate": r.normal(size=4) * 2, "translate": r.normal(size=3)}
         options = ["--scale", repr(scale), "--rotate", text_of(kwargs["rotate"]),
                    "--translate", text_of(kwargs["translate"])]
+        if r.random() < 0.5:
+            kwargs["mirror"] = True
+            options.append("--mirror")
         if r.random() < 0.5:
             kwargs["sigma"] = r.uniform(0.3, 3)
             options += ["--sigma", repr(kwargs["sigma"])]

@@ -271,7 +271,8 @@ TEST(ContentHash, TellsFilesApart) {
 }
 
 TEST(IndexOptions, AreEqualOnlyIfTheIndicesAre) {
-  const Similarity here, there{2.0, Eigen::Quaterniond(0, 1, 0, 0), {1, 2, 3}};
+  const Similarity here, there{2.0, Eigen::Quaterniond(0, 1, 0, 0), {1, 2, 3}},
+      mirrored{1.0, Eigen::Quaterniond::Identity(), {0, 0, 0}, true};
   SceneFilter plain;
   EXPECT_EQ(index_options(plain, here), index_options(plain, there)) << "the registration does not matter";
   std::vector<SceneFilter> filters(9);
@@ -287,7 +288,8 @@ TEST(IndexOptions, AreEqualOnlyIfTheIndicesAre) {
     for (std::size_t b = 0; b < a; ++b)
       EXPECT_NE(index_options(filters[a], here), index_options(filters[b], here)) << a << ", " << b;
     const bool by_place = a >= 5;
-    EXPECT_EQ(index_options(filters[a], here) == index_options(filters[a], there), !by_place) << a;
+    for (const Similarity& other : {there, mirrored})
+      EXPECT_EQ(index_options(filters[a], here) == index_options(filters[a], other), !by_place) << a;
   }
   SceneFilter iso_and_sigma = filters[4];
   iso_and_sigma.sigma = 7.0;  // which iso replaces

@@ -184,10 +184,13 @@ TEST_F(SceneIndexOnEveryTarget, WithThousandsOfContacts_vs_bruteforce) {
 TEST_F(SceneIndexOnEveryTarget, RegisteredByASimilarity_vs_bruteforce) {
   Random random(82);
   const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
-  const Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
-  std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
-  for (Ellipsoid& tool : tools) tool.center = world * tool.center;
-  check(scene, tools, 500, {1e-11, 1e-7}, {}, world);
+  Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
+  for (const bool mirrored : {false, true}) {
+    world.mirrored = mirrored;
+    std::vector<Ellipsoid> tools = tools_at_sphere(random, draws(500));
+    for (Ellipsoid& tool : tools) tool.center = world * tool.center;
+    check(scene, tools, 500, {1e-11, 1e-7}, {}, world);
+  }
 }
 
 TEST_F(SceneIndexOnEveryTarget, AtThreeSigma_vs_bruteforce) {

@@ -205,14 +205,15 @@ TEST(SceneFilter, RegistrationMovesTheSolidAndNothingElse) {
   };
   for (int round = 0; round < 500; ++round) {
     const Gaussian g{vector(), quaternion(), vector().cwiseAbs(), 0.5};
-    const Similarity registration{std::exp(normal(random)), quaternion(), vector()};
+    const Similarity registration{std::exp(normal(random)), quaternion(), vector(), round % 2 == 1};
     SceneFilter filter;
     filter.sigma = std::exp(normal(random));
     const Ellipsoid scene = world_ellipsoid(g, filter, {});
     const Ellipsoid world = world_ellipsoid(g, filter, registration);
     ASSERT_LT((world.center - registration * g.position).norm(), 1e-12);
     const Eigen::Vector3d n = vector().normalized();
-    ASSERT_NEAR(world.support(n), registration.scale * scene.support(registration.rotation.conjugate() * n),
+    ASSERT_NEAR(world.support(n),
+                registration.scale * scene.support(registration.orthogonal().transpose() * n),
                 1e-13 * world.radius());
     // and the covariance of eq. 2 is the Gaussian's: n^T Sigma n = |diag(sigma) R^T n|^2
     const double captured = (g.sigma.asDiagonal() * (g.rotation.conjugate() * n)).norm();

@@ -203,6 +203,7 @@ std::string index_options(const SceneFilter& filter, const Similarity& world) {
     const Eigen::Vector3d& t = world.translation;
     text += fmt::format(" --scale {} --rotate {},{},{},{} --translate {},{},{}", world.scale, q.w(), q.x(),
                         q.y(), q.z(), t[0], t[1], t[2]);
+    if (world.mirrored) text += " --mirror";
   }
   return text;
 }

@@ -18,8 +18,8 @@ constexpr double kBoxPadding = 128.0 * kDoubleRoundoff;
 }  // namespace
 
 CapturedFrame::CapturedFrame(const Similarity& world_from_scene, const Eigen::Vector3d& index_origin)
-    : world_from_captured(world_from_scene.scale * world_from_scene.rotation.toRotationMatrix()),
-      captured_from_world(world_from_scene.rotation.toRotationMatrix().transpose() / world_from_scene.scale),
+    : world_from_captured(world_from_scene.scale * world_from_scene.orthogonal()),
+      captured_from_world(world_from_scene.orthogonal().transpose() / world_from_scene.scale),
       origin(world_from_captured * index_origin + world_from_scene.translation),
       scale(world_from_scene.scale),
       size(scale * index_origin.norm() + world_from_scene.translation.norm()) {}

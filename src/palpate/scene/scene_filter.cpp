@@ -115,8 +115,8 @@ double sigma_multiple(double opacity, const SceneFilter& filter) {
 Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
                           const Similarity& world_from_scene) {
   const double k = sigma_multiple(gaussian.opacity, filter) * world_from_scene.scale;
-  const Eigen::Matrix3d R_world = (world_from_scene.rotation * gaussian.rotation).toRotationMatrix();
-  return {world_from_scene * gaussian.position, R_world * (k * gaussian.sigma).asDiagonal()};
+  const Eigen::Matrix3d Q_world = world_from_scene.orthogonal() * gaussian.rotation.toRotationMatrix();
+  return {world_from_scene * gaussian.position, Q_world * (k * gaussian.sigma).asDiagonal()};
 }
 
 bool keeps(const GaussianScene& scene, std::size_t i, const Gaussian& activated, const SceneFilter& filter,

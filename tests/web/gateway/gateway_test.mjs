@@ -101,11 +101,17 @@ describe('a client that looks on', () => {
 
   test('a registration moves what is touched', async () => {
     await call(ros, '/palpate/set_parameters', 'palpate/SetParameters',
-      { json: '{"registration": {"scale": 2, "translation": [5, 0, 0]}}' });
+      { json: '{"registration": {"scale": 2, "translation": [5, 0, 0], "mirrored": true}}' });
     const touched = await first(ros, '/palpate/contacts', 'visualization_msgs/MarkerArray',
       ({ markers }) => markers.some((m) => m.action === 0 && m.pose.position.x > 4));
     const { x, y, z } = touched.markers.find((m) => m.ns === 'contacts' && m.action === 0).pose.position;
     assert.ok(Math.abs(Math.hypot(x - 5, y, z) - 0.3) < 0.04);
+    const { data } = await first(ros, '/palpate/parameters', 'std_msgs/String');
+    assert.deepEqual(JSON.parse(data).registration.matrix, [-2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 5, 0, 0, 1]);
+    const { message } = await call(ros, '/palpate/config', 'std_srvs/Trigger');
+    assert.match(message, /^scale = 2$/m);
+    assert.match(message, /^mirror = true$/m);
+    assert.match(message, /^translate = \[5, 0, 0\]$/m);
   });
 
   test('pauses and stops', async () => {
