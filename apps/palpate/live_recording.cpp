@@ -45,8 +45,8 @@ void RecordingSwitch::begin() {
 void RecordingSwitch::end() {
   if (!recorder_) throw Error("nothing is being recorded");
   used_.store(nullptr, std::memory_order_release);
-  // A tick that is under way may still use it; one that begins now does not. A loop that stands still has
-  // none.
+  // A tick that is under way may still use it; one that begins now does not. If none ends in time, because
+  // the loop stands still, nobody knows, and it is kept.
   constexpr double kPatience = 0.1, kLook = 1e-3;  // s
   const std::uint64_t seen = ticks_.load(std::memory_order_acquire);
   const double until = monotonic_now() + kPatience;
@@ -54,6 +54,7 @@ void RecordingSwitch::end() {
     sleep_until(monotonic_now() + kLook);
   recorder_->close();
   const std::optional<std::string> failure = recorder_->failure();
+  if (ticks_.load(std::memory_order_acquire) == seen) retired_.push_back(std::move(recorder_));
   recorder_.reset();
   if (failure) throw Error("{}", *failure);
   if (maker_.joinable()) maker_.join();

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <palpate/base/mapped_file.h>
 #include <palpate/servo/recorder.h>
@@ -44,7 +45,8 @@ class RecordingSwitch final : public TickObserver {
   void make_page(const std::string& path);
 
   std::unique_ptr<Recorder> recorder_;
-  std::atomic<Recorder*> used_ = nullptr;  ///< by the servo thread from its next tick on
+  std::vector<std::unique_ptr<Recorder>> retired_;  ///< that a tick may still be in
+  std::atomic<Recorder*> used_ = nullptr;           ///< by the servo thread from its next tick on
   std::atomic<std::uint64_t> ticks_ = 0;
   std::string folder_, path_;
   int count_ = 0;
