@@ -38,7 +38,7 @@ export async function start(folder, ...more) {
     await exit;
     return JSON.parse(out);
   };
-  return { url, stop, kill: () => child.kill('SIGKILL') };
+  return { url, pid: child.pid, stop, kill: () => child.kill('SIGKILL') };
 }
 
 /// A connected client.

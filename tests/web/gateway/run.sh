@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# roslib against the program. usage: run.sh WORK_FOLDER PALPATE
+# roslib against the program. usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]
 set -euo pipefail
-work=$(realpath -m "${1:?usage: run.sh WORK_FOLDER PALPATE}")
-PALPATE=$(realpath "${2:?usage: run.sh WORK_FOLDER PALPATE}")
+work=$(realpath -m "${1:?usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]}")
+PALPATE=$(realpath "${2:?usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]}")
 export PALPATE
 here=$(dirname "$(realpath "$0")")
 # shellcheck source=tests/web/packages.sh
@@ -11,4 +11,8 @@ enter "$work" "$here"
 # roslib wants Node 20; Debian 12 has 18, and npm has the other.
 node=(node)
 [[ $(node -p 'process.versions.node.split(".")[0]') -ge 20 ]] || node=(npx -y -p node@20 node)
-"${node[@]}" --test --test-timeout=300000 gateway_test.mjs
+if [[ $# -gt 2 ]]; then
+  "${node[@]}" "${@:3}"
+else
+  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs
+fi

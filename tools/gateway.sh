@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Measures the gateway with real clients and writes what docs/gateway.md says about it, between the two marks in the page.
+# Takes five minutes, on a machine with nothing else to do.
+set -euo pipefail
+root=$(dirname "$(dirname "$(realpath "$0")")")
+# shellcheck source=tools/common.sh
+source "$root/tools/common.sh"
+[[ $# -eq 0 ]] || die "usage: tools/gateway.sh"
+
+page=$root/docs/gateway.md
+check_marks "$page"
+
+ensure_packages "${build_packages[@]}"
+ensure_npm
+build_preset release OFF palpate_cli
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+run=$root/tests/web/gateway/run.sh
+
+{
+  printf '%s\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, $(date -u +%Y-%m-%d)"
+  for script in latency load; do
+    say "tests/web/gateway/$script.mjs" >&2
+    printf '\n'
+    "$run" "$work/node" "$root/build/release/bin/palpate" "$script.mjs" | grep '^|'
+  done
+} >"$work/tables"
+write_between_marks "$page" "$work/tables"
