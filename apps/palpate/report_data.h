@@ -29,7 +29,7 @@ struct RunContacts {
 /// Queries the poses of `run` that are in contact, at most some thousands of them, evenly.
 RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& tool);
 
-/// The document of the report page (web/report/README.md). `index`, `tool` and `contacts` may be
+/// The document of the report page (web/report/src/data.js reads it). `index`, `tool` and `contacts` may be
 /// null where the run's scene is not at hand. Long runs are thinned; the text says so.
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
                         const RunContacts* contacts);

@@ -9,33 +9,11 @@ import { createHash } from 'node:crypto';
 import { readFile, writeFile } from 'node:fs/promises';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { build } from 'esbuild';
+
+import { bundle, licenceTexts, onlyArgument } from '../shared/bundle.mjs';
 
 const root = path.dirname(fileURLToPath(import.meta.url));
 const placeholders = ['<!--PALPATE_TITLE-->', '<!--PALPATE_RUN_JSON-->'];
-const bundledPackages = ['uplot', 'three'];
-
-async function bundle(entry) {
-  const result = await build({
-    absWorkingDir: root,
-    entryPoints: [entry],
-    bundle: true,
-    minify: true,
-    write: false,
-    format: 'iife',
-    target: ['es2022'],
-    charset: 'utf8',
-    legalComments: 'none', // the licences are printed in full in the page's footer
-  });
-  return result.outputFiles[0].text.trim();
-}
-
-async function licenceText(name) {
-  const folder = path.join(root, 'node_modules', name);
-  const { version } = JSON.parse(await readFile(path.join(folder, 'package.json'), 'utf8'));
-  const licence = await readFile(path.join(folder, 'LICENSE'), 'utf8');
-  return `${name} ${version}\n\n${licence.trim()}`;
-}
 
 const escapeHtml = (text) =>
   text.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
@@ -65,9 +43,9 @@ function check(page, script, style) {
 }
 
 async function main(outFile) {
-  const script = await bundle('src/main.js');
-  const style = await bundle('src/style.css');
-  const licences = (await Promise.all(bundledPackages.map(licenceText))).join('\n\n\n');
+  const bundles = [await bundle(root, 'src/main.js'), await bundle(root, 'src/style.css')];
+  const [script, style] = bundles.map(({ text }) => text);
+  const licences = (await licenceTexts(bundles)).join('\n\n\n');
   const template = await readFile(path.join(root, 'src', 'template.html'), 'utf8');
   const page = fill(template, {
     POLICY: contentPolicy(script, style),
@@ -79,8 +57,4 @@ async function main(outFile) {
   await writeFile(outFile, page);
 }
 
-if (process.argv.length !== 3) {
-  console.error('usage: node build.mjs OUTFILE');
-  process.exit(2);
-}
-await main(process.argv[2]);
+await main(onlyArgument('OUTFILE'));

@@ -8,10 +8,12 @@ import { chromium } from 'playwright-core';
 const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const quiet = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync'];
+const noGl = ['--disable-gpu', '--disable-3d-apis'];
 const softwareGl = ['--enable-unsafe-swiftshader', '--use-gl=angle', '--use-angle=swiftshader'];
 const patience = 60000; // software rendering on a small machine is slow. Unit: [ms].
 
-export const launch = () => chromium.launch({ executablePath: browserPath, args: [...quiet, ...softwareGl] });
+export const launch = ({ webgl = true } = {}) =>
+  chromium.launch({ executablePath: browserPath, args: [...quiet, ...(webgl ? softwareGl : noGl)] });
 
 const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall/; // a server that is gone is part of some tests
 
@@ -47,16 +49,21 @@ export const ask = (page, look, argument) => page.evaluate(
 /// Waits until `look` is true of window.palpateViewer.
 export const until = (page, look, argument) => page.waitForFunction(look, argument);
 
-/// The colour of a pixel of the page as [r, g, b], 0 to 255.
-export async function pixel(page, [x, y]) {
-  const shot = await page.screenshot({ clip: { x: Math.round(x), y: Math.round(y), width: 1, height: 1 } });
+/// What is seen of a part of the page, {x, y, width, height}, as r, g, b, a, r, ..., 0 to 255.
+export async function picture(page, clip) {
+  const shot = await page.screenshot({ clip });
   return page.evaluate(async (base64) => {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
     const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
-    const context = new OffscreenCanvas(1, 1).getContext('2d');
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
     context.drawImage(image, 0, 0);
-    return [...context.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+    return [...context.getImageData(0, 0, image.width, image.height).data];
   }, shot.toString('base64'));
+}
+
+/// The colour of a pixel of the page as [r, g, b], 0 to 255.
+export async function pixel(page, [x, y]) {
+  return (await picture(page, { x: Math.round(x), y: Math.round(y), width: 1, height: 1 })).slice(0, 3);
 }
 
 /// A headset for addInitScript: window.headset is iwer's XRDevice, installed before the page runs.

@@ -5,7 +5,7 @@ import { after, afterEach, before, beforeEach, test } from 'node:test';
 
 import { ask, headsetScript, launch, openViewer, settle, until } from './browser.mjs';
 import { MockGateway } from './mock_gateway.mjs';
-import { radius } from './mock_scene.mjs';
+import { ballScene, radius } from './mock_scene.mjs';
 
 const clear = [0, 0, 0.3];
 // WebXR's x, y, z of a point of the world, while `room` is as it is put first for a small scene: its middle is half
@@ -47,7 +47,7 @@ async function moveGripTo(target) {
 before(async () => { browser = await launch(); });
 after(() => browser.close());
 beforeEach(async () => {
-  gateway = await new MockGateway(process.env.VIEWER_FOLDER, 200).start();
+  gateway = await new MockGateway(process.env.VIEWER_FOLDER, ballScene(200)).start();
   gateway.tool.position = clear;
   ({ page, problems } = await openViewer(browser, gateway.url, {
     script: await headsetScript(), context: { viewport: { width: 480, height: 360 } },

@@ -1,10 +1,11 @@
-// What can be felt of a scene, and what a vibration says: without a browser.
+// What can be felt of a scene, what a vibration says, and what is asked of the program: without a browser.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import { Haptics, intensity, slidingSpeed } from './haptics.js';
 import { Kept } from './kept.js';
+import { Parameters } from './parameters.js';
 
 const gaussian = (center, { deviations = [0.1, 0.1, 0.1], turn = [0, 0, 0, 1], opacity = 0.9 } = {}) =>
   [...center, ...deviations, ...turn, opacity];
@@ -28,6 +29,14 @@ test('the nearest are chosen', () => {
   const scene = kept(...[5, 1, 9, 3, 7].map((x) => gaussian([x, 0, 0])));
   assert.deepEqual([...scene.nearest([0, 0, 0], 2)], [1, 3]);
   assert.equal(scene.nearest([0, 0, 0], 50).length, 5);
+});
+
+test('of many that are as near, no more are chosen than were asked for', () => {
+  const around = Array.from({ length: 300 }, (_, i) => gaussian([Math.cos(i), Math.sin(i), 0]));
+  const scene = kept(...around, gaussian([0, 0, 0.5]), gaussian([0, 0, 3]));
+  const rows = [...scene.nearest([0, 0, 0], 100)];
+  assert.equal(rows.length, 100);
+  assert.ok(rows.includes(300) && !rows.includes(301));
 });
 
 test('the box leaves out the few that are far away', () => {
@@ -91,4 +100,28 @@ test('sliding is what goes across the force', () => {
   assert.ok(Math.abs(slidingSpeed([0.3, 0.4, 2], [0, 0, 5]) - 0.5) < 1e-12);
   assert.equal(slidingSpeed([1, 0, 0], [0, 0, 0]), 0);
   assert.equal(slidingSpeed(null, [0, 0, 1]), 0);
+});
+
+test('changes that wait for an answer are put together, and none is lost', async () => {
+  const asked = [];
+  const answers = [];
+  const connection = {
+    subscribe() {},
+    ask: (name, type, { json }) => {
+      asked.push(JSON.parse(json));
+      return new Promise((resolve) => { answers.push(resolve); });
+    },
+  };
+  const parameters = new Parameters(connection, assert.fail);
+  parameters.set({ filter: { opacity_min: 0.2 } });
+  parameters.set({ filter: { opacity_min: 0.3 } });
+  parameters.set({ filter: { sigma: 2 }, tool: [1] });
+  parameters.set({ registration: { scale: 2 } });
+  parameters.set({ registration: { mirrored: true }, tool: [2] });
+  answers[0]();
+  await new Promise((done) => { setImmediate(done); });
+  assert.deepEqual(asked, [
+    { filter: { opacity_min: 0.2 } },
+    { filter: { opacity_min: 0.3, sigma: 2 }, registration: { scale: 2, mirrored: true }, tool: [2] },
+  ]);
 });

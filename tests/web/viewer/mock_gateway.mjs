@@ -24,7 +24,7 @@ const texts = (values) => Object.entries(values).map(([key, value]) => ({ key, v
 function initialParameters(ply) {
   return {
     scene: { name: 'ball.ply', format: 'ply', bytes: ply.length, url: '/scene' },
-    registration: { frame: 'as-is', scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0], matrix: identity },
+    registration: { frame: 'as-is', mirrored: false, scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0], matrix: identity },
     filter: { opacity_min: 0.1, sigma: 1 },
     model: 'proxy', models: ['proxy', 'field', 'density'], frames: ['as-is', 'x-up', 'x-down', 'y-up', 'y-down', 'z-up', 'z-down'],
     stiffness: 500, stiffness_max: 5000, friction: 0, detail: 0,
@@ -48,9 +48,8 @@ export class MockGateway {
   #sockets = new Map(); // socket: Set of topics
   #lastPose = -Infinity;
 
-  constructor(folder, count = 600) {
-    this.folder = folder;
-    Object.assign(this, ballScene(count));
+  constructor(folder, { gaussians, ply } = ballScene(600)) {
+    Object.assign(this, { folder, gaussians, ply });
     this.parameters = initialParameters(this.ply);
   }
 
@@ -155,8 +154,8 @@ export class MockGateway {
     Object.assign(this.parameters, rest);
     if (registration) {
       Object.assign(this.parameters.registration, registration);
-      const { scale: s, translation: [x, y, z] } = this.parameters.registration;
-      this.parameters.registration.matrix = [s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, x, y, z, 1];
+      const { scale: s, mirrored, translation: [x, y, z] } = this.parameters.registration;
+      this.parameters.registration.matrix = [mirrored ? -s : s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, x, y, z, 1];
     }
     this.#broadcast(this.#parametersMessage());
   }

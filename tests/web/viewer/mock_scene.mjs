@@ -1,8 +1,9 @@
-// A ball of flat Gaussians as an INRIA .ply, and where its surface is.
+// Scenes as INRIA .ply: a ball of flat Gaussians, and what its mirror image is told from.
 
 export const radius = 0.1; // Unit: [m].
 const shC0 = 0.28209479177387814; // of the constant spherical harmonic
-const properties = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity',
+const restCount = 45; // of the coefficients of degrees 1 to 3: 15 of red, of green, of blue
+const properties = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', ...Array.from({ length: restCount }, (_, i) => `f_rest_${i}`), 'opacity',
   'scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3'];
 const logit = (p) => Math.log(p / (1 - p));
 
@@ -36,10 +37,69 @@ export function ballScene(count) {
   return { gaussians, ply: toPly(gaussians) };
 }
 
+// `rest` are the coefficients of degrees 1 to 3, if a Gaussian has any: then all need them.
 function toPly(gaussians) {
+  const named = gaussians.some(({ rest }) => rest) ? properties : properties.filter((name) => !name.startsWith('f_rest'));
   const header = `ply\nformat binary_little_endian 1.0\nelement vertex ${gaussians.length}\n${
-    properties.map((name) => `property float ${name}\n`).join('')}end_header\n`;
-  const values = gaussians.flatMap(({ center, rgb, opacity, deviations, turn }) => [
-    ...center, ...rgb.map((c) => (c - 0.5) / shC0), logit(opacity), ...deviations.map(Math.log), ...turn]);
+    named.map((name) => `property float ${name}\n`).join('')}end_header\n`;
+  const values = gaussians.flatMap(({ center, rgb, rest, opacity, deviations, turn }) => [
+    ...center, ...rgb.map((c) => (c - 0.5) / shC0), ...(rest ?? []), logit(opacity), ...deviations.map(Math.log), ...turn]);
   return Buffer.concat([Buffer.from(header), Buffer.from(new Float32Array(values).buffer)]);
+}
+
+const needle = (center, turn, rgb) => ({
+  center, turn: turn.map((c) => c / Math.hypot(...turn)), rgb, deviations: [0.05, 0.008, 0.006], opacity: 0.99, rest: Array(restCount).fill(0),
+});
+
+/// Needles, each of another colour and in another turn, on one side of a white ball whose red grows towards +x.
+export function needleScene() {
+  const redAlongX = 2; // of degree 1: -y, z, -x
+  const ball = { ...needle([0, 0, 0], [1, 0, 0, 0], [0.5, 0.5, 0.5]), deviations: [0.03, 0.03, 0.03] };
+  ball.rest[redAlongX] = 0.8;
+  return sceneOf([
+    needle([0.16, 0, 0.12], [0.9, 0.1, -0.4, 0.1], [0.9, 0.1, 0.1]),
+    needle([0.2, 0.02, -0.1], [0.8, -0.2, 0.5, 0.3], [0.1, 0.7, 0.1]),
+    needle([0.05, -0.03, -0.2], [0.7, 0.3, 0.2, -0.4], [0.1, 0.2, 0.9]),
+    ball,
+  ]);
+}
+
+/// Flat Gaussians here and there whose colours depend on the direction in all degrees, from a seed.
+export function colourfulScene(count, seed) {
+  let state = seed;
+  const random = (low, high) => { // Park and Miller's generator
+    state = (state * 48271) % 2147483647;
+    return low + ((high - low) * state) / 2147483647;
+  };
+  const several = (n, low, high) => Array.from({ length: n }, () => random(low, high));
+  return sceneOf(Array.from({ length: count }, () => {
+    const [x, y, z] = several(3, -0.1, 0.1);
+    return {
+      ...needle([x + 0.1, y, 2 * z], several(4, -1, 1), several(3, 0.2, 0.8)),
+      deviations: [0.03, 0.012, 0.002], rest: several(restCount, -0.4, 0.4),
+    };
+  }));
+}
+
+/// The same scene with its x axis reversed, in the file itself.
+export function mirrorImage({ gaussians }) {
+  return sceneOf(gaussians.map((g) => ({ ...g, center: mirrored(g.center), turn: mirroredTurn(g.turn), rest: g.rest.map(mirroredRest) })));
+}
+
+export const mirrored = ([x, y, z]) => [-x, y, z];
+
+// A turn goes the other way round in a mirror, and its axis, like a thing, has its x reversed.
+function mirroredTurn([w, ...axis]) {
+  return [w, ...mirrored(axis).map((c) => -c)];
+}
+
+// What is odd in x, of xyz: degree 1 (y, z, x), 2 (xy, yz, zz, xz, xx - yy), 3 (y.., xyz, y.., z.., x.., z.., x..).
+function mirroredRest(value, i) {
+  const oddInX = [2, 3, 6, 9, 12, 14];
+  return oddInX.includes(i % 15) ? -value : value;
+}
+
+function sceneOf(gaussians) {
+  const rows = gaussians.map((g, row) => ({ ...g, row, n: [0, 0, 1] }));
+  return { gaussians: rows, ply: toPly(rows) };
 }

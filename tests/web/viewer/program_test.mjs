@@ -122,6 +122,27 @@ describe('at a desk', () => {
     assert.ok(firm > 1.3 * soft, `${soft} and ${firm}`);
   });
 
+  test('what is set in the panels is what the program has', async () => {
+    const field = (name) => page.locator(`[data-field=${name}]`).first();
+    const enter = async (name, value) => {
+      await field(name).fill(value);
+      await field(name).press('Enter');
+    };
+    await enter('opacity_min', '0.25');
+    await enter('sigma', '1.5');
+    await until(page, () => {
+      const { filter } = window.palpateViewer.parameters();
+      return filter.opacity_min === 0.25 && filter.sigma === 1.5;
+    });
+    await page.evaluate(() => document.querySelectorAll('details').forEach((d) => { d.open = true; }));
+    await enter('translation-0', '0.1');
+    await page.getByRole('button', { name: 'Mirrored' }).click();
+    await until(page, () => {
+      const { matrix, mirrored } = window.palpateViewer.parameters().registration;
+      return mirrored && matrix[0] === -1 && matrix[12] === 0.1;
+    });
+  });
+
   test('it comes back after a restart', async () => {
     await program.stop();
     await page.waitForFunction(() => document.getElementById('state').textContent === 'disconnected');
@@ -143,6 +164,10 @@ describe('contacts are drawn where the program finds them', () => {
     'scaled, turned and moved': {
       options: ['--scale', '2', '--rotate', '0.8,0.6,0,0', '--translate', '0.1,-0.2,0.3'],
       at: [0.1, -0.2, 0.3 + 2 * radius + 0.015],
+    },
+    'mirrored, turned and moved': {
+      options: ['--mirror', '--rotate', '0.8,0,0.6,0', '--translate', '0.1,-0.2,0.3'],
+      at: [0.1, -0.2, 0.3 + radius + 0.015],
     },
   };
   for (const [name, { options, at }] of Object.entries(registrations)) {

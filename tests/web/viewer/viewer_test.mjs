@@ -87,6 +87,27 @@ describe('what is seen', () => {
     await until(page, (n) => window.palpateViewer.felt() === n, gateway.gaussians.length);
   });
 
+  test('the scene comes back when the graphics card has lost it', async () => {
+    const seen = async () => {
+      const color = await pixel(page, await ask(page, (v, p) => v.project(p), [0, -radius, 0]));
+      return Math.max(...color) - Math.min(...color) > 60;
+    };
+    const become = async (is) => {
+      for (let k = 0; (await seen()) !== is; k += 1) {
+        assert.ok(k < 100, `the ball is ${is ? 'not ' : ''}seen`);
+        await settle(page, 1);
+      }
+    };
+    await become(true);
+    await page.evaluate(() => {
+      window.loss = document.getElementById('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
+      window.loss.loseContext();
+    });
+    await become(false);
+    await page.evaluate(() => window.loss.restoreContext());
+    await become(true);
+  });
+
   test('contacts light up where they are, and go out', async () => {
     gateway.tool.position = touching;
     await until(page, () => window.palpateViewer.drawnContacts() > 0);
@@ -104,8 +125,7 @@ describe('what is seen', () => {
 
   test('the arrow points where the force does', async () => {
     gateway.tool.position = [0.06, -0.06, 0.06];
-    await until(page, () => window.palpateViewer.arrow() !== null);
-    const arrow = await ask(page, (v) => v.arrow());
+    const arrow = await (await until(page, () => window.palpateViewer.arrow())).jsonValue();
     const outward = gateway.tool.position.map((c) => c / Math.hypot(...gateway.tool.position));
     assert.ok(distance(arrow, outward) < 1e-3, `${arrow}`);
   });
@@ -232,8 +252,10 @@ describe('panels', () => {
 
   test('frames, rotation and translation are set', async () => {
     await openSection('Placement');
-    await page.locator('[data-action=frame-y-down]').click();
-    await waitFor(() => gateway.parameters.registration.frame === 'y-down', 'the frame');
+    await page.locator('[data-action=frame-y-down]').focus();
+    await page.keyboard.press('Enter');
+    await page.waitForFunction(() => document.activeElement.matches('[data-action=frame-y-down][aria-pressed=true]'));
+    assert.equal(gateway.parameters.registration.frame, 'y-down');
     await field('rotation-2').fill('90');
     await field('rotation-2').press('Enter');
     await waitFor(() => gateway.parameters.registration.rotation[3] > 0.7, 'the rotation');
@@ -260,6 +282,17 @@ describe('safety', () => {
     await page.locator('[data-field=stiffness]').first().focus();
     await page.keyboard.press('Escape');
     await waitFor(() => service('emergency_stop').length === 2, 'a stop by key');
+  });
+
+  test('where there is no WebGL, it says so, and still stops', async () => {
+    const blind = await launch({ webgl: false });
+    const other = await blind.newPage();
+    await other.goto(gateway.url);
+    await other.getByText('this needs WebGL 2').waitFor();
+    await other.getByRole('button', { name: 'Emergency stop' }).click();
+    await other.getByText('resume when it is safe').waitFor();
+    await blind.close();
+    assert.equal(service('emergency_stop').length, 1);
   });
 
   test('pausing and resuming', async () => {

@@ -2,10 +2,13 @@
 
 import uPlot from 'uplot';
 
-import { element, symbol, themeValue } from './dom.js';
-import { formatCount, formatFixed, formatTick } from './format.js';
+import { element } from '../../shared/dom.js';
+import { formatCount } from '../../shared/format.js';
+import { themeValue } from '../../shared/theme.js';
+import { formatFixed, formatTick } from './format.js';
 import { attachGestures } from './gestures.js';
 import { linearScale, logScale } from './scales.js';
+import { symbol } from './symbol.js';
 
 const axisFont = '11px system-ui, sans-serif';
 const valueAxisWidth = 52; // one width for all charts, so that they share their time axis. Unit: [px].

@@ -1,7 +1,8 @@
 // What the safety governor of a live run did: its state as a coloured strip, and its faults by name.
 
+import { element } from '../../shared/dom.js';
+import { themeValue } from '../../shared/theme.js';
 import { plotInsets } from './charts.js';
-import { element, themeValue } from './dom.js';
 import { createLabelStrip } from './labels.js';
 
 const stripHeight = 8; // Unit: [px].

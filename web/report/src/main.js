@@ -1,9 +1,11 @@
 // Reads the run out of the page and puts the report together.
 
+import { byId, element } from '../../shared/dom.js';
+import { formatCount } from '../../shared/format.js';
+import { followTheme } from '../../shared/theme.js';
 import { createCharts } from './charts.js';
 import { parseRun } from './data.js';
-import { element } from './dom.js';
-import { formatCount, formatFixed } from './format.js';
+import { formatFixed } from './format.js';
 import { attachKeys } from './gestures.js';
 import { createGovernorStrip, governorLegend } from './governor.js';
 import { createOnsetStrip } from './onsets.js';
@@ -15,8 +17,6 @@ const contactMargin = 0.35; // of a contact's length, shown before and after it
 const smallestMargin = 0.005; // of the run's length, for contacts of a row or two
 const faultMargin = 0.5; // shown before and after a fault. Unit: [s], or rows where rows are numbered.
 const printWidth = 660; // fits portrait A4 and Letter. Unit: [px].
-
-const byId = (id) => document.getElementById(id);
 
 function showNotice(text) {
   const notice = byId('notice');
@@ -66,10 +66,6 @@ function contactRange(run, timeline, episode) {
   const length = timeline.full[1] - timeline.full[0];
   const margin = Math.max(contactMargin * (end - episode.onset), smallestMargin * length);
   return [episode.onset - margin, end + margin];
-}
-
-function followTheme(redraw) {
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
 }
 
 // Paper is white and narrow: the canvases are drawn anew for it, before the browser lays it out.

@@ -9,8 +9,6 @@ import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
 
-import { themeValue } from './dom.js';
-
 const pathTolerance = 1 / 4000; // how far the drawn path may be off, as a share of the view
 const ghostOpacity = 0.5; // of what the scene's surface hides
 const contactSize = 6; // Unit: [px].
@@ -32,13 +30,6 @@ function rampColor(share, target) {
 function themed(material, name) {
   material.userData.color = name;
   return material;
-}
-
-/// Gives the themed materials below `root` the colours of the theme that is on.
-export function applyTheme(root) {
-  root.traverse(({ material }) => {
-    if (material?.userData.color) material.color.set(themeValue(material.userData.color));
-  });
 }
 
 function geometryOf(positions, colors, normalized) {

@@ -1,7 +1,8 @@
 // The labels t_a, t_b, ... above the charts, each over the line of its onset.
 
-import { element, symbol } from './dom.js';
+import { element } from '../../shared/dom.js';
 import { createLabelStrip } from './labels.js';
+import { symbol } from './symbol.js';
 
 /// `choose(episode index)` is called on a click. Returns a function that lays the labels out anew.
 export function createOnsetStrip(host, run, timeline, choose) {

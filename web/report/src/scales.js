@@ -1,6 +1,7 @@
 // Vertical scales and their ticks.
 
-import { formatCount, formatTick, niceCeil, niceFloor } from './format.js';
+import { formatCount, niceFloor } from '../../shared/format.js';
+import { formatTick, niceCeil } from './format.js';
 
 const decadesForPlainTicks = 2.5;
 

@@ -1,7 +1,9 @@
 // The contacts, one row an onset.
 
-import { element, symbol } from './dom.js';
-import { formatCount, formatFixed } from './format.js';
+import { element } from '../../shared/dom.js';
+import { formatCount } from '../../shared/format.js';
+import { formatFixed } from './format.js';
+import { symbol } from './symbol.js';
 
 const millimetres = 1000; // in a metre
 

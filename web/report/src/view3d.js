@@ -3,15 +3,17 @@
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
-import { createAxes } from './axes.js';
+import { createAxes } from '../../shared/axes.js';
+import { element } from '../../shared/dom.js';
+import { niceFloor } from '../../shared/format.js';
+import { applyTheme, themeValue } from '../../shared/theme.js';
 import { centre, diagonal, frame } from './bounds.js';
 import { toolOrientation, toolPosition } from './data.js';
-import { element, symbol, themeValue } from './dom.js';
-import { formatFixed, formatTick, niceFloor } from './format.js';
+import { formatFixed, formatTick } from './format.js';
 import {
-  applyTheme, contactNormals, contactPoints, floorGrid, forceArrows, kMinRange, rampColors, sceneCloud,
-  toolMarker, toolPath,
+  contactNormals, contactPoints, floorGrid, forceArrows, kMinRange, rampColors, sceneCloud, toolMarker, toolPath,
 } from './objects3d.js';
+import { symbol } from './symbol.js';
 
 const fieldOfView = 40; // vertical. Unit: [deg].
 const halfHeight = Math.tan((0.5 * fieldOfView * Math.PI) / 180); // of the image at distance 1
@@ -20,6 +22,7 @@ const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the mi
 const markerShare = 0.015; // size of the marker where the tool's is not known, of the view
 const normalShare = 0.035; // length of the normals, of the view
 const forceShare = 0.08; // length of a force that few exceed, of the view
+const axisReach = 24; // of the axes in the corner. Unit: [px].
 const labelLimit = 60; // onset labels in the view; more would hide it
 
 // Colours are those of the files and the style sheet, not lit: they go to the screen unchanged.
@@ -91,7 +94,7 @@ class View {
   available = true;
   #scene = new Scene();
   #camera = new PerspectiveCamera(fieldOfView, 1);
-  #axes = createAxes();
+  #axes = createAxes(axisReach);
   #frame = 0;
 
   constructor({ host, controls, reset }, run, canvas, context) {

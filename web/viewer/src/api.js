@@ -23,6 +23,7 @@ export function exposeApi({ connection, live, view, splats, felt, haptics, hold,
     kept: () => splats.keptCount,
     felt: () => splats.feltCount,
     project: (point) => view.project(point),
+    pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,
   };
   window.palpateViewer = Object.freeze(api);
 }

@@ -7,7 +7,8 @@ import { Ros, Service, Topic, WebSocketTransportFactory } from 'roslib';
 
 const firstDelay = 250; // before another attempt. Unit: [ms].
 const longestDelay = 2000; // Unit: [ms].
-const silenceLimit = 3000; // diagnostics come every 50 ms; what is silent for this long is dead. Unit: [ms].
+const checkPeriod = 500; // of whether anything is heard. Unit: [ms].
+const silenceLimit = 6; // diagnostics come every 50 ms; what is silent for so many checks is dead
 const answerLimit = 20000; // of a service. Unit: [ms].
 
 /// What `error` says about itself, whatever it is: roslib hands on texts and objects.
@@ -21,7 +22,7 @@ export class Connection {
   #pending = new Set(); // rejections of the calls that wait for an answer
   #listeners = new Set();
   #delay = firstDelay;
-  #lastHeard = 0;
+  #silence = 0; // checks since anything was heard: a page that stands still for a while hears nothing and checks nothing
 
   constructor(url) {
     this.url = url;
@@ -31,7 +32,7 @@ export class Connection {
   open(onStatus) {
     this.onStatus = onStatus;
     this.#attempt();
-    setInterval(() => this.#checkSilence(), 500);
+    setInterval(() => this.#checkSilence(), checkPeriod);
   }
 
   /// Calls `listener` when the connection comes (true) and goes (false).
@@ -78,20 +79,22 @@ export class Connection {
   }
 
   #attempt() {
-    this.#lastHeard = performance.now();
-    let transport;
+    this.#silence = 0;
     const ros = new Ros({
       transportFactory: async (url) => {
-        transport = await WebSocketTransportFactory(url);
+        const transport = await WebSocketTransportFactory(url);
         transport.on('message', (message) => {
-          this.#lastHeard = performance.now();
+          this.#silence = 0;
           if (message.op === 'status') this.onStatus(message);
         });
         return transport;
       },
     });
     this.#ros = ros;
-    ros.on('connection', () => this.#opened());
+    ros.on('connection', () => {
+      if (ros === this.#ros) this.#opened();
+      else ros.close(); // it was given up before
+    });
     ros.on('close', () => this.#closed(ros));
     ros.on('error', () => {}); // a close follows
     ros.connect(this.url).catch(() => this.#closed(ros));
@@ -118,7 +121,7 @@ export class Connection {
 
   #checkSilence() {
     const ros = this.#ros;
-    if (!ros || performance.now() - this.#lastHeard < silenceLimit) return;
+    if (!ros || ++this.#silence <= silenceLimit) return;
     ros.close();
     this.#closed(ros); // a dead peer would let the closing handshake take its time
   }

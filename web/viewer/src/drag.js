@@ -20,6 +20,14 @@ export class Drag {
     on('pointercancel', (event) => this.#up(event));
     on('wheel', (event) => this.#wheel(event));
     on('contextmenu', (event) => event.preventDefault());
+    hold.onChange(() => { if (!hold.holds('pointer')) this.#forget(); });
+  }
+
+  // Also when the hold was ended from elsewhere: the pointer may never come up here.
+  #forget() {
+    this.#first = null;
+    this.#pointers.clear();
+    this.view.canvas.classList.remove('holding');
   }
 
   #catches(event) {
@@ -66,10 +74,7 @@ export class Drag {
     if (!this.#pointers.delete(event.pointerId)) return;
     event.stopImmediatePropagation();
     if (event.pointerId !== this.#first) return;
-    this.#first = null;
-    this.#pointers.clear();
     this.hold.end('pointer');
-    this.view.canvas.classList.remove('holding');
   }
 
   #wheel(event) {

@@ -1,6 +1,6 @@
 // Panels: how it feels, and with which tool.
 
-import { byId, element } from './dom.js';
+import { byId, element } from '../../shared/dom.js';
 import { button, choiceField, hint, numberField, vectorField } from './fields.js';
 
 const slackest = 10; // of the slider's stiffness. Unit: [N/m].
@@ -8,7 +8,7 @@ const largestTool = 64 * 1024; // what the program takes. Unit: [bytes].
 
 export function createFeelPanel(parameters) {
   const set = (name) => (value) => parameters.set({ [name]: value });
-  const setFilter = (name) => (value) => parameters.set({ filter: { ...parameters.current.filter, [name]: value } });
+  const setFilter = (name) => (value) => parameters.set({ filter: { [name]: value } });
   const model = choiceField({ label: 'Model', name: 'model' }, set('model'));
   const stiffness = numberField(
     { label: 'Stiffness', unit: 'N/m', name: 'stiffness', min: 0, slide: { min: slackest, max: 5000, log: true } }, set('stiffness'));

@@ -4,10 +4,10 @@ import {
   BufferGeometry, BufferAttribute, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Quaternion, Vector3,
 } from 'three';
 
+import { niceFloor } from '../../shared/format.js';
 import { Arrow } from './arrow.js';
 import { Ellipsoids, shellMaterial, solidMaterial } from './ellipsoids.js';
 import { rampColor } from './ramp.js';
-import { niceFloor } from './format.js';
 
 const mostContacts = 256;
 const mostParts = 256;

@@ -1,6 +1,6 @@
 // The controls of the panels. Each shows what the program says and asks it for what a person wants.
 
-import { element } from './dom.js';
+import { element } from '../../shared/dom.js';
 import { formatField } from './format.js';
 
 let lastId = 0;
@@ -24,6 +24,7 @@ export function numberField({ label, unit, scale = 1, min, max, slide, name }, w
   const fromShare = (s) => (slide.log ? slide.min * (slide.max / slide.min) ** s : slide.min + s * (slide.max - slide.min));
   let current = null;
   let typing = false; // a field that someone types in keeps what they type
+  let sliding = false; // and a slider stays under the finger
 
   input.addEventListener('input', () => { typing = true; });
   input.addEventListener('blur', () => {
@@ -36,14 +37,20 @@ export function numberField({ label, unit, scale = 1, min, max, slide, name }, w
     else show(current);
     input.reportValidity();
   });
-  slider?.addEventListener('input', () => wanted(Number(fromShare(slider.value / 1000).toPrecision(3)) / scale));
+  slider?.addEventListener('input', () => {
+    sliding = true;
+    wanted(Number(fromShare(slider.value / 1000).toPrecision(3)) / scale);
+  });
+  slider?.addEventListener('change', () => { sliding = false; });
 
   function show(value) {
     current = value;
     if (value === null) return;
     const shown = value * scale;
     if (!typing) input.value = formatField(shown);
-    if (slider) slider.value = 1000 * Math.min(Math.max(toShare(shown), 0), 1);
+    if (!slider) return;
+    if (!sliding) slider.value = 1000 * Math.min(Math.max(toShare(shown), 0), 1);
+    slider.setAttribute('aria-valuetext', [formatField(shown), unit ?? ''].join(' ').trim());
   }
   return {
     node: row(label, id, unit, ...(slider ? [slider] : []), input),
@@ -79,6 +86,8 @@ export function button(label, pressed, { name } = {}) {
   node.addEventListener('click', pressed);
   return node;
 }
+
+export const setPressed = (node, on) => node.setAttribute('aria-pressed', String(on));
 
 /// Three numbers side by side. Returns {node, show(values)}; `wanted` gets all three.
 export function vectorField({ label, unit, names, scale = 1, name }, wanted) {

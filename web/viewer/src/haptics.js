@@ -66,6 +66,7 @@ export function slidingSpeed(velocity, force) {
 /// Plays a pulse on a gamepad: a headset's controller or one on the desk.
 export function play(gamepad, { intensity: strength, duration }) {
   const motor = gamepad.hapticActuators?.[0];
-  if (motor?.pulse) motor.pulse(strength, duration);
-  else gamepad.vibrationActuator?.playEffect?.('dual-rumble', { duration, strongMagnitude: strength, weakMagnitude: strength });
+  const played = motor?.pulse ? motor.pulse(strength, duration)
+    : gamepad.vibrationActuator?.playEffect?.('dual-rumble', { duration, strongMagnitude: strength, weakMagnitude: strength });
+  played?.catch?.(() => {}); // one pulse less
 }

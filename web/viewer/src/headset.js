@@ -28,20 +28,27 @@ export class Headset {
   #hands = [0, 1].map(() => ({ squeezing: null, pressed: new Set(), turned: false, source: null }));
   #holding = null; // the hand with the tool
 
-  constructor({ view, room, hold, splats, haptics, actions, signText }) {
-    Object.assign(this, { view, room, hold, splats, haptics, actions, signText });
+  constructor({ view, room, hold, splats, actions, signText }) {
+    Object.assign(this, { view, room, hold, splats, actions, signText });
     const { xr } = view.renderer;
     xr.enabled = true;
     xr.setReferenceSpaceType('local-floor');
     xr.addEventListener('sessionend', () => this.#left());
     this.sign = new Sign();
     this.#hands.forEach((hand, i) => this.#attach(hand, xr.getController(i), xr.getControllerGrip(i)));
+    // A finger on a button of the page does not hold the tool as well.
+    document.addEventListener('beforexrselect', (event) => {
+      if (event.target.closest?.('.bar, .stop, .panels, .notices')) event.preventDefault();
+    });
   }
 
   #attach(hand, ray, grip) {
     Object.assign(hand, { ray, grip });
     this.view.add(ray, grip);
-    ray.addEventListener('connected', ({ data }) => { hand.source = data; });
+    ray.addEventListener('connected', ({ data }) => {
+      hand.source = data;
+      if (data.handedness === 'left') grip.add(this.sign.mesh);
+    });
     ray.addEventListener('disconnected', () => {
       this.#letGo(hand);
       hand.squeezing = null;
@@ -59,13 +66,18 @@ export class Headset {
       requiredFeatures: ['local-floor'], optionalFeatures, domOverlay: { root: overlay },
     });
     this.session = session;
+    session.addEventListener('visibilitychange', () => { if (session.visibilityState !== 'visible') this.#letGoAll(); });
     if (this.room.isIdentity) this.room.placeFirst(this.splats.box);
     this.view.enterHeadset(mode === 'immersive-vr');
-    await this.view.renderer.xr.setSession(session);
+    try {
+      await this.view.renderer.xr.setSession(session);
+    } catch (error) {
+      await session.end(); // nobody would see anything in it
+      throw error;
+    }
     this.view.renderer.xr.setFoveation(1);
-    this.#hands[0].grip.add(this.sign.mesh);
     this.#placeWorld();
-    this.splats.enterHeadset();
+    await this.splats.enterHeadset();
   }
 
   leave() {
@@ -74,13 +86,20 @@ export class Headset {
 
   #left() {
     this.session = null;
-    this.#hands.forEach((hand) => { this.#letGo(hand); hand.squeezing = null; });
+    this.#letGoAll();
     this.sign.mesh.removeFromParent();
     this.view.world.position.set(0, 0, 0);
     this.view.world.quaternion.identity();
     this.view.world.scale.set(1, 1, 1);
     this.view.leaveHeadset();
     this.splats.leaveHeadset();
+  }
+
+  #letGoAll() {
+    for (const hand of this.#hands) {
+      this.#letGo(hand);
+      hand.squeezing = null;
+    }
   }
 
   #placeWorld() {

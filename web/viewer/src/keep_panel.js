@@ -1,13 +1,15 @@
 // Panel: what can be taken along: a recording, and a configuration that starts the next run as things are now.
 
+import { byId, element } from '../../shared/dom.js';
 import { httpUrl } from './address.js';
-import { byId, element } from './dom.js';
-import { button, hint } from './fields.js';
+import { button, hint, setPressed } from './fields.js';
+
+const longEnough = 10000; // for a browser to take a file that is offered. Unit: [ms].
 
 function download(text, name) {
   const url = URL.createObjectURL(new Blob([text], { type: 'application/toml' }));
   element('a', { attributes: { href: url, download: name } }).click();
-  URL.revokeObjectURL(url);
+  setTimeout(() => URL.revokeObjectURL(url), longEnough);
 }
 
 export function createKeepPanel(parameters, actions) {
@@ -23,7 +25,7 @@ export function createKeepPanel(parameters, actions) {
     hint('The next run starts as things are now with --config palpate.toml.'));
   parameters.onChange(({ recording, recorded }) => {
     record.textContent = recording ? 'End the recording' : 'Record';
-    record.setAttribute('aria-pressed', String(recording));
+    setPressed(record, recording);
     record.classList.toggle('recording', recording);
     report.hidden = raw.hidden = !recorded;
   });

@@ -1,6 +1,7 @@
 // What the hand can feel: the Gaussians above the opacity cut, as ellipsoids. In the frame of the capture.
 
 const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
+const boxSample = 50000; // Gaussians that say where the others are
 const middle = 2; // how near to its centre a ray must pass to meet it. Unit: [standard deviations].
 
 /// Reads a SplatMesh once.
@@ -18,6 +19,7 @@ export function readGaussians(mesh) {
 export class Kept {
   #data;
   #rows = new Uint32Array(0); // of the kept ones
+  #box = null;
 
   constructor(data) {
     this.#data = data;
@@ -28,9 +30,11 @@ export class Kept {
   }
 
   cut(opacityMin) {
-    const rows = [];
-    for (let i = 10, row = 0; i < this.#data.length; i += stride, ++row) if (this.#data[i] > opacityMin) rows.push(row);
-    this.#rows = Uint32Array.from(rows);
+    const rows = new Uint32Array(this.#data.length / stride);
+    let count = 0;
+    for (let i = 10, row = 0; i < this.#data.length; i += stride, ++row) if (this.#data[i] > opacityMin) rows[count++] = row;
+    this.#rows = rows.slice(0, count);
+    this.#box = this.#findBox();
   }
 
   at(row) {
@@ -42,20 +46,25 @@ export class Kept {
   nearest([x, y, z], most) {
     if (this.count <= most) return this.#rows;
     const data = this.#data;
-    const squares = Float32Array.from(this.#rows, (row) => {
+    const squares = new Float32Array(this.count);
+    this.#rows.forEach((row, i) => {
       const at = stride * row;
-      return (data[at] - x) ** 2 + (data[at + 1] - y) ** 2 + (data[at + 2] - z) ** 2;
+      squares[i] = (data[at] - x) ** 2 + (data[at + 1] - y) ** 2 + (data[at + 2] - z) ** 2;
     });
-    const limit = squares.slice().sort()[most - 1];
-    return this.#rows.filter((_, i) => squares[i] <= limit).subarray(0, most);
+    return firstOf(this.#rows, squares, most);
   }
 
   /// The box that all but the outermost hundredth of the kept centres lie in along each axis: captures have a few
   /// Gaussians far away. {min, max}, or null if there are none.
   get box() {
+    return this.#box;
+  }
+
+  #findBox() {
     if (this.count === 0) return null;
-    const axis = (k) => Float32Array.from(this.#rows, (row) => this.#data[stride * row + k]).sort();
-    const sorted = [0, 1, 2].map(axis);
+    const step = Math.ceil(this.count / boxSample);
+    const some = this.#rows.filter((_, i) => i % step === 0);
+    const sorted = [0, 1, 2].map((k) => Float32Array.from(some, (row) => this.#data[stride * row + k]).sort());
     const at = (share) => sorted.map((values) => values[Math.round(share * (values.length - 1))]);
     return { min: at(0.01), max: at(0.99) };
   }
@@ -85,6 +94,18 @@ export class Kept {
     const least = dot(o, o) - distance * distance * dot(u, u);
     return distance >= 0 && least < middle * middle ? distance : Infinity;
   }
+}
+
+// `most` of `rows` with the least `keys`, which are positive; those within a hundredth of the last are in no order.
+// Sorting millions would hold up the page: the upper bits of a positive float, which grow with it, are counted.
+function firstOf(rows, keys, most) {
+  const bits = new Uint32Array(keys.buffer);
+  const counts = new Uint32Array(1 << 16);
+  for (const b of bits) ++counts[b >>> 16];
+  let last = 0;
+  let left = most; // for what has the upper bits `last`
+  for (; counts[last] < left; ++last) left -= counts[last];
+  return rows.filter((_, i) => bits[i] >>> 16 < last || (bits[i] >>> 16 === last && left-- > 0));
 }
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

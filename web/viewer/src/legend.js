@@ -1,16 +1,14 @@
 // How long a length and a force are drawn, and what the colours of contacts mean.
 
-import { byId, element } from './dom.js';
-import { formatFixed, formatLength, niceFloor } from './format.js';
+import { byId, element, svg } from '../../shared/dom.js';
+import { niceFloor } from '../../shared/format.js';
+import { formatFixed, formatLength } from './format.js';
 import { rampColors } from './ramp.js';
 
 const longest = 110; // of a bar. Unit: [px].
-const svgNamespace = 'http://www.w3.org/2000/svg';
 
 function bar(className) {
-  const line = document.createElementNS(svgNamespace, 'svg');
-  line.setAttribute('class', `scale-bar ${className}`);
-  line.append(document.createElementNS(svgNamespace, 'path'));
+  const line = svg('svg', { class: `scale-bar ${className}` }, svg('path'));
   const text = element('span');
   return { node: element('div', { className: 'scale-row' }, line, text), line, text };
 }
@@ -24,23 +22,9 @@ function setBar({ line, text }, pixels, said) {
 
 // A gradient in an SVG needs no inline style, which the page's policy forbids.
 function rampBar() {
-  const image = document.createElementNS(svgNamespace, 'svg');
-  image.setAttribute('class', 'ramp');
-  const steps = 24;
-  image.setAttribute('viewBox', `0 0 ${steps} 1`);
-  image.setAttribute('preserveAspectRatio', 'none');
-  const defs = document.createElementNS(svgNamespace, 'linearGradient');
-  defs.id = 'ramp-colors';
-  rampColors.forEach((color, i) => {
-    const stop = document.createElementNS(svgNamespace, 'stop');
-    stop.setAttribute('offset', i / (rampColors.length - 1));
-    stop.setAttribute('stop-color', color);
-    defs.append(stop);
-  });
-  const fill = document.createElementNS(svgNamespace, 'rect');
-  for (const [name, value] of Object.entries({ width: steps, height: 1, fill: 'url(#ramp-colors)' })) fill.setAttribute(name, value);
-  image.append(defs, fill);
-  return image;
+  const stops = rampColors.map((color, i) => svg('stop', { offset: i / (rampColors.length - 1), 'stop-color': color }));
+  return svg('svg', { class: 'ramp', viewBox: '0 0 24 1', preserveAspectRatio: 'none' },
+    svg('linearGradient', { id: 'ramp-colors' }, ...stops), svg('rect', { width: 24, height: 1, fill: 'url(#ramp-colors)' }));
 }
 
 export class Legend {

@@ -1,6 +1,6 @@
 // What the loop says while it runs: the newest message of every topic, and when it came.
 
-import { isNumber } from './format.js';
+import { isNumber } from '../../shared/format.js';
 
 export const staleAfter = 500; // Unit: [ms].
 const added = 0; // visualization_msgs/Marker: ADD, DELETE, DELETEALL

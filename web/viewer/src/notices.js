@@ -1,6 +1,6 @@
 // What the program refuses or has to tell a person, for a while.
 
-import { byId, element } from './dom.js';
+import { byId, element } from '../../shared/dom.js';
 
 const shownFor = 8000; // Unit: [ms].
 const most = 3;

@@ -1,5 +1,13 @@
 // The program's parameters as it last told them. What the page shows follows these, never its own wishes.
 
+const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
+
+// `changes` on top of what was asked for before.
+function merged(before, changes) {
+  const both = ([name, value]) => [name, isObject(value) ? { ...before[name], ...value } : value];
+  return { ...before, ...Object.fromEntries(Object.entries(changes).map(both)) };
+}
+
 export class Parameters {
   current = null;
   #listeners = new Set();
@@ -17,9 +25,10 @@ export class Parameters {
     if (this.current) listener(this.current);
   }
 
-  /// Asks for `changes`; while an answer is awaited, later changes are put together and sent after it.
+  /// Asks for `changes`; while an answer is awaited, later changes are put together and sent after it. Of an object,
+  /// such as the filter, the program changes what is named.
   set(changes) {
-    this.#pending = { ...this.#pending, ...changes };
+    this.#pending = merged(this.#pending ?? {}, changes);
     if (!this.#sending) this.#send();
   }
 

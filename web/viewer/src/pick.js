@@ -7,7 +7,7 @@ const clickRoom = 5; // a press that moves farther turns the view. Unit: [px].
 export class Picker {
   #waiting = null;
 
-  constructor(view, splats, hold, onMiss) {
+  constructor(view, splats, onMiss) {
     const { canvas } = view;
     let down = null;
     const material = new PointsMaterial({ size: 10, sizeAttenuation: false, depthTest: false, transparent: true });
@@ -15,7 +15,7 @@ export class Picker {
     this.marks = new Points(new BufferGeometry(), material);
     this.marks.frustumCulled = false;
     this.marks.renderOrder = 9;
-    Object.assign(this, { view, hold });
+    this.view = view;
     canvas.addEventListener('pointerdown', (event) => { down = event; });
     canvas.addEventListener('pointerup', (event) => {
       if (!this.#waiting || !down || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > clickRoom) return;

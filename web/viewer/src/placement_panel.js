@@ -2,8 +2,8 @@
 
 import { Euler, Quaternion } from 'three';
 
-import { byId, element } from './dom.js';
-import { button, hint, numberField, vectorField } from './fields.js';
+import { byId, element } from '../../shared/dom.js';
+import { button, hint, numberField, setPressed, vectorField } from './fields.js';
 import { formatLength } from './format.js';
 
 const degree = Math.PI / 180;
@@ -18,59 +18,67 @@ function rotationOf(angles) {
 
 /// `pickPoint` promises a point of the world that a person clicks, or null.
 export function createPlacementPanel(parameters, pickPoint, mark) {
-  const registration = () => parameters.current.registration;
-  const set = (changes) => {
-    const { scale, rotation, translation, frame } = registration();
-    parameters.set({ registration: { frame, scale, rotation, translation, ...changes } });
-  };
-
+  const set = (changes) => parameters.set({ registration: changes });
   const scale = numberField({ label: 'Scale', unit: 'm per captured unit', name: 'scale', min: 0 }, (value) => set({ scale: value }));
   const translation = vectorField({ label: 'Translation', unit: 'm', names: ['x', 'y', 'z'], name: 'translation' }, (value) => set({ translation: value }));
   const rotation = vectorField({ label: 'Rotation', unit: '° about x, y, z', names: ['x', 'y', 'z'], scale: 1 / degree, name: 'rotation' },
     (value) => set({ rotation: rotationOf(value) }));
   const frames = element('div', { className: 'buttons', attributes: { role: 'group', 'aria-label': 'Which captured axis points up' } });
-  const measured = createMeasure({ pickPoint, mark, onLength: (has, is) => set({ scale: (registration().scale * is) / has }) });
+  const mirrored = button('Mirrored', () => set({ mirrored: !parameters.current.registration.mirrored }), { name: 'mirrored' });
+  mirrored.title = 'The capture is a mirror image, as from a left-handed tool: its x axis is reversed';
+  const measured = createMeasure({ pickPoint, mark, onLength: (has, is) => set({ scale: (parameters.current.registration.scale * is) / has }) });
 
-  byId('placement').append(element('p', { className: 'label', text: 'Upright' }), frames, measured, scale.node, translation.node, rotation.node);
-  parameters.onChange((p) => {
-    frames.replaceChildren(...p.frames.map((frame) => {
-      const node = button(frame, () => set({ frame }), { name: `frame-${frame}` });
-      node.setAttribute('aria-pressed', String(frame === p.registration.frame));
-      return node;
-    }));
-    scale.show(p.registration.scale);
-    translation.show(p.registration.translation);
-    rotation.show(anglesOf(p.registration.rotation));
+  byId('placement').append(element('p', { className: 'label', text: 'Upright' }), frames, element('div', { className: 'buttons' }, mirrored),
+    measured, scale.node, translation.node, rotation.node);
+  let shownFrames = '';
+  parameters.onChange(({ registration, frames: names }) => {
+    if (names.join() !== shownFrames) { // a button that has the focus stays
+      frames.replaceChildren(...names.map((frame) => button(frame, () => set({ frame }), { name: `frame-${frame}` })));
+      shownFrames = names.join();
+    }
+    names.forEach((frame, k) => setPressed(frames.children[k], frame === registration.frame));
+    setPressed(mirrored, Boolean(registration.mirrored));
+    scale.show(registration.scale);
+    translation.show(registration.translation);
+    rotation.show(anglesOf(registration.rotation));
   });
 }
 
 // The metric scale from two points and their true distance.
 function createMeasure({ pickPoint, mark, onLength }) {
   const said = hint('');
+  said.setAttribute('role', 'status');
   let length = null;
+  let runs = 0; // what is begun anew ends what was before
+  const show = (points, text) => {
+    mark(points);
+    said.textContent = text;
+  };
   const start = button('Measure two points', async () => {
-    said.textContent = 'Click the first point.';
-    mark([]);
-    const first = await pickPoint();
-    if (!first) return finish('');
-    mark([first]);
-    said.textContent = 'Click the second point.';
-    const second = await pickPoint();
-    if (!second) return finish('');
-    mark([first, second]);
-    length = first.distanceTo(second);
-    finish(`They are ${formatLength(length)} apart as it is. Their true distance:`);
+    const run = ++runs;
+    const points = [];
+    truth.node.hidden = true;
+    for (const which of ['first', 'second']) {
+      show(points, `Click the ${which} point.`);
+      const point = await pickPoint();
+      if (run !== runs) return;
+      if (!point) {
+        show([], '');
+        return;
+      }
+      points.push(point);
+    }
+    length = points[0].distanceTo(points[1]);
+    show(points, `They are ${formatLength(length)} apart as it is. Their true distance:`);
     truth.node.hidden = !(length > 0);
-    return undefined;
+    truth.node.querySelector('input').focus();
   }, { name: 'measure' });
   const truth = numberField({ label: 'True distance', unit: 'mm', scale: 1000, min: 0, name: 'true_distance' }, (is) => {
     if (!(is > 0)) return;
     onLength(length, is);
     truth.node.hidden = true;
-    finish('');
-    mark([]);
+    show([], '');
   });
   truth.node.hidden = true;
-  const finish = (text) => { said.textContent = text; };
   return element('div', { className: 'fields' }, start, said, truth.node);
 }

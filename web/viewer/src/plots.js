@@ -2,8 +2,10 @@
 
 import uPlot from 'uplot';
 
-import { byId, element, followTheme, themeValue } from './dom.js';
-import { formatFixed, isNumber, niceFloor } from './format.js';
+import { byId, element } from '../../shared/dom.js';
+import { isNumber, niceFloor } from '../../shared/format.js';
+import { followTheme, themeValue } from '../../shared/theme.js';
+import { formatFixed } from './format.js';
 
 const span = 20; // Unit: [s].
 const height = 64; // of a plot. Unit: [px].
@@ -13,9 +15,12 @@ const plots = [
   { title: 'Force', unit: 'N', decimals: 2, series: [['force_n', '--force', 'force']] },
   { title: 'Contacts', unit: '', decimals: 0, series: [['contacts', '--colliding', 'contacts']] },
   { title: 'Tick', unit: 'µs', decimals: 0, series: [['tick_us', '--compute', 'mean'], ['tick_p99_us', '--muted', '99 %']] },
-  { title: 'Energy', unit: 'mJ', decimals: 2, series: [['energy_mj', '--magnitude', 'put out'], ['stored_mj', '--filtered', 'stored']] },
+  { title: 'Energy', unit: 'mJ', decimals: 2, series: [['energy_mj', '--magnitude', 'put out'], ['stored_mj', '--waiting', 'stored']] },
   { title: 'Margin', unit: '', decimals: 2, series: [['margin', '--axis-z', 'margin']] },
 ];
+
+// Zero, and a round value on the side that reaches farther.
+const labelled = (low, high) => (high >= -low ? [0, niceFloor(high)] : [-niceFloor(-low), 0]);
 
 function options(plot, width) {
   const grid = { stroke: themeValue('--grid'), width: 1 };
@@ -23,7 +28,7 @@ function options(plot, width) {
   return {
     width, height, legend: { show: false }, cursor: { show: false }, padding: [6, 4, 4, 0],
     scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(low ?? 0, 0), Math.max(high ?? 1, low ?? 0, 1e-3) * 1.05] } },
-    axes: [{ ...axis, show: false }, { ...axis, size: 40, splits: (u, i, low, high) => [0, niceFloor(high)] }],
+    axes: [{ ...axis, show: false }, { ...axis, size: 40, splits: (u, i, low, high) => labelled(low, high) }],
     series: [{}, ...plot.series.map(([, color]) => ({ stroke: themeValue(color), width: 1.5, points: { show: false } }))],
   };
 }
@@ -31,7 +36,7 @@ function options(plot, width) {
 class LivePlot {
   constructor(plot, host) {
     this.plot = plot;
-    this.values = plot.series.map(() => element('output'));
+    this.values = plot.series.map(() => element('span', { className: 'value' }));
     const labels = plot.series.map(([, color, label], k) =>
       element('span', { className: `curve ${color.slice(2)}` }, plot.series.length > 1 ? `${label} ` : '', this.values[k]));
     this.canvas = element('div', { className: 'plot', attributes: { role: 'img', 'aria-label': `${plot.title} over the last ${span} seconds` } });

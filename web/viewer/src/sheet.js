@@ -1,6 +1,6 @@
 // On a phone the panels are a sheet that comes up from below.
 
-import { byId } from './dom.js';
+import { byId } from '../../shared/dom.js';
 
 const narrow = matchMedia('(max-width: 720px)');
 

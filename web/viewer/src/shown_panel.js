@@ -1,8 +1,8 @@
 // Panel: what is drawn.
 
-import { byId, element } from './dom.js';
+import { byId, element } from '../../shared/dom.js';
+import { formatCount } from '../../shared/format.js';
 import { checkbox, hint } from './fields.js';
-import { formatCount } from './format.js';
 
 /// Returns {shown, update(splats)}; `shown` says what is on. `changed` is called after every click.
 export function createShownPanel({ splats, felt, changed }) {

@@ -2,7 +2,7 @@
 
 import { CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace } from 'three';
 
-import { themeValue } from './dom.js';
+import { themeValue } from '../../shared/theme.js';
 
 const size = [512, 160]; // Unit: [px].
 const width = 0.12; // Unit: [m].

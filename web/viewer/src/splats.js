@@ -1,19 +1,20 @@
 // The scene as it was captured, unfiltered, placed by the program's registration; and what of it can be felt.
 
-import { SparkRenderer, SplatMesh } from '@sparkjsdev/spark';
+import { SparkRenderer } from '@sparkjsdev/spark';
 import { Box3, Group, Ray, Vector3 } from 'three';
 
 import { httpUrl } from './address.js';
 import { Ellipsoids, solidMaterial } from './ellipsoids.js';
 import { readGaussians } from './kept.js';
+import { MirroredMesh } from './mirrored_mesh.js';
 
 const mostFelt = { desk: 50000, headset: 8000 }; // ellipsoids that are drawn
 const splatBudget = 500000; // of a headset that draws by itself
 const standalone = /Quest|OculusBrowser|Android|Pico|VisionOS/i;
 const movedShare = 0.25; // of the way to the farthest drawn ellipsoid, after which they are chosen anew
 
-async function download(scene, onProgress) {
-  const response = await fetch(httpUrl(scene.url));
+async function download(scene, onProgress, signal) {
+  const response = await fetch(httpUrl(scene.url), { signal });
   if (!response.ok) throw new Error(`${scene.url}: ${response.status} ${response.statusText}`);
   const length = Number(response.headers.get('Content-Length')) || scene.bytes;
   let loaded = 0;
@@ -46,11 +47,18 @@ export class Splats {
     this.group.matrixAutoUpdate = false;
   }
 
-  async load(scene, onProgress) {
+  /// Rejected if `signal` ends it: what has been loaded so far is let go.
+  async load(scene, onProgress, signal) {
     this.loaded = false;
-    const source = await download(scene, onProgress);
-    const mesh = new SplatMesh({ ...source, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
-    await mesh.initialized;
+    const source = await download(scene, onProgress, signal);
+    const mesh = new MirroredMesh({ ...source, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
+    try {
+      await mesh.initialized;
+      signal.throwIfAborted();
+    } catch (error) {
+      mesh.dispose();
+      throw error;
+    }
     this.#mesh?.dispose();
     this.#mesh?.removeFromParent();
     this.#mesh = mesh;
@@ -75,6 +83,12 @@ export class Splats {
     this.#opacityMin = this.#kept ? filter.opacity_min : null;
     this.sigma = filter.sigma;
     this.#chosenAt = null;
+    this.onDirty();
+  }
+
+  /// To be called when the graphics card has lost what was drawn.
+  drawAnew() {
+    if (this.#mesh) this.#mesh.needsUpdate = true;
     this.onDirty();
   }
 
@@ -133,10 +147,11 @@ export class Splats {
   async enterHeadset() {
     this.#most = mostFelt.headset;
     this.#chosenAt = null;
-    if (!standalone.test(navigator.userAgent) || !this.#mesh || this.#mesh.numSplats <= splatBudget) return;
+    const mesh = this.#mesh;
+    if (!standalone.test(navigator.userAgent) || !mesh || mesh.numSplats <= splatBudget) return;
     this.spark.lodSplatCount = splatBudget;
-    if (!this.#mesh.extSplats.lodSplats) await this.#mesh.createLodSplats();
-    this.#mesh.enableLod = true;
+    if (!mesh.extSplats.lodSplats) await mesh.createLodSplats();
+    mesh.enableLod = this.#most === mostFelt.headset; // it may have been left meanwhile
   }
 
   leaveHeadset() {

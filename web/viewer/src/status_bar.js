@@ -1,6 +1,6 @@
 // What state the program is in, who holds the tool, and what to do about a fault.
 
-import { byId } from './dom.js';
+import { byId } from '../../shared/dom.js';
 
 const levels = ['good', 'waiting', 'bad']; // of DiagnosticStatus
 

@@ -6,14 +6,15 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
-import { createAxes } from './axes.js';
-import { followTheme, themeValue } from './dom.js';
+import { createAxes } from '../../shared/axes.js';
+import { applyTheme, followTheme, themeValue } from '../../shared/theme.js';
 
 const fieldOfView = 45; // vertical. Unit: [deg].
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
 const fitMargin = 1.15;
 const keyTurn = Math.PI / 36; // a press of an arrow key. Unit: [rad].
 const keyZoom = 1.1;
+const axisReach = 22; // of the axes in the corner. Unit: [px].
 
 export class View {
   frames = 0;
@@ -21,6 +22,7 @@ export class View {
   #scene = new Scene();
   #dirty = true;
   #perFrame = [];
+  #opaque = true;
   #atDesk = null; // the camera before a headset had it
 
   constructor(host, canvas) {
@@ -28,15 +30,15 @@ export class View {
     this.canvas = canvas;
     // Splats are soft by themselves: multisampling would only cost time.
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.camera = new PerspectiveCamera(fieldOfView, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
     this.camera.position.copy(firstDirection);
     this.orbit = new OrbitControls(this.camera, canvas);
     this.orbit.addEventListener('change', () => this.invalidate());
+    canvas.addEventListener('webglcontextrestored', () => this.onRestored?.());
     this.#addLight();
     this.#scene.add(this.world, this.camera);
-    this.axes = createAxes();
+    this.axes = createAxes(axisReach);
     host.append(this.axes.node);
     new ResizeObserver(() => this.#resize()).observe(host);
     followTheme(() => this.applyTheme(this.#scene));
@@ -68,13 +70,12 @@ export class View {
 
   /// Gives the themed materials below `root` the colours of the theme that is on.
   applyTheme(root) {
-    root.traverse(({ material }) => {
-      if (material?.userData.color) material.color.set(themeValue(material.userData.color));
-    });
-    this.setBackground(true);
+    applyTheme(root);
+    this.setBackground(this.#opaque);
   }
 
   setBackground(opaque) {
+    this.#opaque = opaque;
     this.renderer.setClearColor(themeValue('--view'), opaque ? 1 : 0);
     this.invalidate();
   }
@@ -127,6 +128,7 @@ export class View {
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (width === 0 || height === 0 || this.renderer.xr.isPresenting) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
