@@ -69,6 +69,23 @@ HWY_INLINE TwoFloats rounding_of(const FTerms<TwoFloats>& x, const TwoFloats& rE
   return denominator_bound(x, tool.single) * rE - 1.0F;
 }
 
+/// In double: makes the place of the minimum, t, and K there functions of the pair alone. Of t Newton's
+/// method leaves kLastStep^2 to where it began, which is another place for a fresh query than for a tool that
+/// was near by a moment ago; and a force on the edge between two surfaces makes newtons of that. Rounded, t
+/// no longer knows of it, and a step from there, 2^-18 in ln t, is as near as before.
+template <class L>
+HWY_INLINE void settle(const KLanes<L>& k, L& t, L& k_min) {
+  if constexpr (sizeof(typename L::T) == sizeof(double)) {
+    constexpr int kDigits = 17;
+    constexpr double kLongest = 0x1p-17;  // on a plateau Newton's step may be anything
+    t = rounded<kDigits>(t);
+    const FSlope<L> at(FTerms<L>(k, t), t);
+    const L s = max(L(-kLongest), min(L(kLongest), newton_step(at)));
+    k_min = 1.0 - fma(at.f, 0.5 * (at.g * s), at.f);
+    t = advance(t, s);
+  }
+}
+
 /// Minimises K for the lanes from i on that are open, from t, which becomes the place of the minimum.
 ///
 /// K is convex in lambda, so that from any lambda it can only fall by |K'| times the way to the end of [0,
@@ -88,23 +105,23 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
   const auto far = k.p.x > Limit::kLeastDistance * Limit::kLeastDistance;
 
   L k_min(T{1}), t_min = t;
-  std::uint32_t unsettled = get_bits<L>(pairs.open, i), open = unsettled, sure = 0;
-  const auto settle = [&](const Mask& which, const L& k_there, const L& t_there, const Mask& apart,
+  std::uint32_t undecided = get_bits<L>(pairs.open, i), open = undecided, sure = 0;
+  const auto decide = [&](const Mask& which, const L& k_there, const L& t_there, const Mask& apart,
                           const Mask& touch) HWY_ATTR {
-    const std::uint32_t settled = unsettled & bits_of(which);
-    const Mask write = mask_of<decltype(L::d()), L::kVectors>(settled);
+    const std::uint32_t decided = undecided & bits_of(which);
+    const Mask write = mask_of<decltype(L::d()), L::kVectors>(decided);
     k_min = select(write, k_there, k_min);
     t_min = select(write, t_there, t_min);
-    open &= ~(settled & bits_of(apart));
-    sure |= settled & bits_of(touch & far);
-    unsettled &= ~settled;
+    open &= ~(decided & bits_of(apart));
+    sure |= decided & bits_of(touch & far);
+    undecided &= ~decided;
   };
   if (bits_of(k.e.z == T{0}) != 0) {
     const FTerms<L> end(k, latest);
     const L k_end = T{1} - k.p.z / k.e.y, rounding = rounding_of(end, reciprocal(end.E), tool);
-    settle(least_at_infinity(k), k_end, latest, k_end<-rounding, k_end> rounding);
+    decide(least_at_infinity(k), k_end, latest, k_end<-rounding, k_end> rounding);
   }
-  for (int step = 0; step < kMostSteps && unsettled != 0; ++step) {
+  for (int step = 0; step < kMostSteps && undecided != 0; ++step) {
     const FTerms<L> x(k, t);
     const FSlope<L> at(x, t);
     const L s = newton_step(at);
@@ -119,8 +136,9 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
         (fall <= way * Limit::kCertificate) & (at.h < -Limit::kLeastBend) & (abs(s) <= Limit::kLastStep);
     const Mask apart = (at.f > T{1} + rounding) & (at.f < std::numeric_limits<float>::max());
     t = min(advance(t, s), latest);
-    settle(found | apart, k_here, t, apart, (k_here - rounding) * way > fall);
+    decide(found | apart, k_here, t, apart, (k_here - rounding) * way > fall);
   }
+  if (open != 0) settle(k, t_min, k_min);
   store(t_min, pairs.t, i);
   store(k_min, pairs.k_min, i);
   set_bits<L>(pairs.open, i, open);
@@ -135,32 +153,6 @@ HWY_INLINE Vec3<L> adjugate_times_distance(const Vec3<L>& d, const Vec3<L> (&l)[
       cross(l[0], cross(d, l[0])) + cross(l[1], cross(d, l[1])) + cross(l[2], cross(d, l[2]));
   const Vec3<L> second = fma(dot(c01, d), c01, fma(dot(c12, d), c12, dot(c20, d) * c20));
   return fma(t, fma(t, second, first), d);
-}
-
-/// The place of the minimum, t, and K there.
-template <class L>
-struct Minimum {
-  L t, k_min;
-};
-
-/// In double: makes what minimize() found a function of the pair alone. Of t it leaves kLastStep^2 to chance,
-/// to where it began, which is another place for a fresh query than for a tool that was near by a moment ago;
-/// and a force on the edge between two surfaces makes newtons of that. Rounded, t no longer knows of it, and
-/// two steps from there, 2^-13 in ln t or less, are as near as before and nearer: to rounding.
-template <class L>
-HWY_INLINE Minimum<L> settled(const KLanes<L>& k, Minimum<L> at) {
-  if constexpr (sizeof(typename L::T) == sizeof(double)) {
-    constexpr int kDigits = 12;
-    constexpr double kLongest = 0x1p-12;  // on a plateau Newton's step may be anything
-    at.t = rounded<kDigits>(at.t);
-    for (int step = 0; step < 2; ++step) {
-      const FSlope<L> slope(FTerms<L>(k, at.t), at.t);
-      const L s = max(L(-kLongest), min(L(kLongest), newton_step(slope)));
-      at.k_min = 1.0 - fma(slope.f, 0.5 * (slope.g * s), slope.f);
-      at.t = advance(at.t, s);
-    }
-  }
-  return at;
 }
 
 /// As many numbers as L has lanes, as doubles in memory.
@@ -194,9 +186,8 @@ HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& t
   using T = typename L::T;
   const Vec3<L> distance = load3<L>(pairs.distance, i);
   const Vec3<L> l[3] = {load3<L>(pairs.l, i, 0), load3<L>(pairs.l, i, 3), load3<L>(pairs.l, i, 6)};
-  const KLanes<L> k = load_k<L>(pairs, i);
-  const auto [t, k_least] = settled<L>(k, {load<L>(pairs.t, i), load<L>(pairs.k_min, i)});
-  const FTerms<L> x(k, t);
+  const L t = load<L>(pairs.t, i);
+  const FTerms<L> x(load_k<L>(pairs, i), t);
   const L inverse_Eq = T{1} / (x.E * x.q);
   const Vec3<L> y = (inverse_Eq * x.q) * adjugate_times_distance(distance, l, t);
   // World frame: dK/dc_tool is along -W^T y, the way out along q = W^T y; the columns of W^-1 are the tool's
@@ -215,7 +206,7 @@ HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& t
 
   const PointsInMemory<L> normal(inverse_q * q), point(axes * y), center(axes * distance);
   const InMemory<L> depth(inverse_q * (extents - dot(y, distance))),
-      lambda(min(t * (inverse_Eq * x.E), L(T{1}))), k_min(k_least);
+      lambda(min(t * (inverse_Eq * x.E), L(T{1}))), k_min(load<L>(pairs.k_min, i));
   const Vec3<Doubles> origin = broadcast<Doubles>(tool.world.ellipsoid.center);
   for (std::size_t j = 0; j < L::width(); j += Doubles::width()) {
     const auto put = [&](std::size_t row, const Doubles& a, const Doubles& b) HWY_ATTR {
