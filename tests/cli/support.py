@@ -62,6 +62,11 @@ def run(*args, cwd=None, timeout=120, stdout=None, env=None):
         return Result(process.returncode, out.read(), err.read(), seconds, usage.ru_maxrss / 1024)
 
 
+def stood_still(summary):
+    """For how long the machine gave the servo thread of a run nothing. Unit: [us]."""
+    return max(summary["late_us"]["max"], summary["tick_us"]["max"])
+
+
 class Case(unittest.TestCase):
     """A test in an empty folder of its own, which is also where palpate runs."""
 

@@ -11,8 +11,9 @@ import signal
 import subprocess
 import time
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 
-from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, path_csv, ply, wall_rows
+from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, path_csv, ply, stood_still, wall_rows
 
 KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "cpu_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
         "port_energy", "margin_min", "state", "faults"]
@@ -20,12 +21,12 @@ RATE = "200" if SANITIZED else "1000"
 
 
 def press_path(depth=0.004, seconds=6.0):
-    """A hand that waits in front of the wall at z = 0, and presses once a second from then on."""
+    """A hand that waits in front of the wall at z = 0, and presses once a second from the first second on."""
     rows = []
     for k in range(int(seconds * 100) + 1):
         t = k / 100
-        phase = (t - 1.5) % 1.0 if t > 1.5 else 0.0
-        down = min(phase / 0.3, 1.0) * min((1.0 - phase) / 0.3, 1.0) if t > 1.5 else 0.0
+        phase = (t - 1.0) % 1.0 if t > 1.0 else 0.0
+        down = min(phase / 0.3, 1.0) * min((1.0 - phase) / 0.3, 1.0) if t > 1.0 else 0.0
         rows.append((t, 0.0, 0.0, 0.05 - (0.05 - 0.01 + depth) * down))
     return path_csv(rows)
 
@@ -38,6 +39,19 @@ class Live(Case):
 
     def arguments(self, *more):
         return ["run", "wall.ply", "--trajectory", "hand.csv", "--tool", "0.01,0.01,0.01", "--rate", RATE, *more]
+
+    def together(self, *runs):
+        """The summaries of several runs at the same time: each waits for its next tick most of the time."""
+        with ThreadPoolExecutor(3) as pool:
+            return list(pool.map(lambda more: self.succeed(*self.arguments(*more, "--json")).json, runs))
+
+    def calm(self, *arguments):
+        """The summary of a run on a machine that did not stand still meanwhile, which is a fault, and rightly."""
+        for _ in range(5):
+            document = self.succeed(*arguments, "--json").json
+            if stood_still(document) < 10_000:
+                return document
+        self.skipTest("the machine stood still for more than 10 ms in each of five runs")
 
     def start(self, *more, **options):
         process = subprocess.Popen([PALPATE, *self.arguments(*more)], cwd=self.folder, stdin=subprocess.DEVNULL,
@@ -61,7 +75,7 @@ class Live(Case):
 
 class Summary(Live):
     def test_json_is_the_only_thing_on_stdout(self):
-        document = self.succeed(*self.arguments("--seconds", "4", "--json")).json
+        document = self.calm(*self.arguments("--seconds", "3"))
         self.assertEqual(list(document), KEYS)
         self.assertEqual(list(document["tick_us"]), ["p50", "p99", "p999", "max"])
         times = list(document["tick_us"].values())
@@ -80,17 +94,14 @@ class Summary(Live):
         self.assertLessEqual(beats, 1.3 * 2 * float(RATE) + 100)
 
     def test_the_force_is_the_stiffness_times_the_depth(self):
-        force = {}
-        for stiffness in ("100", "400"):
-            # A hand so firm that it is where it wants to be.
-            document = self.succeed(*self.arguments("--seconds", "4", "--json", "--stiffness", stiffness, "--hand",
-                                                    "0.1,30,20000")).json
-            force[stiffness] = document["force_max"]
-        self.assertGreater(force["100"], 0.2)
-        self.assertAlmostEqual(force["400"] / force["100"], 4.0, delta=0.4)
+        # A hand so firm that it is where it wants to be.
+        soft, firm = self.together(*(("--seconds", "3", "--stiffness", stiffness, "--hand", "0.1,30,20000")
+                                     for stiffness in ("100", "400")))
+        self.assertGreater(soft["force_max"], 0.2)
+        self.assertAlmostEqual(firm["force_max"] / soft["force_max"], 4.0, delta=0.4)
 
     def test_the_builtin_scene_is_explored_without_any_file(self):
-        document = self.succeed("run", "--seconds", "5", "--json", "--rate", RATE).json
+        document = self.calm("run", "--seconds", "5", "--rate", RATE)
         self.assertEqual(document["state"], "active")
         self.assertGreater(document["contact_ticks"], 0)
         self.assertEqual(self.files(), ["hand.csv", "wall.ply"])
@@ -114,22 +125,19 @@ class Summary(Live):
 
 class Contacts(Live):
     def test_a_late_worker_feels_the_same_as_the_loop(self):
-        force = {}
-        for who in (["inline"], ["worker", "--worker-delay", "0.05"]):
-            document = self.succeed(*self.arguments("--seconds", "4", "--json", "--contacts", *who)).json
-            self.assertEqual(document["faults"], [], who)
-            force[who[0]] = document["force_max"]
-        self.assertAlmostEqual(force["worker"], force["inline"], delta=0.15 * force["inline"])
+        inline, worker = (self.calm(*self.arguments("--seconds", "3", "--contacts", *who))
+                          for who in (["inline"], ["worker", "--worker-delay", "0.05"]))
+        self.assertEqual((inline["faults"], worker["faults"]), ([], []))
+        self.assertAlmostEqual(worker["force_max"], inline["force_max"], delta=0.15 * inline["force_max"])
 
     def test_a_worker_that_stalls_takes_the_force_away(self):
-        document = self.succeed(*self.arguments("--seconds", "4", "--json", "--contacts", "worker", "--worker-delay",
-                                                "0.5")).json
+        document = self.calm(*self.arguments("--seconds", "3", "--contacts", "worker", "--worker-delay", "0.5"))
         self.assertEqual(document["faults"], ["late-contacts"])
 
 
 class Recording(Live):
     def record(self, *more):
-        return self.succeed(*self.arguments("--seconds", "4", "--record", "run.csv", *more))
+        return self.succeed(*self.arguments("--seconds", "3", "--record", "run.csv", *more))
 
     def test_has_every_tick_in_the_run_format(self):
         document = self.record("--json").json
@@ -198,7 +206,7 @@ class Hands(Live):
             self.assertEqual(list(json.loads(out)), KEYS)
 
     def test_a_signal_is_an_emergency_stop(self):
-        process = self.start("--json", "--seconds", "4", "--record", "run.csv")
+        process = self.start("--json", "--seconds", "3", "--record", "run.csv")
         while not os.path.exists(self.path("run.csv")):
             time.sleep(0.01)
         time.sleep(1.0)
@@ -249,19 +257,20 @@ class ServoThread(Live):
     """In the whole running program: no heap, no lock and no writing on the thread that a hand holds on to."""
 
     def watch(self, *more, process=None):
-        watched = {"LD_PRELOAD": os.environ["SERVO_WATCH_LIBRARY"], "SERVO_WATCH": self.path("watch")}
+        counts = "watch" + "".join(more[:4])
+        watched = {"LD_PRELOAD": os.environ["SERVO_WATCH_LIBRARY"], "SERVO_WATCH": self.path(counts)}
         run = process or (lambda env: self.succeed(*self.arguments("--seconds", "3", "--json", *more), env=env))
         run(watched)
-        ticks, heap, locks, writes, others = map(int, self.read("watch").split())
+        ticks, heap, locks, writes, others = map(int, self.read(counts).split())
         self.assertGreater(ticks, 500)
         self.assertGreater(others, 100)
         self.assertEqual((heap, locks, writes), (0, 0, 0), more)
 
     def test_takes_no_heap_no_lock_and_writes_nothing(self):
-        for model in ("proxy", "field", "density"):
-            for contacts in ("inline", "worker", "hold"):
-                self.watch("--model", model, "--contacts", contacts, "--record", f"{model}-{contacts}.csv")
-        self.watch("--device", "playback")
+        modes = [("--model", model, "--contacts", contacts, "--record", f"{model}-{contacts}.csv")
+                 for model in ("proxy", "field", "density") for contacts in ("inline", "worker", "hold")]
+        with ThreadPoolExecutor(3) as pool:  # each waits for its next tick most of the time
+            list(pool.map(lambda mode: self.watch(*mode), [*modes, ("--device", "playback")]))
 
     def test_nor_while_a_person_changes_everything(self):
         def run(env):
@@ -289,12 +298,9 @@ class Playback(Live):
 
     def test_a_scale_brings_the_hand_no_farther_than_the_tool(self):
         # The tool goes the same way; the hand a quarter of it, and feels a quarter of the force.
-        force = {}
-        for scale in ("1", "4"):
-            document = self.succeed(*self.arguments("--device", "playback", "--seconds", "4", "--json",
-                                                    "--workspace-scale", scale)).json
-            force[scale] = document["force_max"]
-        self.assertAlmostEqual(force["1"] / force["4"], 4.0, delta=0.4)
+        one, four = self.together(*(("--device", "playback", "--seconds", "3", "--workspace-scale", scale)
+                                    for scale in ("1", "4")))
+        self.assertAlmostEqual(one["force_max"] / four["force_max"], 4.0, delta=0.4)
 
 
 class Refusals(Live):

@@ -19,7 +19,8 @@ const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall/; // 
 
 /// Opens the viewer that `url` serves. `problems` collects console errors, page errors and requests to elsewhere.
 export async function openViewer(browser, url, { context = {}, script } = {}) {
-  const page = await browser.newPage({ viewport: { width: 900, height: 640 }, ...context });
+  // A quarter of the pixels: drawing them in software would be most of the time.
+  const page = await browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor: 0.5, ...context });
   page.setDefaultTimeout(patience);
   const problems = [];
   page.on('console', (m) => { if (m.type() === 'error' && !expected.test(m.text())) problems.push(`console: ${m.text()}`); });
