@@ -12,7 +12,6 @@ namespace {
 
 using Style = PlotSeries::Style;
 
-constexpr double kMilli = 1e3;
 /// What a logarithmic axis shows in place of nothing at all: a tenth of a micrometre, a nanojoule.
 constexpr double kLeastCycle = 1e-4, kLeastEnergy = 1e-6;
 

@@ -8,8 +8,6 @@
 namespace palpate::cli {
 namespace {
 
-constexpr double kMilli = 1e3;
-
 bool same_row(const StabilityRow& a, const StabilityRow& b) {
   return a.profile == b.profile && a.model == b.model && a.source == b.source && a.delay == b.delay;
 }

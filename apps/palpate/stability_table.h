@@ -12,6 +12,9 @@
 
 namespace palpate::cli {
 
+/// From SI units to those of the tables: ms, mm, mJ.
+inline constexpr double kMilli = 1e3;
+
 /// Where the contacts of a trial come from.
 enum class ContactSource {
   kLoop,    ///< looked for in the loop

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <system_error>
 
 namespace palpate {
 namespace {
@@ -54,5 +55,7 @@ std::string message_line(std::string_view text) {
   }
   return line;
 }
+
+std::string error_text(int error_number) { return std::generic_category().message(error_number); }
 
 }  // namespace palpate

@@ -19,6 +19,9 @@ std::string printable(std::string_view text);
 /// `text` as one printable line of bounded length: a long one loses its middle.
 std::string message_line(std::string_view text);
 
+/// What the system calls an errno.
+std::string error_text(int error_number);
+
 /// Bad input or a failed operation on a file. The message is one line that says what is wrong,
 /// where (file and offset, property or field) and what to do; programs print it as it is.
 /// Thrown by loading, configuration and writing only: nothing in the servo path throws.

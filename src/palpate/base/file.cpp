@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -20,8 +19,6 @@ constexpr std::size_t kMaxName = 255;  // bytes of a file name
 constexpr mode_t kMode = 0666;         // less the user's umask, as any program's output
 
 /// strerror(), safe on any thread.
-std::string error_text(int error_number) { return std::generic_category().message(error_number); }
-
 /// What a person can do about a failed system call.
 std::string_view advice(int error_number) {
   switch (error_number) {

@@ -1,7 +1,6 @@
 #include <palpate/base/mapped_file.h>
 
 #include <cerrno>
-#include <system_error>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -11,11 +10,6 @@
 #include <palpate/base/error.h>
 
 namespace palpate {
-namespace {
-
-std::string error_text(int error_number) { return std::generic_category().message(error_number); }
-
-}  // namespace
 
 MappedFile::MappedFile(const std::string& path) : path_(path) {
   // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
