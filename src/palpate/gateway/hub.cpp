@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kSecondsPerMillisecond = 1e-3;
+constexpr double kMilli = 1e-3;
 /// By which a message may come before its throttle lets it: what is sent at 60 Hz is 16.67 ms apart only on
 /// average. Unit: [s].
 constexpr double kEarly = 2e-3;
@@ -164,7 +164,7 @@ void Client::subscribe(const Json& message) {
   const std::string compression = text_field(message, "compression");
   if (!compression.empty() && compression != "none" && compression != "cbor")
     throw Refusal(fmt::format("compression {} is not known here; take none or cbor", quoted(compression)));
-  const Subscription::Wish wish{kSecondsPerMillisecond * std::max(0.0, number_field(message, "throttle_rate", 0.0)),
+  const Subscription::Wish wish{kMilli * std::max(0.0, number_field(message, "throttle_rate", 0.0)),
                                 static_cast<std::size_t>(std::clamp(
                                     number_field(message, "queue_length", 1.0), 1.0, double{kMostQueued}))};
   const std::string id = text_field(message, "id");
