@@ -174,6 +174,13 @@ class Hostile(Gateway):
     """The loop's own figures do not show it: the tool rests out of contact, active, and nothing faults."""
 
     def test_nothing_that_clients_do_reaches_the_loop(self):
+        for _ in range(3):  # where the machine stands still it faults, and rightly; the third is judged whatever the machine did
+            summary = self.endure()
+            if stood_still(summary) < 10_000:
+                break
+        self.assertEqual((summary["state"], summary["faults"], summary["contact_ticks"]), ("active", [], 0))
+
+    def endure(self):
         self.start()
         for _ in range(40):  # half open, and silent
             self.connect().sendall(b"GET / HTTP/1.1\r\nHost: x")
@@ -216,10 +223,7 @@ class Hostile(Gateway):
         self.assertTrue(closed)
         time.sleep(0.5)
         self.assertEqual(self.ask("/healthz")[0], 200)
-        summary = self.end()
-        self.assertEqual(summary["contact_ticks"], 0)
-        if stood_still(summary) < 10_000:  # else it faults, and rightly
-            self.assertEqual((summary["state"], summary["faults"]), ("active", []))
+        return self.end()
 
 
 if __name__ == "__main__":

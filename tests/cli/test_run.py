@@ -46,12 +46,13 @@ class Live(Case):
             return list(pool.map(lambda more: self.succeed(*self.arguments(*more, "--json")).json, runs))
 
     def calm(self, *arguments):
-        """The summary of a run on a machine that did not stand still meanwhile, which is a fault, and rightly."""
+        """The summary of a run on a machine that did not stand still meanwhile, which is a fault, and rightly; of the fifth run
+        whatever the machine did."""
         for _ in range(5):
             document = self.succeed(*arguments, "--json").json
             if stood_still(document) < 10_000:
-                return document
-        self.skipTest("the machine stood still for more than 10 ms in each of five runs")
+                break
+        return document
 
     def start(self, *more, **options):
         process = subprocess.Popen([PALPATE, *self.arguments(*more)], cwd=self.folder, stdin=subprocess.DEVNULL,

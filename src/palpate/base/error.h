@@ -19,7 +19,7 @@ std::string printable(std::string_view text);
 /// `text` as one printable line of bounded length: a long one loses its middle.
 std::string message_line(std::string_view text);
 
-/// What the system calls an errno.
+/// strerror(), safe on any thread.
 std::string error_text(int error_number);
 
 /// Bad input or a failed operation on a file. The message is one line that says what is wrong,

@@ -18,7 +18,6 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxName = 255;  // bytes of a file name
 constexpr mode_t kMode = 0666;         // less the user's umask, as any program's output
 
-/// strerror(), safe on any thread.
 /// What a person can do about a failed system call.
 std::string_view advice(int error_number) {
   switch (error_number) {
