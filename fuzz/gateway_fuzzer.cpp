@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include <palpate/gateway/access.h>
-#include <palpate/gateway/hub.h>
-#include <palpate/gateway/ros_message.h>
+#include <palpate/rosbridge/access.h>
+#include <palpate/rosbridge/hub.h>
+#include <palpate/rosbridge/ros_message.h>
 
 #include "input_file.h"
 

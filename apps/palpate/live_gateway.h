@@ -8,7 +8,7 @@
 
 #include <palpate/base/mapped_file.h>
 #include <palpate/gateway/live_topics.h>
-#include <palpate/gateway/web_server.h>
+#include <palpate/rosbridge/web_server.h>
 
 #include "live_parameters.h"
 #include "live_recording.h"

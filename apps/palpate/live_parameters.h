@@ -2,7 +2,7 @@
 /// What a live system is set to, as JSON and as a configuration file.
 #pragma once
 
-#include <palpate/gateway/message.h>
+#include <palpate/rosbridge/message.h>
 
 #include "live_system.h"
 

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <palpate/base/clock.h>
 #include <palpate/base/error.h>
-#include <palpate/servo/clock.h>
 #include <palpate/servo/run_log.h>
 
 #include "markup.h"

@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include <palpate/base/error.h>
+#include <palpate/base/real_time.h>
 #include <palpate/servo/live_view.h>
-#include <palpate/servo/real_time.h>
 #include <palpate/servo/recorder.h>
 
 #include "command.h"

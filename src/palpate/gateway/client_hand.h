@@ -7,7 +7,7 @@
 #include <optional>
 
 #include <palpate/base/latest_value.h>
-#include <palpate/gateway/wake.h>
+#include <palpate/rosbridge/wake.h>
 #include <palpate/servo/haptic_device.h>
 
 namespace palpate {

@@ -8,7 +8,7 @@
 
 #include <palpate/collision/contact.h>
 #include <palpate/collision/ellipsoid_lookup.h>
-#include <palpate/gateway/ros_message.h>
+#include <palpate/rosbridge/ros_message.h>
 
 namespace palpate {
 

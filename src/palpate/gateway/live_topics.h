@@ -9,9 +9,9 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/gateway/contact_markers.h>
-#include <palpate/gateway/hub.h>
 #include <palpate/gateway/tick_feed.h>
 #include <palpate/haptics/tool_query.h>
+#include <palpate/rosbridge/hub.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {

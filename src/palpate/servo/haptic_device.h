@@ -2,7 +2,7 @@
 /// The small interface that everything with a handle and motors is behind.
 #pragma once
 
-#include <palpate/servo/clock.h>
+#include <palpate/base/clock.h>
 #include <palpate/servo/device_capabilities.h>
 #include <palpate/servo/safety_governor.h>
 

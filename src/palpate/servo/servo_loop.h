@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include <palpate/servo/clock.h>
-#include <palpate/servo/real_time.h>
+#include <palpate/base/clock.h>
+#include <palpate/base/real_time.h>
 #include <palpate/servo/run_row.h>
 #include <palpate/servo/servo_tick.h>
 #include <palpate/servo/time_histogram.h>

@@ -1,6 +1,6 @@
 #include <palpate/servo/worker.h>
 
-#include <palpate/servo/real_time.h>
+#include <palpate/base/real_time.h>
 
 namespace palpate {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <palpate/base/background_work.h>
-#include <palpate/servo/clock.h>
+#include <palpate/base/clock.h>
 
 namespace palpate {
 

@@ -1,4 +1,4 @@
-#include <palpate/gateway/wake.h>
+#include <palpate/rosbridge/wake.h>
 
 #include <cerrno>
 #include <cmath>

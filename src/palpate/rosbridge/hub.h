@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include <palpate/gateway/message.h>
+#include <palpate/rosbridge/message.h>
 
 namespace palpate {
 

@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include <palpate/gateway/message.h>
 #include <palpate/geometry/ellipsoid.h>
 #include <palpate/geometry/pose.h>
+#include <palpate/rosbridge/message.h>
 
 namespace palpate {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <palpate/gateway/hub.h>
-#include <palpate/gateway/wake.h>
+#include <palpate/rosbridge/hub.h>
+#include <palpate/rosbridge/wake.h>
 
 namespace palpate {
 

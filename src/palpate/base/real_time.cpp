@@ -1,4 +1,4 @@
-#include <palpate/servo/real_time.h>
+#include <palpate/base/real_time.h>
 
 #include <cerrno>
 #include <system_error>

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include <palpate/gateway/hub.h>
+#include <palpate/rosbridge/hub.h>
 
 namespace palpate {
 namespace {

@@ -1,6 +1,6 @@
 // WebServer by real connections over the loopback interface, with clients written by hand, so that they may
 // be as bad as one likes.
-#include <palpate/gateway/web_server.h>
+#include <palpate/rosbridge/web_server.h>
 
 #include <algorithm>
 #include <atomic>
@@ -23,8 +23,8 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <palpate/base/clock.h>
 #include <palpate/base/error.h>
-#include <palpate/servo/clock.h>
 #include <support/temporary_file.h>
 
 namespace palpate {

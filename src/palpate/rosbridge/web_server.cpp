@@ -2,7 +2,7 @@
 // minute.
 #include <utility>
 
-#include <palpate/gateway/web_server.h>
+#include <palpate/rosbridge/web_server.h>
 
 #include <chrono>
 #include <deque>
@@ -22,10 +22,10 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include <palpate/base/clock.h>
 #include <palpate/base/error.h>
-#include <palpate/gateway/access.h>
-#include <palpate/servo/clock.h>
-#include <palpate/servo/real_time.h>
+#include <palpate/base/real_time.h>
+#include <palpate/rosbridge/access.h>
 
 namespace palpate {
 namespace {

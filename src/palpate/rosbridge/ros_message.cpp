@@ -1,4 +1,4 @@
-#include <palpate/gateway/ros_message.h>
+#include <palpate/rosbridge/ros_message.h>
 
 #include <algorithm>
 #include <array>

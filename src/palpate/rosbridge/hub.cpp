@@ -1,4 +1,4 @@
-#include <palpate/gateway/hub.h>
+#include <palpate/rosbridge/hub.h>
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include <palpate/servo/clock.h>
+#include <palpate/base/clock.h>
 
 #include <cerrno>
 #include <cmath>

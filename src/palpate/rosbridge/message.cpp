@@ -1,4 +1,4 @@
-#include <palpate/gateway/message.h>
+#include <palpate/rosbridge/message.h>
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include <palpate/gateway/access.h>
+#include <palpate/rosbridge/access.h>
 
 #include <algorithm>
 #include <cctype>
