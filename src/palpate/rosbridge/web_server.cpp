@@ -153,7 +153,8 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
     socket_.async_close(reason, [self = shared_from_this()](error_code) { self->close(); });
   }
 
-  websocket::stream<beast::tcp_stream> socket_;
+  /// Without compression: messages are small and must be quick.
+  websocket::stream<beast::tcp_stream, false> socket_;
   beast::flat_buffer buffer_;
   Client client_;
   std::shared_ptr<const std::string> sent_;
@@ -228,9 +229,10 @@ class HttpSession final : public Session, public std::enable_shared_from_this<Ht
     answer_.body() = {body.data(), body.size()};
     answer_.prepare_payload();
     if (answer_.result() == http::status::not_modified) answer_.erase(http::field::content_length);
-    if (request.method() == http::verb::head) return send_head();
     stream_.expires_after(kHttpTimeout);
     serializer_.emplace(answer_);
+    head_only_ = request.method() == http::verb::head;
+    serializer_->split(head_only_);  // the head is a piece of its own
     write_some();
   }
 
@@ -241,17 +243,9 @@ class HttpSession final : public Session, public std::enable_shared_from_this<Ht
     http::async_write_some(stream_, *serializer_, [self = shared_from_this()](error_code error, std::size_t) {
       if (error) return self->close();
       self->stream_.expires_after(kHttpTimeout);
-      self->serializer_->is_done() ? self->done() : self->write_some();
+      const bool all = self->head_only_ ? self->serializer_->is_header_done() : self->serializer_->is_done();
+      all ? self->done() : self->write_some();
     });
-  }
-
-  void send_head() {
-    serializer_.emplace(answer_);
-    http::async_write_header(stream_, *serializer_,
-                             [self = shared_from_this()](error_code error, std::size_t) {
-                               if (error) return self->close();
-                               self->done();
-                             });
   }
 
   void done() {
@@ -301,6 +295,7 @@ class HttpSession final : public Session, public std::enable_shared_from_this<Ht
   WebPage page_;
   Answer answer_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  bool head_only_ = false;
 };
 
 }  // namespace

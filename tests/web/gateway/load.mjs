@@ -7,7 +7,7 @@ import WebSocket from 'ws';
 import { quantile } from './drive.mjs';
 import { makeFolder, start } from './palpate.mjs';
 
-const [seconds, pairs] = [Number(process.argv[2] ?? 60), Number(process.argv[3] ?? 4)];
+const [seconds, pairs] = [Number(process.argv[2] ?? 60), Number(process.argv[3] ?? 5)];
 const clients = { all: 64, neverRead: 8, sendGarbage: 4 };
 const topics = ['measured_cp', 'measured_cv', 'spatial/servo_cf', 'body/servo_cf', 'proxy_cp', 'contacts', 'tool',
   'diagnostics', 'parameters', 'client/servo_cf'];
