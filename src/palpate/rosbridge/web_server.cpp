@@ -11,6 +11,9 @@
 #include <set>
 #include <thread>
 
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
 #include <fmt/format.h>
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/io_context.hpp>
@@ -133,6 +136,7 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
     if (!open_ || writing_) return;
     if (!client_.fault().empty()) return say_goodbye();
     const auto outgoing = client_.next();
+    hold_back(outgoing.has_value());
     if (!outgoing) return;
     writing_ = true;
     sent_ = outgoing->bytes;
@@ -144,10 +148,21 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
     });
   }
 
+  /// While there is more to send, what has been is held back: all that waits goes out as one packet and wakes
+  /// its reader once. With many clients on one machine that is time that the servo loop's processors have.
+  void hold_back(bool on) {
+    if (held_back_ == on) return;
+    held_back_ = on;
+    const int value = on ? 1 : 0;
+    ::setsockopt(beast::get_lowest_layer(socket_).socket().native_handle(), IPPROTO_TCP, TCP_CORK, &value,
+                 sizeof value);
+  }
+
   /// Closes with the reason, if the client still reads that.
   void say_goodbye() {
     if (!open_) return;
     open_ = false;
+    hold_back(false);
     if (writing_) return close();  // it does not even take what is under way
     const websocket::close_reason reason(websocket::close_code::policy_error, client_.fault());
     socket_.async_close(reason, [self = shared_from_this()](error_code) { self->close(); });
@@ -158,7 +173,7 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
   beast::flat_buffer buffer_;
   Client client_;
   std::shared_ptr<const std::string> sent_;
-  bool open_ = false, writing_ = false, woken_ = false;
+  bool open_ = false, writing_ = false, woken_ = false, held_back_ = false;
 };
 
 /// One connection of HTTP, which may become a WebSocket.
