@@ -45,9 +45,13 @@ class HubTest : public testing::Test {
 
   static std::vector<Json> all(Client& client) {
     std::vector<Json> messages;
-    while (const auto outgoing = client.next())
+    for (;;) {
+      const bool told = client.has_next();
+      const auto outgoing = client.next();
+      EXPECT_EQ(outgoing.has_value(), told);
+      if (!outgoing) return messages;
       messages.push_back(outgoing->binary ? decode_cbor(*outgoing->bytes) : decode_json(*outgoing->bytes));
-    return messages;
+    }
   }
   std::vector<Json> all() { return all(*client); }
 

@@ -124,6 +124,7 @@ class Client {
   };
   /// What to send next, if there is anything.
   std::optional<Outgoing> next();
+  bool has_next() const { return !answers_.empty() || !turn_.empty(); }
 
   /// Why the connection must be closed; empty while it need not.
   const std::string& fault() const { return fault_; }

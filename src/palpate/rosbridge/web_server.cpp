@@ -136,8 +136,8 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
     if (!open_ || writing_) return;
     if (!client_.fault().empty()) return say_goodbye();
     const auto outgoing = client_.next();
-    hold_back(outgoing.has_value());
-    if (!outgoing) return;
+    if (!outgoing) return hold_back(false);
+    if (client_.has_next()) hold_back(true);
     writing_ = true;
     sent_ = outgoing->bytes;
     socket_.binary(outgoing->binary);
@@ -146,6 +146,8 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
       if (error) return self->close();
       self->write();
     });
+    // What fits is with the kernel by now.
+    if (!client_.has_next()) hold_back(false);
   }
 
   /// While there is more to send, what has been is held back: all that waits goes out as one packet and wakes

@@ -53,6 +53,17 @@ export class MockGateway {
     this.parameters = initialParameters(this.ply);
   }
 
+  /// As it was in the beginning, with the tool at `position`. Who is connected stays so.
+  reset(position) {
+    Object.assign(this, {
+      requests: [], poses: [], muted: false, refusal: '', refusePoses: false, token: null,
+      fault: { level: 0, state: 'active', fault: 'none', advice: '' }, parameters: initialParameters(this.ply),
+      tool: { position, orientation: [0, 0, 0, 1] },
+    });
+    this.#lastPose = -Infinity;
+    this.#broadcast(this.#parametersMessage());
+  }
+
   async start(port = 0) {
     this.server = http.createServer((request, response) => this.#respond(request, response));
     const sockets = new WebSocketServer({ server: this.server });

@@ -33,18 +33,43 @@ async function waitFor(condition, what) {
 
 before(async () => { browser = await launch(); });
 after(() => browser.close());
-beforeEach(async () => {
+
+async function open() {
   gateway = await new MockGateway(folder).start();
   gateway.tool.position = clear;
   ({ page, problems } = await openViewer(browser, gateway.url));
-});
-afterEach(async () => {
+}
+
+async function close() {
   await page.close();
   await gateway.stop();
   assert.deepEqual(problems, []);
-});
+}
+
+function onPagesOfTheirOwn() {
+  beforeEach(open);
+  afterEach(close);
+}
+
+/// For tests that leave nothing behind but what the program says and what is held: opening a page takes seconds.
+function onOnePage() {
+  before(open);
+  after(close);
+  afterEach(async () => {
+    await page.evaluate(() => {
+      document.activeElement.blur();
+      window.dispatchEvent(new Event('blur')); // lets the tool go
+    });
+    gateway.reset(clear);
+    await page.getByRole('button', { name: 'Pause' }).waitFor();
+    await until(page, ([stiffness, z]) => window.palpateViewer.parameters().stiffness === stiffness && !window.palpateViewer.held
+      && window.palpateViewer.tool()[2] === z, [gateway.parameters.stiffness, clear[2]]);
+  });
+}
 
 describe('what is seen', () => {
+  onPagesOfTheirOwn();
+
   test('the scene is where the program says, in the colours of the file', async () => {
     await page.getByRole('button', { name: 'Frame all' }).click();
     await settle(page);
@@ -132,6 +157,8 @@ describe('what is seen', () => {
 });
 
 describe('holding the tool', () => {
+  onOnePage();
+
   const toolOnPage = () => ask(page, (v) => v.project(v.tool()));
 
   test('the tool follows a drag and is let go with the button', async () => {
@@ -159,14 +186,6 @@ describe('holding the tool', () => {
     await page.waitForFunction(() => /simulated hand/.test(document.getElementById('holder').textContent));
   });
 
-  test('a drag beside the tool turns the view instead', async () => {
-    await page.mouse.move(60, 500);
-    await page.mouse.down();
-    await page.mouse.move(160, 480, { steps: 3 });
-    await page.mouse.up();
-    assert.equal(gateway.poses.length, 0);
-  });
-
   test('keys move it while Hold is on, and the wheel goes into depth', async () => {
     await page.getByRole('button', { name: 'Hold' }).click();
     await page.keyboard.down('PageUp');
@@ -188,9 +207,21 @@ describe('holding the tool', () => {
     await page.waitForFunction(() => /someone else/.test(document.getElementById('holder').textContent));
     assert.equal(gateway.poses.length, 0);
   });
+
+  test('a drag beside the tool turns the view instead', async () => {
+    const before = await toolOnPage();
+    await page.mouse.move(60, 500);
+    await page.mouse.down();
+    await page.mouse.move(160, 480, { steps: 3 });
+    await page.mouse.up();
+    assert.ok(distance(await toolOnPage(), before) > 5);
+    assert.equal(gateway.poses.length, 0);
+  });
 });
 
 describe('panels', () => {
+  onOnePage();
+
   const field = (name) => page.locator(`[data-field="${name}"]`);
 
   test('a stiffness that is typed changes the force', async () => {
@@ -274,6 +305,8 @@ describe('panels', () => {
 });
 
 describe('safety', () => {
+  onOnePage();
+
   test('the button and Escape stop, and Resume brings the force back', async () => {
     await page.getByRole('button', { name: 'Emergency stop' }).click();
     await page.getByText('resume when it is safe').waitFor();
