@@ -104,7 +104,9 @@ TEST_F(ServoLoopTest, ATickThatTakesTooLongIsCountedAndSurvived) {
   while (loop.statistics().ticks < 200) clock.sleep_until(clock.now() + 1e-2);
   loop.stop();
   EXPECT_GE(loop.statistics().overruns, 4U * 5U);  // each leaves five out, at least
-  EXPECT_EQ(watcher.overruns, loop.statistics().overruns);
+  // What the last tick may have left out, it was not told any more.
+  EXPECT_GE(watcher.overruns, 4U * 5U);
+  EXPECT_LE(watcher.overruns, loop.statistics().overruns);
   EXPECT_GE(loop.statistics().whole.max(), 5.5e-3);
 }
 
