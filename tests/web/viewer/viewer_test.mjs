@@ -243,6 +243,16 @@ describe('panels', () => {
     await page.waitForFunction(() => document.querySelector('[data-field="stiffness"]').value === '500');
   });
 
+  test('what cannot be is not asked for, but said', async () => {
+    for (const [name, wrong, right, said] of [['stiffness', '6000', '500', /^Stiffness: .*5000/], ['friction', '', '0', /^Friction: .+/]]) {
+      await field(name).first().fill(wrong);
+      await field(name).first().press('Enter');
+      await page.getByText(said).waitFor();
+      assert.equal(await field(name).first().inputValue(), right);
+    }
+    assert.equal(service('set_parameters').length, 0);
+  });
+
   test('another viewer sees a change', async () => {
     const other = await openViewer(browser, gateway.url);
     await field('model').selectOption('density');

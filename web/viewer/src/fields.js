@@ -2,6 +2,7 @@
 
 import { element } from '../../shared/dom.js';
 import { formatField } from './format.js';
+import { notify } from './notices.js';
 
 let lastId = 0;
 const newId = (name) => `${name.toLowerCase().replace(/[^a-z0-9]+/g, '-')}-${++lastId}`;
@@ -10,6 +11,13 @@ function row(label, id, unit, ...controls) {
   const name = element('label', { text: label, attributes: { for: id } });
   if (unit) name.append(' ', element('span', { className: 'unit', text: unit }));
   return element('div', { className: 'field' }, name, element('div', { className: 'controls' }, ...controls));
+}
+
+// The number that someone has typed, or null after saying what is wrong with it.
+function typedNumber(input, label) {
+  if (input.value !== '' && input.checkValidity()) return Number(input.value);
+  notify(`${label}: ${input.validationMessage || 'this must be a number.'}`);
+  return null;
 }
 
 /// A number, with a slider if `slide` says how: {min, max, log}. `scale` is how many of the shown unit are one of the
@@ -33,9 +41,9 @@ export function numberField({ label, unit, scale = 1, min, max, slide, name }, w
   });
   input.addEventListener('change', () => {
     typing = false;
-    if (input.value !== '' && input.checkValidity()) wanted(Number(input.value) / scale);
-    else show(current);
-    input.reportValidity();
+    const typed = typedNumber(input, label);
+    if (typed === null) show(current);
+    else wanted(typed / scale);
   });
   slider?.addEventListener('input', () => {
     sliding = true;
@@ -98,9 +106,9 @@ export function vectorField({ label, unit, names, scale = 1, name }, wanted) {
   let typing = null; // the input that someone types in
   const change = () => {
     typing = null;
-    const values = inputs.map((input) => (input.value === '' ? NaN : Number(input.value) / scale));
-    if (values.every(Number.isFinite)) wanted(values);
-    else show(current);
+    const typed = inputs.map((input, k) => typedNumber(input, `${label}, ${names[k]}`));
+    if (typed.includes(null)) show(current);
+    else wanted(typed.map((value) => value / scale));
   };
   for (const input of inputs) {
     input.addEventListener('input', () => { typing = input; });
