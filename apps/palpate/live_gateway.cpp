@@ -32,7 +32,7 @@ constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'none'";
 
 /// 128 bits from the system.
-std::string random_token() {
+std::string random_text() {
   std::random_device source;
   std::string token;
   for (int k = 0; k < 4; ++k) token += fmt::format("{:08x}", source());
@@ -109,7 +109,7 @@ LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const 
 
   WebServerOptions server;
   server.address = options.address;
-  server.token = options.token.empty() && !is_loopback(options.address) ? random_token() : options.token;
+  server.token = options.token.empty() && !is_loopback(options.address) ? random_text() : options.token;
   const auto site = [this](const std::string& path) { return page(path); };
   const auto listen = [&](int port) {
     server.port = static_cast<std::uint16_t>(port);
@@ -140,10 +140,14 @@ void LiveGateway::stop() { server_->stop(); }
 /// On the server's thread.
 void LiveGateway::beat() {
   const std::shared_ptr<const FeltScene> felt = system_.felt();
-  if (felt.get() != felt_) topics_->feel(felt->index(), felt->tool());
-  felt_ = felt.get();
+  if (felt != felt_.lock()) {
+    topics_->feel(felt->index(), felt->tool());
+    felt_list_.follow(felt->index());
+    felt_ = felt;
+  }
+  if (felt_list_.update()) felt_tag_ = random_text();
   topics_->publish();
-  const Shown shown{system_.version(), recording_.version(), recording_.is_on(), is_paused()};
+  const Shown shown{system_.version(), recording_.version(), felt_tag_, recording_.is_on(), is_paused()};
   if (shown != told_) parameters_topic_.publish({{"data", parameters().dump()}});
   told_ = shown;
 }
@@ -159,6 +163,8 @@ Value LiveGateway::parameters() const {
                    {"format", splat ? "splat" : "ply"},
                    {"bytes", bytes},
                    {"url", "/scene"}};
+  if (const auto& list = felt_list_.bytes())
+    json["felt"] = {{"count", list->size() / sizeof(FeltGaussian)}, {"url", "/felt"}, {"tag", felt_tag_}};
   json["models"] = kModels;
   json["frames"] = frame_names();
   json["stiffness_max"] = device.stiffness_max;
@@ -260,6 +266,11 @@ WebPage LiveGateway::page(const std::string& path) {
   if (path == "/scene") {
     return page_of("application/octet-stream", scene_file_ ? text_of(*scene_file_) : scene_bytes_,
                    scene_tag_);
+  }
+  if (path == "/felt") {
+    const auto& list = felt_list_.bytes();
+    if (!list) return text_page(503, "what can be felt is still being looked for");
+    return page_of("application/octet-stream", *list, felt_tag_, list);
   }
   if (path == "/healthz") return health();
   if (path == "/metrics") return metrics();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <palpate/base/mapped_file.h>
+#include <palpate/gateway/felt_list.h>
 #include <palpate/gateway/live_topics.h>
 #include <palpate/rosbridge/web_server.h>
 
@@ -49,6 +50,7 @@ class LiveGateway {
   /// What parameters() depends on.
   struct Shown {
     std::uint64_t system = 0, recording = 0;  ///< their version()
+    std::string felt;                         ///< felt_tag_
     bool records = false, paused = false;
     bool operator==(const Shown&) const = default;
   };
@@ -74,8 +76,10 @@ class LiveGateway {
   std::unique_ptr<WebServer> server_;
   std::unique_ptr<MappedFile> scene_file_;  ///< null: the built-in scene
   std::string scene_bytes_, scene_tag_;
-  std::optional<Shown> told_;  ///< to clients
-  const FeltScene* felt_ = nullptr;
+  std::optional<Shown> told_;            ///< to clients
+  std::weak_ptr<const FeltScene> felt_;  ///< what the topics are of; not kept alive here
+  FeltListMaker felt_list_;
+  std::string felt_tag_;  ///< another for every list, of all that ever ran; empty before the first
 };
 
 }  // namespace palpate::cli

@@ -96,6 +96,32 @@ describe('a client that looks on', () => {
     assert.match(message, /stiffness = 800/);
   });
 
+  test('is told what can be felt, and when that is something else', async () => {
+    const told = async (fits) => {
+      const { data } = await first(ros, '/palpate/parameters', 'std_msgs/String', (m) => fits(JSON.parse(m.data).felt));
+      const { count, url, tag } = JSON.parse(data).felt;
+      const answer = await fetch(new URL(url, palpate.url));
+      assert.equal(answer.headers.get('etag'), `"${tag}"`);
+      const list = await answer.arrayBuffer();
+      assert.equal(list.byteLength, 16 * count);
+      const [rows, values] = [new Uint32Array(list), new Float32Array(list)];
+      const semiAxes = new Map([...Array(count).keys()].map((i) => [rows[4 * i], [...values.slice(4 * i + 1, 4 * i + 4)]]));
+      assert.equal(semiAxes.size, count);
+      return { tag, semiAxes };
+    };
+    const set = (filter) => call(ros, '/palpate/set_parameters', 'palpate/SetParameters', { json: JSON.stringify({ filter }) });
+    const before = await told((felt) => felt);
+    await set({ opacity_min: 0.8 });
+    const faintGone = await told((felt) => felt.tag !== before.tag);
+    assert.ok(faintGone.semiAxes.size > 0 && faintGone.semiAxes.size < before.semiAxes.size);
+    for (const [row, axes] of faintGone.semiAxes) assert.deepEqual(axes, before.semiAxes.get(row));
+    await set({ opacity_min: 0.1, sigma: 2 });
+    const larger = await told((felt) => felt.tag !== faintGone.tag && felt.count === before.semiAxes.size);
+    for (const [row, axes] of larger.semiAxes) assert.deepEqual(axes.map((a) => a / 2), before.semiAxes.get(row));
+    await set({ sigma: 1 });
+    await told((felt) => felt.tag !== larger.tag);
+  });
+
   test('a registration moves what is touched', async () => {
     await call(ros, '/palpate/set_parameters', 'palpate/SetParameters',
       { json: '{"registration": {"scale": 2, "translation": [5, 0, 0], "mirrored": true}}' });

@@ -36,10 +36,18 @@ export async function openViewer(browser, url, { context = {}, script } = {}) {
   return { page, problems };
 }
 
-/// Waits until `frames` more frames have been drawn.
+/// Waits until `frames` more frames have been drawn, or there was nothing to draw for as many.
 export async function settle(page, frames = 3) {
-  const from = await page.evaluate(() => window.palpateViewer.frames);
-  await page.waitForFunction((least) => window.palpateViewer.frames >= least, from + frames);
+  await page.evaluate((count) => new Promise((done) => {
+    const { frames: before } = window.palpateViewer;
+    let looks = 0;
+    const look = () => {
+      const { frames, idle } = window.palpateViewer;
+      if (frames >= before + count || (++looks > count && idle >= count)) done();
+      else requestAnimationFrame(look);
+    };
+    look();
+  }), frames);
 }
 
 /// What `look` says of window.palpateViewer.

@@ -7,22 +7,36 @@ import { Haptics, intensity, slidingSpeed } from './haptics.js';
 import { Kept } from './kept.js';
 import { Parameters } from './parameters.js';
 
-const gaussian = (center, { deviations = [0.1, 0.1, 0.1], turn = [0, 0, 0, 1], opacity = 0.9 } = {}) =>
-  [...center, ...deviations, ...turn, opacity];
+const gaussian = (center, { deviations = [0.1, 0.1, 0.1], turn = [0, 0, 0, 1] } = {}) => [...center, ...deviations, ...turn];
+
+// As the program says what can be felt: [row, semi-axes].
+function listOf(entries) {
+  const list = new ArrayBuffer(16 * entries.length);
+  entries.forEach(([row, semiAxes], i) => {
+    new Uint32Array(list)[4 * i] = row;
+    new Float32Array(list).set(semiAxes, 4 * i + 1);
+  });
+  return list;
+}
 
 function kept(...gaussians) {
   const all = new Kept(new Float32Array(gaussians.flat()));
-  all.cut(0.1);
+  all.keep(listOf(gaussians.map((_, row) => [row, [0.1, 0.1, 0.1]])));
   return all;
 }
 
-test('the cut keeps what is above it', () => {
-  const scene = kept(gaussian([0, 0, 0]), gaussian([1, 0, 0], { opacity: 0.05 }), gaussian([2, 0, 0], { opacity: 0.5 }));
-  assert.equal(scene.count, 2);
-  scene.cut(0.6);
-  assert.equal(scene.count, 1);
-  scene.cut(0);
+test('what is kept is what the program says, in any order, and as large', () => {
+  const scene = kept(gaussian([0, 0, 0]), gaussian([1, 0, 0]), gaussian([2, 0, 0]));
   assert.equal(scene.count, 3);
+  scene.keep(listOf([[2, [0.375, 0.75, 1.5]], [0, [1, 1, 1]]]));
+  assert.equal(scene.count, 2);
+  assert.deepEqual([...scene.nearest([1, 0, 0], 3)].sort(), [0, 2]);
+  assert.deepEqual([...scene.at(2).semiAxes], [0.375, 0.75, 1.5]);
+  assert.equal(scene.hit([1, 0, -1], [0, 0, 1]), null);
+  scene.keep(listOf([[1, [1, 1, 1]], [3, [1, 1, 1]]])); // the scene has no row 3
+  assert.deepEqual([...scene.nearest([0, 0, 0], 3)], [1]);
+  scene.keep(new ArrayBuffer(0));
+  assert.equal(scene.box, null);
 });
 
 test('the nearest are chosen', () => {

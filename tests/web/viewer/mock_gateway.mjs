@@ -99,6 +99,7 @@ export class MockGateway {
   async #respond(request, response) {
     const { pathname } = new URL(request.url, this.url);
     if (!this.#isAllowed(request)) return response.writeHead(401).end();
+    if (pathname === '/felt') return response.writeHead(200).end(this.#feltList());
     if (pathname === '/scene') return response.writeHead(200, { 'Content-Length': this.ply.length }).end(this.ply);
     const name = pathname === '/' ? 'index.html' : path.basename(pathname);
     try {
@@ -171,8 +172,25 @@ export class MockGateway {
     this.#broadcast(this.#parametersMessage());
   }
 
+  get #kept() {
+    return this.gaussians.filter((g) => g.opacity > this.parameters.filter.opacity_min);
+  }
+
+  get #felt() {
+    return { url: '/felt', tag: JSON.stringify(this.parameters.filter) };
+  }
+
+  #feltList() {
+    const list = Buffer.alloc(16 * this.#kept.length);
+    this.#kept.forEach(({ row, deviations }, i) => {
+      list.writeUInt32LE(row, 16 * i);
+      deviations.forEach((d, k) => list.writeFloatLE(d * this.parameters.filter.sigma, 16 * i + 4 * (k + 1)));
+    });
+    return list;
+  }
+
   #parametersMessage() {
-    return { op: 'publish', topic: '/palpate/parameters', msg: { data: JSON.stringify(this.parameters) } };
+    return { op: 'publish', topic: '/palpate/parameters', msg: { data: JSON.stringify({ ...this.parameters, felt: this.#felt }) } };
   }
 
   #broadcast(message) {
@@ -193,7 +211,7 @@ export class MockGateway {
   /// The Gaussians that the tool touches: {row, center, scale (the diameters), depth}. In the world.
   get contacts() {
     const { scale, translation } = this.parameters.registration;
-    return this.gaussians.filter((g) => g.opacity > this.parameters.filter.opacity_min).map((g) => {
+    return this.#kept.map((g) => {
       const center = g.center.map((c, k) => scale * c + translation[k]);
       const depth = toolRadius - Math.hypot(...center.map((c, k) => c - this.tool.position[k]));
       return { ...g, center, scale: g.deviations.map((d) => 2 * scale * d * this.parameters.filter.sigma), depth };

@@ -68,6 +68,12 @@ export class Program {
     return JSON.parse(stdout);
   }
 
+  /// How many Gaussians `palpate info` keeps.
+  async kept(options) {
+    const { stdout } = await execute(binary, ['info', this.scene, '--json', '--quiet', ...options]);
+    return JSON.parse(stdout).filter.kept;
+  }
+
   remove() {
     return rm(this.folder, { recursive: true, force: true });
   }

@@ -158,8 +158,8 @@ describe('at a desk', () => {
   });
 });
 
-describe('contacts are drawn where the program finds them', () => {
-  const registrations = {
+describe('contacts and what can be felt are drawn where and as large as the program has them', () => {
+  const scenes = {
     'as is': { options: [], at: [0, 0, 0.165] },
     'scaled, turned and moved': {
       options: ['--scale', '2', '--rotate', '0.8,0.6,0,0', '--translate', '0.1,-0.2,0.3'],
@@ -169,20 +169,27 @@ describe('contacts are drawn where the program finds them', () => {
       options: ['--mirror', '--rotate', '0.8,0,0.6,0', '--translate', '0.1,-0.2,0.3'],
       at: [0.1, -0.2, 0.3 + radius + 0.015],
     },
+    'cropped, and at the visible level': {
+      options: ['--iso', '0.7', '--crop-sphere', '0,0,0.3,0.2', '--max-scale', '0.03', '--scale', '2'],
+      at: [0, 0, 2 * radius + 0.015],
+    },
   };
-  for (const [name, { options, at }] of Object.entries(registrations)) {
+  for (const [name, { options, at }] of Object.entries(scenes)) {
     test(name, async () => {
       await program.start(at, [...options, '--model', 'density']);
       ({ page, problems } = await openViewer(browser, program.url));
       await until(page, () => window.palpateViewer.drawnContacts() > 0);
       const tool = await ask(page, (v) => v.tool());
       const found = new Map((await program.query(tool, options)).contacts.map((c) => [c.id, c.center]));
+      assert.equal(await ask(page, (v) => v.kept()), await program.kept(options));
       let compared = 0;
-      for (const { id, center } of await ask(page, (v) => v.contacts())) {
+      for (const { id, center, scale } of await ask(page, (v) => v.contacts())) {
         const drawn = await ask(page, (v, i) => v.centreOfDrawnContact(i), id);
         if (!drawn || !found.has(id)) continue; // touched at one of the two instants only
         assert.ok(distance(drawn, center) < 1e-4);
         assert.ok(distance(drawn, found.get(id)) < 1e-4, `${id}: ${drawn}, not ${found.get(id)}`);
+        const felt = await ask(page, (v, i) => v.feltScale(i), id);
+        felt.forEach((size, k) => assert.ok(Math.abs(size / scale[k] - 1) < 1e-3, `${id}: ${felt}, not ${scale}`));
         ++compared;
       }
       assert.ok(compared > 0);

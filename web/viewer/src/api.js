@@ -2,10 +2,11 @@
 
 export function exposeApi({ connection, live, view, splats, felt, haptics, hold, parameters }) {
   const api = {
-    get ready() { return parameters.current !== null && live.isFresh('measured_cp') && splats.loaded; },
+    get ready() { return parameters.current !== null && live.isFresh('measured_cp') && splats.knowsFelt; },
     get connected() { return connection.connected; },
     get frames() { return view.frames; },
-    get sceneLoaded() { return splats.loaded; },
+    get idle() { return splats.isSorting ? 0 : view.idle; },
+    get sceneLoaded() { return splats.knowsFelt; },
     get held() { return hold.active; },
     get pulses() { return haptics.pulses.map((pulse) => ({ ...pulse })); },
     get presenting() { return view.renderer.xr.isPresenting; },
@@ -22,6 +23,7 @@ export function exposeApi({ connection, live, view, splats, felt, haptics, hold,
     arrow: () => felt.force.direction,
     kept: () => splats.keptCount,
     felt: () => splats.feltCount,
+    feltScale: (row) => splats.feltScale(row),
     project: (point) => view.project(point),
     pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,
   };

@@ -2,12 +2,16 @@
 
 import { ConeGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, Vector3 } from 'three';
 
+import { fill, setVisible } from './fill.js';
+
 const up = new Vector3(0, 1, 0); // along which three.js makes cylinders
 const headShare = 0.35; // of the length, at most
 const shaft = new CylinderGeometry(0.5, 0.5, 1, 16).translate(0, 0.5, 0);
 const head = new ConeGeometry(1, 1, 20).translate(0, 0.5, 0);
 
 export class Arrow extends Group {
+  #pointed = new Float32Array(7);
+
   constructor(colorName, order) {
     super();
     const material = new MeshBasicMaterial({ transparent: true, depthTest: false });
@@ -19,18 +23,21 @@ export class Arrow extends Group {
     this.visible = false;
   }
 
-  /// From `origin` along `vector`, both [x, y, z]; hidden if the vector is shorter than `least`.
+  /// From `origin` along `vector`, both [x, y, z]; hidden if the vector is shorter than `least`. Returns whether
+  /// that is other than before.
   point(origin, vector, thickness, least) {
     const along = new Vector3(...vector);
     const length = along.length();
-    this.visible = length > least;
-    if (!this.visible) return;
+    const toggled = setVisible(this, length > least);
+    if (!this.visible) return toggled;
+    const moved = fill(this.#pointed, 0, [...origin, ...vector, thickness]);
     this.position.set(...origin);
     this.quaternion.setFromUnitVectors(up, along.divideScalar(length));
     const headLength = Math.min(4 * thickness, headShare * length);
     this.shaft.scale.set(thickness, length - headLength, thickness);
     this.head.scale.set(1.5 * thickness, headLength, 1.5 * thickness);
     this.head.position.y = length - headLength;
+    return toggled || moved;
   }
 
   /// The direction it is drawn in, or null while it is hidden.

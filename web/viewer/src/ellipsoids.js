@@ -1,9 +1,11 @@
 // Many ellipsoids in one draw call.
 
 import {
-  Color, DynamicDrawUsage, IcosahedronGeometry, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion,
+  Color, DynamicDrawUsage, IcosahedronGeometry, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion,
   ShaderMaterial, Vector3,
 } from 'three';
+
+import { fill } from './fill.js';
 
 const matrix = new Matrix4();
 const position = new Vector3();
@@ -67,16 +69,27 @@ export class Ellipsoids extends InstancedMesh {
   }
 
   /// Shows `list` of {position, orientation: [x, y, z, w], semiAxes, color: [r, g, b] as on the screen, if any}.
+  /// Returns whether that is other than before.
   show(list) {
-    this.count = Math.min(list.length, this.instanceMatrix.count);
-    for (let i = 0; i < this.count; ++i) {
+    const count = Math.min(list.length, this.instanceMatrix.count);
+    let changed = count !== this.count;
+    this.count = count;
+    for (let i = 0; i < count; ++i) {
       const { position: p, orientation, semiAxes, color: rgb } = list[i];
-      this.setMatrixAt(i, matrix.compose(position.set(...p), rotation.set(...orientation).normalize(), size.set(...semiAxes)));
-      if (rgb) this.setColorAt(i, color.setRGB(...rgb).convertSRGBToLinear());
+      matrix.compose(position.set(...p), rotation.set(...orientation).normalize(), size.set(...semiAxes));
+      changed = fill(this.instanceMatrix.array, 16 * i, matrix.elements) || changed;
+      if (rgb) changed = this.#setColor(i, color.setRGB(...rgb).convertSRGBToLinear()) || changed;
     }
+    if (!changed) return false;
     this.instanceMatrix.needsUpdate = true;
     this.boundingSphere = null; // three.js keeps it for its raycaster
     if (this.instanceColor) this.instanceColor.needsUpdate = true;
+    return true;
+  }
+
+  #setColor(i, { r, g, b }) {
+    this.instanceColor ??= new InstancedBufferAttribute(new Float32Array(3 * this.instanceMatrix.count).fill(1), 3);
+    return fill(this.instanceColor.array, 3 * i, [r, g, b]);
   }
 
   /// Where the centre of an instance is drawn, in the space of the mesh.

@@ -7,6 +7,7 @@ import {
 import { niceFloor } from '../../shared/format.js';
 import { Arrow } from './arrow.js';
 import { Ellipsoids, shellMaterial, solidMaterial } from './ellipsoids.js';
+import { fill, setVisible } from './fill.js';
 import { rampColor } from './ramp.js';
 
 const mostContacts = 256;
@@ -14,7 +15,7 @@ const mostParts = 256;
 const longestForce = 12; // sizes of the tool, that an arrow of all the device can is long: what is felt is mostly a tenth of that
 const normalLength = 0.6; // of the longest contact normal that is drawn, in sizes of the tool
 const leastForce = 0.01; // what is shorter is no arrow. Unit: [N].
-const [fill, rim] = [0.5, 0.95]; // opacities of the tool
+const [middle, rim] = [0.5, 0.95]; // opacities of the tool
 const staleShare = 0.3; // of them while it is not known where the tool is
 const proxyShare = 0.02; // how far the proxy must be from the tool to be drawn, in sizes of the tool
 
@@ -41,7 +42,7 @@ export class FeltObjects {
     // They lie exactly on what can be felt, and stand out from it.
     const bright = solidMaterial({ polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
     this.contacts = new Ellipsoids(mostContacts, bright, { order: order.contacts });
-    this.tool = new Ellipsoids(mostParts, shellMaterial('--tool', fill, rim), { order: order.tool });
+    this.tool = new Ellipsoids(mostParts, shellMaterial('--tool', middle, rim), { order: order.tool });
     // What the felt surface hides of the tool shines through.
     const hidden = shellMaterial('--tool', 0.06, 0.3, { depthTest: false });
     this.hidden = new Ellipsoids(mostParts, hidden, { order: order.hidden });
@@ -59,35 +60,47 @@ export class FeltObjects {
     this.forceLength = niceFloor((longestForce * this.size) / (device.force_max || 10));
   }
 
-  /// Draws the newest of everything; what is stale keeps its place but claims no force and no contact.
+  /// Shows the newest of everything; what is stale keeps its place but claims no force and no contact. Returns whether
+  /// anything is other than before.
   update(live, shown) {
     const parts = live.toolParts;
-    this.tool.show(parts);
-    this.hidden.show(parts);
     const fresh = live.isFresh('measured_cp');
-    this.#dim(!fresh);
-    this.#showProxy(live, shown.proxy && fresh);
-    this.#showContacts(live.isFresh('contacts') ? live.contacts : [], shown);
+    const changes = [
+      this.tool.show(parts),
+      this.hidden.show(parts),
+      this.#dim(!fresh),
+      this.#showProxy(live, shown.proxy && fresh),
+      this.#showContacts(live.isFresh('contacts') ? live.contacts : [], shown),
+      this.#showWrench(live, shown),
+    ];
+    return changes.includes(true);
+  }
+
+  #showWrench(live, shown) {
     const wrench = live.force && live.tool ? live.wrench : { force: [0, 0, 0], torque: [0, 0, 0] };
     const at = live.tool?.position ?? [0, 0, 0];
     const thickness = 0.09 * this.size;
     const scaled = (v, by) => v.map((c) => c * by);
-    this.force.point(at, scaled(wrench.force, shown.force ? this.forceLength : 0), thickness, leastForce * this.forceLength);
+    const force = this.force.point(at, scaled(wrench.force, shown.force ? this.forceLength : 0), thickness, leastForce * this.forceLength);
     // A torque is as long as the force that makes it with a lever of the tool's size.
     const torqueLength = this.forceLength / this.size;
-    this.torque.point(at, scaled(wrench.torque, shown.torque ? torqueLength : 0), thickness, leastForce * this.forceLength);
+    const torque = this.torque.point(at, scaled(wrench.torque, shown.torque ? torqueLength : 0), thickness, leastForce * this.forceLength);
+    return force || torque;
   }
 
   #dim(stale) {
     const by = stale ? staleShare : 1;
-    this.tool.material.uniforms.rim.value = by * rim;
-    this.tool.material.uniforms.fill.value = by * fill;
+    const { uniforms } = this.tool.material;
+    const changed = uniforms.rim.value !== by * rim;
+    uniforms.rim.value = by * rim;
+    uniforms.fill.value = by * middle;
+    return changed;
   }
 
   #showProxy({ proxy, tool }, wanted) {
     const apart = wanted && proxy && tool && distance(proxy.position, tool.position) > proxyShare * this.size;
-    this.proxy.visible = Boolean(apart);
-    if (apart) this.proxy.show(this.#parts.map((part) => placed(part, proxy)));
+    const toggled = setVisible(this.proxy, Boolean(apart));
+    return apart ? this.proxy.show(this.#parts.map((part) => placed(part, proxy))) || toggled : toggled;
   }
 
   #showContacts(contacts, shown) {
@@ -96,12 +109,13 @@ export class FeltObjects {
     this.deepest = deepest;
     const colored = this.colorBy === 'depth'
       ? contacts.map((c) => ({ ...c, color: rampColor(deepest > 0 ? (c.depth ?? 0) / deepest : 0) })) : contacts;
-    this.contacts.visible = shown.contacts;
-    this.contacts.show(colored);
+    const toggled = setVisible(this.contacts, shown.contacts);
+    const other = this.contacts.show(colored);
     const length = deepest > 0 ? (normalLength * this.size) / deepest : 0;
     const ends = shown.normals ? contacts.filter((c) => c.normal).slice(0, mostContacts) : [];
-    setLines(this.normals, ends.map(({ normal: { from, to } }) =>
+    const lines = setLines(this.normals, ends.map(({ normal: { from, to } }) =>
       [from, from.map((v, k) => v + length * (to[k] - v))]));
+    return toggled || other || lines;
   }
 
   /// Where the centre of the drawn contact with an id is, or null. Unit: [m].
@@ -130,9 +144,12 @@ function normalLines() {
   return lines;
 }
 
+// Returns whether they are other than before.
 function setLines(lines, ends) {
-  const { position } = lines.geometry.attributes;
-  ends.flat().forEach((point, i) => position.setXYZ(i, ...point));
-  position.needsUpdate = true;
+  const { attributes: { position }, drawRange } = lines.geometry;
+  const moved = fill(position.array, 0, ends.flat(2));
+  if (moved) position.needsUpdate = true;
+  const changed = moved || drawRange.count !== 2 * ends.length;
   lines.geometry.setDrawRange(0, 2 * ends.length);
+  return changed;
 }

@@ -1,17 +1,16 @@
-// What the hand can feel: the Gaussians above the opacity cut, as ellipsoids. In the frame of the capture.
+// What the hand can feel: the Gaussians that the program has kept, as ellipsoids. In the frame of the capture.
 
-const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
+const stride = 10; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w
 const boxSample = 50000; // Gaussians that say where the others are
 const middle = 2; // how near to its centre a ray must pass to meet it. Unit: [standard deviations].
 
 /// Reads a SplatMesh once.
 export function readGaussians(mesh) {
   const data = new Float32Array(stride * mesh.numSplats);
-  mesh.forEachSplat((i, centre, scales, rotation, opacity) => {
+  mesh.forEachSplat((i, centre, scales, rotation) => {
     centre.toArray(data, stride * i);
     scales.toArray(data, stride * i + 3);
     rotation.toArray(data, stride * i + 6);
-    data[stride * i + 10] = opacity;
   });
   return new Kept(data);
 }
@@ -19,27 +18,31 @@ export function readGaussians(mesh) {
 export class Kept {
   #data;
   #rows = new Uint32Array(0); // of the kept ones
+  #semiAxes; // of the ellipsoids, by row
   #box = null;
 
   constructor(data) {
     this.#data = data;
+    this.#semiAxes = new Float32Array(3 * (data.length / stride));
   }
 
   get count() {
     return this.#rows.length;
   }
 
-  cut(opacityMin) {
-    const rows = new Uint32Array(this.#data.length / stride);
-    let count = 0;
-    for (let i = 10, row = 0; i < this.#data.length; i += stride, ++row) if (this.#data[i] > opacityMin) rows[count++] = row;
-    this.#rows = rows.slice(0, count);
+  /// `list` is an ArrayBuffer as the program gives it: of each Gaussian its row (uint32) and its three semi-axes
+  /// (float32).
+  keep(list) {
+    const [rows, values] = [new Uint32Array(list), new Float32Array(list)];
+    const known = this.#data.length / stride;
+    this.#rows = rows.filter((row, i) => i % 4 === 0 && row < known);
+    for (let i = 0; i < rows.length; i += 4) if (rows[i] < known) this.#semiAxes.set(values.subarray(i + 1, i + 4), 3 * rows[i]);
     this.#box = this.#findBox();
   }
 
   at(row) {
     const d = this.#data.subarray(stride * row, stride * (row + 1));
-    return { row, position: d.slice(0, 3), deviations: d.slice(3, 6), orientation: d.slice(6, 10) };
+    return { row, position: d.slice(0, 3), semiAxes: this.#semiAxes.slice(3 * row, 3 * row + 3), orientation: d.slice(6, 10) };
   }
 
   /// The rows of the `most` kept Gaussians whose centres are nearest to a point.

@@ -1,4 +1,5 @@
-// Loads the scene that the program has, once, and shows how far it is.
+// Loads the scene that the program has, once, and shows how far it is; and which of it can be felt, whenever that
+// changes.
 
 import { byId } from '../../shared/dom.js';
 import { notify } from './notices.js';
@@ -7,19 +8,27 @@ const retryAfter = 2000; // Unit: [ms].
 
 export class SceneLoader {
   #wanted = '';
+  #wantedList = '';
   #loading = new AbortController();
+  #loaded = false; // the wanted one
+  #asking = new AbortController();
   #parameters = null;
 
+  /// `onLoaded` is called once a scene is there, and what of it can be felt is known.
   constructor(splats, onLoaded) {
     Object.assign(this, { splats, onLoaded });
   }
 
   follow(parameters) {
     this.#parameters = parameters;
-    this.splats.follow(parameters);
+    this.splats.place(parameters.registration);
     const wanted = JSON.stringify(parameters.scene);
-    if (wanted === this.#wanted) return;
+    if (wanted === this.#wanted) {
+      this.#followList();
+      return;
+    }
     this.#wanted = wanted;
+    this.#loaded = false;
     this.#loading.abort(); // what came before is not wanted any more
     this.#loading = new AbortController();
     this.#load(parameters.scene, this.#loading.signal);
@@ -32,13 +41,34 @@ export class SceneLoader {
     bar.value = 0;
     try {
       await this.splats.load(scene, (share) => { if (!signal.aborted) bar.value = share; }, signal);
-      this.splats.follow(this.#parameters);
-      this.onLoaded();
+      this.#loaded = true;
+      this.#wantedList = '';
+      this.#followList();
     } catch (error) {
       if (signal.aborted) return;
       notify(`The scene could not be loaded: ${error.message ?? error}`);
       setTimeout(() => { if (!signal.aborted) this.#load(scene, signal); }, retryAfter);
     }
     box.hidden = true;
+  }
+
+  // The program says which list is the newest as soon as it has one.
+  async #followList() {
+    const { felt } = this.#parameters;
+    if (!felt || felt.tag === this.#wantedList || !this.#loaded) return;
+    this.#wantedList = felt.tag;
+    this.#asking.abort();
+    this.#asking = new AbortController();
+    const { signal } = this.#asking;
+    const isFirst = !this.splats.knowsFelt;
+    try {
+      await this.splats.feel(felt, signal);
+      if (isFirst) this.onLoaded();
+    } catch (error) {
+      if (signal.aborted) return;
+      notify(`What can be felt could not be loaded: ${error.message ?? error}`);
+      this.#wantedList = '';
+      setTimeout(() => this.#followList(), retryAfter);
+    }
   }
 }

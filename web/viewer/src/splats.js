@@ -1,4 +1,5 @@
-// The scene as it was captured, unfiltered, placed by the program's registration; and what of it can be felt.
+// The scene as it was captured, unfiltered, placed by the program's registration; and what of it can be felt, as the
+// program says.
 
 import { SparkRenderer } from '@sparkjsdev/spark';
 import { Box3, Group, Ray, Vector3 } from 'three';
@@ -13,9 +14,14 @@ const splatBudget = 500000; // of a headset that draws by itself
 const standalone = /Quest|OculusBrowser|Android|Pico|VisionOS/i;
 const movedShare = 0.25; // of the way to the farthest drawn ellipsoid, after which they are chosen anew
 
+async function request(url, signal) {
+  const response = await fetch(httpUrl(url), { signal });
+  if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
+  return response;
+}
+
 async function download(scene, onProgress, signal) {
-  const response = await fetch(httpUrl(scene.url), { signal });
-  if (!response.ok) throw new Error(`${scene.url}: ${response.status} ${response.statusText}`);
+  const response = await request(scene.url, signal);
   const length = Number(response.headers.get('Content-Length')) || scene.bytes;
   let loaded = 0;
   const count = new TransformStream({
@@ -29,7 +35,6 @@ async function download(scene, onProgress, signal) {
 }
 
 export class Splats {
-  loaded = false;
   sceneShown = true;
   group = new Group(); // from the captured frame to the world
   #mesh = null;
@@ -37,7 +42,7 @@ export class Splats {
   #felt = null; // as drawn
   #chosenAt = null; // the point that the drawn ones are nearest to, and how far they reach from it
   #reach = 0;
-  #opacityMin = null;
+  #feltTag = null; // of the list that says what is kept
   #most = mostFelt.desk;
 
   /// Centres stay in single precision through all of Spark: halves would drift from what is felt.
@@ -49,7 +54,6 @@ export class Splats {
 
   /// Rejected if `signal` ends it: what has been loaded so far is let go.
   async load(scene, onProgress, signal) {
-    this.loaded = false;
     const source = await download(scene, onProgress, signal);
     const mesh = new MirroredMesh({ ...source, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
     try {
@@ -63,10 +67,26 @@ export class Splats {
     this.#mesh?.removeFromParent();
     this.#mesh = mesh;
     this.#kept = readGaussians(mesh);
-    this.#opacityMin = null;
+    this.#feltTag = null;
     mesh.visible = this.sceneShown;
     this.group.add(mesh);
-    this.loaded = true;
+  }
+
+  get knowsFelt() {
+    return this.#feltTag !== null;
+  }
+
+  /// Asks which of the loaded Gaussians can be felt, unless the list is known already.
+  async feel({ url, tag }, signal) {
+    if (tag === this.#feltTag) return;
+    const kept = this.#kept;
+    const list = await (await request(url, signal)).arrayBuffer();
+    signal.throwIfAborted();
+    if (kept !== this.#kept) return; // another scene has been loaded meanwhile
+    kept.keep(list);
+    this.#feltTag = tag;
+    this.#chosenAt = null;
+    this.onDirty();
   }
 
   showScene(shown) {
@@ -75,15 +95,17 @@ export class Splats {
     this.onDirty();
   }
 
-  /// The matrix, the cut and the size of the ellipsoids, as the program has them.
-  follow({ registration, filter }) {
+  /// Where the program has it.
+  place(registration) {
     this.group.matrix.fromArray(registration.matrix);
     this.group.matrixWorldNeedsUpdate = true;
-    if (this.#kept && filter.opacity_min !== this.#opacityMin) this.#kept.cut(filter.opacity_min);
-    this.#opacityMin = this.#kept ? filter.opacity_min : null;
-    this.sigma = filter.sigma;
     this.#chosenAt = null;
     this.onDirty();
+  }
+
+  /// Whether what is drawn is still to be sorted for where it is seen from.
+  get isSorting() {
+    return this.spark.sorting || this.spark.sortDirty;
   }
 
   /// To be called when the graphics card has lost what was drawn.
@@ -94,6 +116,12 @@ export class Splats {
 
   get keptCount() {
     return this.#kept?.count ?? 0;
+  }
+
+  /// The diameters of the ellipsoid of a Gaussian, in the world.
+  feltScale(row) {
+    const size = this.group.matrix.getMaxScaleOnAxis();
+    return [...this.#kept.at(row).semiAxes].map((s) => 2 * size * s);
   }
 
   get feltCount() {
@@ -121,7 +149,6 @@ export class Splats {
     const near = new Vector3(...point).applyMatrix4(this.group.matrix.clone().invert());
     if (this.#chosenAt && near.distanceTo(this.#chosenAt) <= movedShare * this.#reach) return;
     const list = [...this.#kept.nearest(near.toArray(), this.#most)].map((row) => this.#kept.at(row));
-    for (const gaussian of list) gaussian.semiAxes = gaussian.deviations.map((s) => s * this.sigma);
     this.#felt.show(list);
     this.#chosenAt = near;
     const farthest = list.reduce((far, { position: p }) => Math.max(far, near.distanceToSquared(new Vector3(...p))), 0);

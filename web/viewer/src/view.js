@@ -17,7 +17,8 @@ const keyZoom = 1.1;
 const axisReach = 22; // of the axes in the corner. Unit: [px].
 
 export class View {
-  frames = 0;
+  frames = 0; // that have been drawn
+  idle = 0; // times in a row that there was nothing to draw
   world = new Group();
   #scene = new Scene();
   #dirty = true;
@@ -137,8 +138,12 @@ export class View {
 
   #tick(time, frame) {
     for (const work of this.#perFrame) work(time / 1000, frame);
-    if (!this.#dirty && !this.renderer.xr.isPresenting) return;
+    if (!this.#dirty && !this.renderer.xr.isPresenting) {
+      ++this.idle;
+      return;
+    }
     this.#dirty = false;
+    this.idle = 0;
     this.renderer.render(this.#scene, this.camera);
     this.axes.turn(this.camera);
     ++this.frames;

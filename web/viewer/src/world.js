@@ -66,8 +66,6 @@ export function showWorld({ connection, live, parameters, hold, statusBar, actio
     view.orbit.enabled = !hold.active;
   });
 
-  for (const name of ['measured_cp', 'contacts', 'tool', 'spatial/servo_cf', 'proxy_cp']) live.on(name, () => view.invalidate());
-
   supportedModes().then((modes) => {
     for (const mode of modes) {
       const node = byId(mode === 'immersive-vr' ? 'enter-vr' : 'enter-ar');
@@ -88,16 +86,12 @@ export function showWorld({ connection, live, parameters, hold, statusBar, actio
     if (hold.holds('keys') && keys.gamepad) play(keys.gamepad, pulse);
   }
 
-  let wasFresh = false;
   view.everyFrame((now) => {
     keys.update(now);
     headset.update();
     hold.publish();
     playForce();
-    const fresh = live.isFresh('measured_cp');
-    if (fresh !== wasFresh) view.invalidate(); // what has become stale has to be drawn as such
-    wasFresh = fresh;
-    felt.update(live, shown);
+    if (felt.update(live, shown)) view.invalidate();
     splats.update(live.tool?.position ?? [0, 0, 0]);
     updatePanels();
     updateShown();
