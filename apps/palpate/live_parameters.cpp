@@ -220,9 +220,10 @@ std::string settings_toml(const LiveSettings& s) {
   const ToolPart& part = s.tool.parts()[0];
   const bool one = s.tool.parts().size() == 1 && part.pose.position.isZero(0.0) &&
                    part.pose.orientation.isApprox(Eigen::Quaterniond::Identity());
-  text +=
-      one ? fmt::format("tool = [{}, {}, {}]\n", part.semi_axes.x(), part.semi_axes.y(), part.semi_axes.z())
-          : "# tool: one of several ellipsoids has a file of its own\n";
+  const Eigen::Vector3d& a = part.semi_axes;
+  // A literal string, whose first line break is no part of it.
+  text += one ? fmt::format("tool = [{}, {}, {}]\n", a.x(), a.y(), a.z())
+              : fmt::format("tool = '''\n{}'''\n", tool_text(s.tool));
   return text;
 }
 

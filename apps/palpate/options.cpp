@@ -194,6 +194,10 @@ SceneIndex open_index(const SceneOptions& options, IndexFiles files, const Progr
 
 void QueryOptions::declare_tool(CLI::App& app) {
   const auto set = [this](const std::string& text) {
+    if (text.starts_with("[[")) {
+      tool = parse_tool("--tool", text);
+      return;
+    }
     if (text.ends_with(".toml")) {
       tool = read_tool(text);
       return;
@@ -208,7 +212,7 @@ void QueryOptions::declare_tool(CLI::App& app) {
   };
   const Eigen::Vector3d& a = tool.parts()[0].semi_axes;
   add_parsed(app, "--tool", "a,b,c|FILE.toml",
-             "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools", set)
+             "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools, or its text", set)
       .shows_default(fmt::format("{},{},{}", a.x(), a.y(), a.z()))
       .in_group(kToolGroup);
 }

@@ -36,6 +36,13 @@ class Config(Case):
         self.assertEqual(self.with_config("tool = [0.01, 0.02, 0.03]\ntranslate = [-0.01, 0, 2e-3]"), wanted)
         self.assertEqual(self.with_config('tool = "0.01,0.02,0.03"\ntranslate = "-0.01,0,0.002"'), wanted)
 
+    def test_a_tool_of_many_may_stand_in_it(self):
+        text = "[[ellipsoid]]\nname = 'a'\nsemi_axes = [0.01, 0.02, 0.03]\nposition = [0.01, 0, 0]\n"
+        self.write("tool.toml", text)
+        self.assertEqual(self.with_config(f'tool = """\n{text}"""'), self.query("--tool", "tool.toml"))
+        self.assertEqual(self.query("--tool", text), self.query("--tool", "tool.toml"))
+        self.refuse(1, ["--tool", "line 1", "'name' is missing"], "query", "a.ply", "--pose", "0,0,0", "--tool", "[[ellipsoid]]\n")
+
     def test_numbers_lose_no_digit(self):
         self.assertEqual(self.with_config("sigma = 1.2345678901234567"), self.query("--sigma", "1.2345678901234567"))
 

@@ -39,6 +39,26 @@ TEST(ToolFile, ReadsEveryKey) {
   EXPECT_TRUE(ball.pose.orientation.isApprox(Eigen::Quaterniond::Identity(), 0.0));
 }
 
+TEST(ToolFile, IsReadAsTheToolItWasWrittenFrom) {
+  ToolPart tip, ball;
+  tip.name = "it's \"odd\" \\ '''\n\t\x7f \xc3\xbc";
+  tip.semi_axes = {0.1, 1.0 / 3.0, 2e-6};
+  tip.pose = {{-0.1, 1e-17, 1.0 / 7.0}, Eigen::Quaterniond(1, 2, 3, 4).normalized()};
+  ball.semi_axes = {1, 1, 1};
+  const Tool tool(std::vector<ToolPart>{tip, ball});
+  const std::string text = tool_text(tool);
+  EXPECT_EQ(text.find('\''), std::string::npos);
+  const Tool read = tool_of(text);
+  ASSERT_EQ(read.parts().size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const ToolPart &a = tool.parts()[k], &b = read.parts()[k];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.semi_axes, b.semi_axes);
+    EXPECT_EQ(a.pose.position, b.pose.position);
+    EXPECT_LE((a.pose.orientation.coeffs() - b.pose.orientation.coeffs()).norm(), 1e-11);
+  }
+}
+
 /// A file with a mistake, the line where it is, and what the message must say.
 struct Mistake {
   std::string text;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <palpate/base/error.h>
 #include <palpate/base/toml_file.h>
 
@@ -31,6 +33,17 @@ ToolPart part_of(TomlTable table) {
   return part;
 }
 
+/// In quotation marks.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte >= 0x20 && byte != 0x7f && c != '"' && c != '\\' && c != '\'';
+    result += plain ? std::string(1, c) : fmt::format("\\u{:04x}", byte);
+  }
+  return result + '"';
+}
+
 Tool tool_of(const TomlFile& file) {
   TomlTable root = file.root();
   const TomlValue ellipsoids = root.at("ellipsoid");
@@ -47,5 +60,18 @@ Tool tool_of(const TomlFile& file) {
 Tool read_tool(const std::string& path) { return tool_of(TomlFile(path)); }
 
 Tool parse_tool(const std::string& name, std::string_view text) { return tool_of(TomlFile(name, text)); }
+
+std::string tool_text(const Tool& tool) {
+  std::string text;
+  for (const ToolPart& part : tool.parts()) {
+    const Eigen::Vector3d &a = part.semi_axes, &p = part.pose.position;
+    const Eigen::Quaterniond& q = part.pose.orientation;
+    text += fmt::format("[[ellipsoid]]\nname = {}\nsemi_axes = [{}, {}, {}]\n", quoted(part.name), a.x(),
+                        a.y(), a.z());
+    text += fmt::format("position = [{}, {}, {}]\norientation = [{:.12g}, {:.12g}, {:.12g}, {:.12g}]\n",
+                        p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+  }
+  return text;
+}
 
 }  // namespace palpate

@@ -27,4 +27,8 @@ Tool read_tool(const std::string& path);
 /// The same of a file's text. \param name that messages call it
 Tool parse_tool(const std::string& name, std::string_view text);
 
+/// The text of a tool file that is read as `tool`; orientations to twelve digits. Has no apostrophes, so that
+/// it can stand in TOML's literal strings.
+std::string tool_text(const Tool& tool);
+
 }  // namespace palpate

@@ -2,10 +2,12 @@
 // took is printed.
 
 import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { Param, Service, Topic } from 'roslib';
 import { drive, pose, quantile } from './drive.mjs';
-import { connect, first, makeFolder, nextStatus, start, valuesOf } from './palpate.mjs';
+import { connect, first, makeFolder, nextStatus, run, start, valuesOf } from './palpate.mjs';
 
 const call = (ros, name, serviceType, request = {}) =>
   new Promise((done, failed) => new Service({ ros, name, serviceType }).callService(request, done, failed));
@@ -94,6 +96,18 @@ describe('a client that looks on', () => {
     await first(ros, '/palpate/tool', 'visualization_msgs/MarkerArray', ({ markers }) => markers[0].scale.x === 0.02);
     const { message } = await call(ros, '/palpate/config', 'std_srvs/Trigger');
     assert.match(message, /stiffness = 800/);
+  });
+
+  test('keeps a configuration that starts another command with the same tool', async () => {
+    const ball = (name, x) => `[[ellipsoid]]\nname = ${JSON.stringify(name)}\nsemi_axes = [0.01, 0.01, 0.01]\nposition = [${x}, 0, 0]\n`;
+    const names = [`it's "odd" \\ '''`, 'ümlaut'];
+    const load = (data) => call(ros, '/palpate/load_tool', 'palpate/SetString', { data });
+    assert.ok((await load(ball(names[0], -0.02) + ball(names[1], 0.02))).success);
+    const { message } = await call(ros, '/palpate/config', 'std_srvs/Trigger');
+    writeFileSync(path.join(scene.folder, 'saved.toml'), message);
+    const out = run(scene.folder, 'query', 'sphere.ply', '--pose', '0,0,0.15', '--config', 'saved.toml', '--json');
+    assert.deepEqual(new Set(JSON.parse(out).contacts.map(({ part }) => part)), new Set(names));
+    await load(ball('a', 0));
   });
 
   test('is told what can be felt, and when that is something else', async () => {

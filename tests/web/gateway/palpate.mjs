@@ -9,11 +9,14 @@ import { Ros, Topic } from 'roslib';
 const program = process.env.PALPATE;
 const patience = 60_000; // ms; instrumented, on a small machine
 
+/// What a command prints in a folder.
+export const run = (folder, ...args) => execFileSync(program, args, { cwd: folder, encoding: 'utf8' });
+
 /// A folder with a sphere of 0.15 m around the origin, as sphere.ply.
 export function makeFolder() {
   if (!program) throw new Error('PALPATE must name the program');
   const folder = mkdtempSync(path.join(os.tmpdir(), 'palpate-gateway-'));
-  execFileSync(program, ['make-scene', 'sphere', '--out', 'sphere.ply', '-q'], { cwd: folder });
+  run(folder, 'make-scene', 'sphere', '--out', 'sphere.ply', '-q');
   return { folder, remove: () => rmSync(folder, { recursive: true, force: true }) };
 }
 
