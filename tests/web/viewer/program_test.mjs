@@ -182,6 +182,7 @@ describe('contacts and what can be felt are drawn where and as large as the prog
       const tool = await ask(page, (v) => v.tool());
       const found = new Map((await program.query(tool, options)).contacts.map((c) => [c.id, c.center]));
       assert.equal(await ask(page, (v) => v.kept()), await program.kept(options));
+      assert.equal(await page.getByText('opacity of 0.7').count(), options.includes('--iso') ? 1 : 0);
       let compared = 0;
       for (const { id, center, scale } of await ask(page, (v) => v.contacts())) {
         const drawn = await ask(page, (v, i) => v.centreOfDrawnContact(i), id);

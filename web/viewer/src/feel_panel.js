@@ -17,8 +17,9 @@ export function createFeelPanel(parameters) {
   const opacity = numberField(
     { label: 'Opacity cut', name: 'opacity_min', min: 0, max: 1, slide: { min: 0, max: 1 } }, setFilter('opacity_min'));
   const sigma = numberField({ label: 'Ellipsoids at', unit: 'σ', name: 'sigma', min: 0, slide: { min: 0.2, max: 3 } }, setFilter('sigma'));
+  const iso = hint('');
   const fields = [model, stiffness, friction, detail, opacity, sigma];
-  byId('feel').append(...fields.map((field) => field.node));
+  byId('feel').append(...fields.map((field) => field.node), iso);
   parameters.onChange((p) => {
     model.show(p.models, p.model);
     stiffness.limit(p.stiffness_max);
@@ -27,6 +28,7 @@ export function createFeelPanel(parameters) {
     detail.show(p.detail);
     opacity.show(p.filter.opacity_min);
     sigma.show(p.filter.sigma);
+    iso.textContent = p.filter.iso > 0 ? `Now out to where an opacity of ${p.filter.iso} is seen (--iso); setting σ ends that.` : '';
   });
 }
 
