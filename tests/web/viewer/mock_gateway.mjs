@@ -36,21 +36,21 @@ function initialParameters(ply) {
 }
 
 export class MockGateway {
-  requests = []; // of services: {service, args}
-  poses = []; // what clients published
-  muted = false; // says nothing, but keeps the connections
-  refusal = ''; // of the next set_parameters
-  refusePoses = false;
-  fault = { level: 0, state: 'active', fault: 'none', advice: '' };
-  token = null; // wanted of every connection, if any
-  tool = { position: [0, 0, 0.2], orientation: [0, 0, 0, 1] };
+  requests; // of services: {service, args}
+  poses; // what clients published
+  muted; // says nothing, but keeps the connections
+  refusal; // of the next set_parameters
+  refusePoses;
+  fault;
+  token; // wanted of every connection, if any
+  tool;
   #shown = new Set(); // ids of the contacts in the last message
   #sockets = new Map(); // socket: Set of topics
-  #lastPose = -Infinity;
+  #lastPose;
 
   constructor(folder, { gaussians, ply } = ballScene(600)) {
     Object.assign(this, { folder, gaussians, ply });
-    this.parameters = initialParameters(this.ply);
+    this.reset([0, 0, 0.2]);
   }
 
   /// As it was in the beginning, with the tool at `position`. Who is connected stays so.

@@ -62,7 +62,7 @@ export class SceneLoader {
     const { signal } = this.#asking;
     const isFirst = !this.splats.knowsFelt;
     try {
-      await this.splats.feel(felt, signal);
+      await this.splats.feel(felt.url, signal);
       if (isFirst) this.onLoaded();
     } catch (error) {
       if (signal.aborted) return;

@@ -36,13 +36,13 @@ async function download(scene, onProgress, signal) {
 
 export class Splats {
   sceneShown = true;
+  knowsFelt = false; // which of the loaded Gaussians can be felt
   group = new Group(); // from the captured frame to the world
   #mesh = null;
   #kept = null;
   #felt = null; // as drawn
   #chosenAt = null; // the point that the drawn ones are nearest to, and how far they reach from it
   #reach = 0;
-  #feltTag = null; // of the list that says what is kept
   #most = mostFelt.desk;
 
   /// Centres stay in single precision through all of Spark: halves would drift from what is felt.
@@ -67,24 +67,19 @@ export class Splats {
     this.#mesh?.removeFromParent();
     this.#mesh = mesh;
     this.#kept = readGaussians(mesh);
-    this.#feltTag = null;
+    this.knowsFelt = false;
     mesh.visible = this.sceneShown;
     this.group.add(mesh);
   }
 
-  get knowsFelt() {
-    return this.#feltTag !== null;
-  }
-
-  /// Asks which of the loaded Gaussians can be felt, unless the list is known already.
-  async feel({ url, tag }, signal) {
-    if (tag === this.#feltTag) return;
+  /// Asks which of the loaded Gaussians can be felt.
+  async feel(url, signal) {
     const kept = this.#kept;
     const list = await (await request(url, signal)).arrayBuffer();
     signal.throwIfAborted();
     if (kept !== this.#kept) return; // another scene has been loaded meanwhile
     kept.keep(list);
-    this.#feltTag = tag;
+    this.knowsFelt = true;
     this.#chosenAt = null;
     this.onDirty();
   }
