@@ -3,8 +3,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -32,8 +34,8 @@ class IndexFileTest : public testing::Test {
  protected:
   void SetUp() override { write(index_); }
 
-  void write(const SceneIndex& index) {
-    const IndexView view = index.view();
+  void write(const SceneIndex& index) { write(index.view()); }
+  void write(const IndexView& view) {
     FilterReport report;
     report.total = 9;
     report.defects = {0, 1, 2, 3, 4};
@@ -41,7 +43,7 @@ class IndexFileTest : public testing::Test {
     report.below_iso = 6;
     report.over_max_scale = 7;
     report.outside_crop = 8;
-    report.kept = index.size();
+    report.kept = view.gaussians;
     IndexWriter writer(path_);
     const std::size_t half = view.blocks.size() / 2;
     writer.add(view.blocks.first(half));
@@ -49,7 +51,7 @@ class IndexFileTest : public testing::Test {
     writer.finish(view.nodes, {{stamp_of(scene_.path()), content_hash(scene_.path())},
                                kOptions,
                                report,
-                               index.size(),
+                               view.gaussians,
                                view.origin});
     report_ = report;
     std::ifstream in(path_, std::ios::binary);
@@ -248,6 +250,102 @@ TEST_F(IndexFileTest, TakesACopyOfTheScene) {
   std::ofstream(scene_.path(), std::ios::binary) << bytes;
   scene_.touch(1'000'000'000);
   EXPECT_NO_THROW(open());
+}
+
+/// The children of a node, in its slots from the first on: nodes, or blocks as leaf() makes them. 0 is none.
+using Children = std::vector<std::uint32_t>;
+
+std::uint32_t leaf(std::uint32_t block) { return block | IndexNode::kLeaf; }
+
+IndexNode node_of(const Children& children) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  IndexNode node;
+  for (std::size_t slot = 0; slot < kIndexWidth; ++slot) {
+    node.child[slot] = slot < children.size() ? children[slot] : 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      node.low[axis][slot] = node.child[slot] != 0 ? -1.0F : kInfinity;
+      node.high[axis][slot] = node.child[slot] != 0 ? 1.0F : -kInfinity;
+    }
+  }
+  return node;
+}
+
+/// Index files whose checksums fit, whatever their nodes are.
+class IndexFileOfNodes : public IndexFileTest {
+ protected:
+  /// Of these nodes, and the first `blocks` blocks of the index.
+  std::string refusal_of(const std::vector<IndexNode>& nodes, std::size_t blocks) {
+    IndexView view = index_.view();
+    view.nodes = nodes;
+    view.blocks = view.blocks.first(blocks);
+    write(view);
+    return refusal(bytes_);
+  }
+  std::string refusal_of_tree(const std::vector<Children>& tree, std::size_t blocks) {
+    std::vector<IndexNode> nodes;
+    for (const Children& children : tree) nodes.push_back(node_of(children));
+    return refusal_of(nodes, blocks);
+  }
+};
+
+TEST_F(IndexFileOfNodes, TakesATree) {
+  EXPECT_EQ(refusal_of_tree({}, 0), "");
+  EXPECT_EQ(refusal_of_tree({{leaf(0)}}, 1), "");
+  EXPECT_EQ(refusal_of_tree({{1, 2}, {leaf(0), leaf(1)}, {leaf(2), 3}, {leaf(3)}}, 4), "");
+  EXPECT_EQ(refusal_of_tree({{2, 0, 1}, {leaf(3), leaf(0)}, {0, leaf(2), leaf(1)}}, 4), "") << "in any order";
+}
+
+TEST_F(IndexFileOfNodes, RefusesWhatIsSharedUnreachableOrACycle) {
+  const std::pair<const char*, std::vector<Children>> cases[] = {
+      {"a node twice in one node", {{1, 1}, {leaf(0), leaf(1)}}},
+      {"a node in two nodes", {{1, 2}, {3, leaf(0)}, {3}, {leaf(1)}}},
+      {"a node of two depths", {{1, 2}, {2}, {leaf(0), leaf(1)}}},
+      {"a block twice in one node", {{leaf(0), leaf(1), leaf(0)}}},
+      {"a block in two nodes", {{1, 2}, {leaf(0), leaf(1)}, {leaf(1)}}},
+      {"a node without a parent", {{1}, {leaf(0)}, {leaf(1)}}},
+      {"a block without a parent", {{leaf(1)}}},
+      {"no nodes at all", {}},
+      {"its own parent", {{1}, {leaf(0), leaf(1), 1}}},
+      {"its parent's parent", {{1}, {2, leaf(0)}, {leaf(1), 1}}},
+      {"two that have each other", {{leaf(0), leaf(1)}, {2}, {1}}},
+      {"no such node", {{leaf(0), leaf(1), 1}}},
+      {"no such block", {{leaf(0), leaf(1), leaf(2)}}},
+  };
+  for (const auto& [what, nodes] : cases)
+    EXPECT_THAT(refusal_of_tree(nodes, 2), HasSubstr("its nodes are no tree")) << what;
+}
+
+// Sixteen ways down from each of 62 levels to the next: no walk would end.
+TEST_F(IndexFileOfNodes, RefusesLevelsThatShareTheirChildren) {
+  constexpr std::uint32_t kLevels = 62;
+  std::vector<Children> nodes;
+  for (std::uint32_t level = 0; level < kLevels; ++level)
+    nodes.emplace_back(kIndexWidth, level + 1 < kLevels ? level + 1 : leaf(0));
+  EXPECT_THAT(refusal_of_tree(nodes, 1), HasSubstr("its nodes are no tree"));
+  for (Children& children : nodes) children.resize(1);
+  EXPECT_EQ(refusal_of_tree(nodes, 1), "") << "as a chain they are a tree";
+}
+
+TEST_F(IndexFileOfNodes, RefusesATreeThatIsTooDeep) {
+  std::vector<Children> nodes;
+  for (std::uint32_t level = 0; level < kMaxIndexDepth; ++level)
+    nodes.push_back({level + 1 < kMaxIndexDepth ? level + 1 : leaf(0)});
+  EXPECT_EQ(refusal_of_tree(nodes, 1), "");
+  nodes.back() = {kMaxIndexDepth};
+  nodes.push_back({leaf(0)});
+  EXPECT_THAT(refusal_of_tree(nodes, 1), HasSubstr("its nodes are no tree"));
+}
+
+// No walk would get to them.
+TEST_F(IndexFileOfNodes, RefusesAChildInABoxThatIsEmpty) {
+  for (const float high : {-2.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::vector<IndexNode> nodes{node_of({1, leaf(0)}), node_of({leaf(1)})};
+      ASSERT_EQ(refusal_of(nodes, 2), "");
+      nodes[axis % 2].high[axis][0] = high;
+      EXPECT_THAT(refusal_of(nodes, 2), HasSubstr("its nodes are no tree")) << "axis " << axis;
+    }
+  }
 }
 
 TEST(ContentHash, TellsFilesApart) {

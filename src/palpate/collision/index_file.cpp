@@ -137,27 +137,43 @@ std::size_t first_changed_chunk(std::span<const std::byte> bytes, std::span<cons
   return first;
 }
 
-/// True if every child exists, comes after its parent, and is not too deep: no walk can leave the arrays or
-/// fail to end, whoever wrote the file.
+/// True if `index` is a tree over all of its nodes and blocks: every node but the root, which is the first,
+/// and every block is the child of exactly one slot. Hence whoever wrote the file, a walk never leaves the
+/// arrays, visits nothing twice and ends, and nothing in the file is out of its reach.
+///
+/// Children come after their parents, in the builder's order as in any sound file. So one pass in memory
+/// order sees the parent of a node before the node: a node without a depth by then has no parent, and with
+/// one each and no way back, all of them lead down from the root.
 bool is_tree(const IndexView& index) {
   if (index.blocks.size() > kMaxIndexBlocks) return false;
-  std::vector<std::uint8_t> depth(index.nodes.size(), 0);
+  std::vector<std::uint8_t> depth(index.nodes.size(), 0);  // 0 where no parent has been seen
+  std::vector<bool> is_child(index.blocks.size(), false);
+  std::size_t blocks_seen = 0;
   for (std::size_t n = 0; n < index.nodes.size(); ++n) {
     const IndexNode& node = index.nodes[n];
-    for (const std::uint32_t child : node.child) {
-      if ((child & IndexNode::kLeaf) != 0) {
-        if ((child & ~IndexNode::kLeaf) >= index.blocks.size()) return false;
+    if (n > 0 && depth[n] == 0) return false;
+    for (std::size_t slot = 0; slot < kIndexWidth; ++slot) {
+      const std::uint32_t child = node.child[slot];
+      if (child == 0) {  // no child: nothing may meet its box
+        if (node.low[0][slot] <= std::numeric_limits<float>::max()) return false;
         continue;
       }
-      if (child == 0) continue;  // an empty slot, which nothing must meet: see below
-      if (child <= n || child >= index.nodes.size() || depth[n] + 1U >= kMaxIndexDepth) return false;
-      depth[child] = std::max<std::uint8_t>(depth[child], static_cast<std::uint8_t>(depth[n] + 1));
-    }
-    for (std::size_t slot = 0; slot < kIndexWidth; ++slot) {
-      if (node.child[slot] == 0 && node.low[0][slot] <= std::numeric_limits<float>::max()) return false;
+      for (std::size_t axis = 0; axis < 3; ++axis) {  // an empty box, or none, would hide the child
+        if (!(node.low[axis][slot] <= node.high[axis][slot])) return false;
+      }
+      if ((child & IndexNode::kLeaf) != 0) {
+        const std::uint32_t block = child & ~IndexNode::kLeaf;
+        if (block >= index.blocks.size() || is_child[block]) return false;
+        is_child[block] = true;
+        ++blocks_seen;
+      } else {
+        const bool sound = child > n && child < index.nodes.size() && depth[child] == 0;
+        if (!sound || depth[n] + 1U >= kMaxIndexDepth) return false;
+        depth[child] = static_cast<std::uint8_t>(depth[n] + 1);
+      }
     }
   }
-  return true;
+  return blocks_seen == index.blocks.size();
 }
 
 }  // namespace
