@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <palpate/geometry/rotation.h>
 #include <palpate/haptics/tool_query.h>
@@ -18,8 +19,13 @@ double microseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-/// Poses whose contacts are held in memory at once.
-constexpr std::size_t kBlock = 4096;
+/// Poses a thread whose contacts are held at once: as few as keep all threads busy. The contacts of a crowded
+/// pose take 270 KB, so that those of thousands would be in memory that nobody has touched before, which
+/// costs twice what finding them does; those of a few stay in the cache until the force model has seen them.
+constexpr std::size_t kPosesPerThread = 4;
+
+/// Poses from one report of progress to the next.
+constexpr std::size_t kReportEvery = 4096;
 
 }  // namespace
 
@@ -34,9 +40,12 @@ std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, Force
                               const Trajectory& trajectory, const Progress& progress) {
   model.reset();
   std::vector<RunRow> rows(trajectory.size());
-  std::vector<ContactSet> contacts(std::min(kBlock, trajectory.size()));
-  for (std::size_t first = 0; first < trajectory.size(); first += kBlock) {
-    const std::size_t n = std::min(kBlock, trajectory.size() - first);
+  const std::size_t block =
+      kPosesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<ContactSet> contacts(std::min(block, trajectory.size()));
+  std::size_t next_report = kReportEvery;
+  for (std::size_t first = 0; first < trajectory.size(); first += block) {
+    const std::size_t n = std::min(block, trajectory.size() - first);
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
       const auto start = Clock::now();
       palpate::query(query, tool, trajectory[first + k].pose, contacts[k]);
@@ -61,7 +70,11 @@ std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, Force
       row.proxy = felt.proxy.position;
       row.compute_us += microseconds_since(start);
     }
-    report(progress, "replaying", static_cast<double>(first + n) / static_cast<double>(trajectory.size()));
+    const std::size_t done = first + n;
+    if (done >= next_report || done == trajectory.size()) {
+      report(progress, "replaying", static_cast<double>(done) / static_cast<double>(trajectory.size()));
+      next_report = done + kReportEvery;
+    }
   }
   return rows;
 }
