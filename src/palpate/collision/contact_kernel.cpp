@@ -98,6 +98,11 @@ HWY_INLINE void screen(PairBuffer& buffer, const ToolFrame& tool, WhitenedPairs<
     const Whitened<Floats> seen = whitened(load_solid<Floats>(buffer, i), tool);
     const SearchStep<Floats> next(seen.k, first_t(seen.k), tool.single);
     const auto open = and_not(next.apart, first_lanes<Floats>(n - i));
+    const auto squared_length = [&](std::size_t axis) HWY_ATTR {
+      const Floats length = load<Floats>(buffer.length_high[axis], i);
+      return length * length;
+    };
+    const Floats extent = sqrt((squared_length(0) + squared_length(1)) + squared_length(2));
     const LanePacker<DFloat> pack(open);
     const std::size_t to = buffer.size;
     // In place: what is overwritten has been read.
@@ -118,9 +123,16 @@ HWY_INLINE void screen(PairBuffer& buffer, const ToolFrame& tool, WhitenedPairs<
                     [&](PairBuffer::Lane<float>& lane, const Floats& x) HWY_ATTR { pack(x, &lane[to]); });
     }
     pack_lane(buffer.slot);
+    pack(extent, &buffer.extent[to]);
     pack(next.t, &singles.t[to]);
     buffer.size += count_of(open);
   }
+}
+
+/// Of a pair that has been through the screen.
+HWY_INLINE GaussianLabel label_of(const IndexView& index, const PairBuffer& buffer, std::size_t pair) {
+  const GaussianSlot slot = buffer.slot[pair];
+  return GaussianLabel::of(index.blocks[slot.block()], slot.lane(), buffer.extent[pair]);
 }
 
 /// Stage 4 for `n` pairs whose Gaussians are in `slot`: in `w.singles`, or in `w.pairs` with their t in
@@ -161,9 +173,7 @@ void find_contacts_in(const IndexView& index, const ToolFrame& tool, ContactSet&
       for (std::size_t i = 0; i < pairs.size; i += Doubles::width())
         whiten_into(load_solid<Doubles>(pairs, i), tool, w.pairs, i);
     }
-    const auto label = [&](std::size_t pair) HWY_ATTR {
-      return GaussianLabel::of(index.blocks[pairs.slot[pair].block()], pairs.slot[pair].lane());
-    };
+    const auto label = [&](std::size_t pair) HWY_ATTR { return label_of(index, pairs, pair); };
     end = append_contacts<kPrecision>(w, pairs.size, pairs.slot.data(), index, tool, label, kStepsFromGuess,
                                       end, result.contacts);
     pairs.size = 0;
@@ -209,8 +219,7 @@ void append_candidates(const IndexView& index, const PairBuffer& buffer, const W
   std::copy_n(singles.t.begin(), n, &candidates.t[first]);
   std::copy_n(buffer.slot.begin(), n, &candidates.slot[first]);
   for (std::size_t i = 0; i < n; ++i) {
-    candidates.label[first + i] =
-        GaussianLabel::of(index.blocks[buffer.slot[i].block()], buffer.slot[i].lane());
+    candidates.label[first + i] = label_of(index, buffer, i);
   }
   candidates.size += n;
 }

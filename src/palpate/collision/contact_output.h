@@ -16,15 +16,20 @@ namespace palpate {
 /// apart.
 bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, Contact& contact);
 
+/// The root of the sum of the squares of a Gaussian's semi-axes, see Contact::extent. Unit: [captured units].
+inline float extent_of(const GaussianBlock& block, std::size_t lane) {
+  const auto length = [&](std::size_t axis) { return block.length_high[axis][lane]; };
+  return std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2));
+}
+
 /// What of a contact is the Gaussian's own.
 struct GaussianLabel {
   std::uint32_t id;
-  float extent;  ///< see Contact::extent. Unit: [captured units].
+  float extent;  ///< extent_of() it. Unit: [captured units].
   double opacity;
 
-  static GaussianLabel of(const GaussianBlock& block, std::size_t lane) {
-    const auto length = [&](std::size_t axis) { return block.length_high[axis][lane]; };
-    return {block.id[lane], std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2)),
+  static GaussianLabel of(const GaussianBlock& block, std::size_t lane, float extent) {
+    return {block.id[lane], extent,
             static_cast<double>(block.opacity_high[lane]) + static_cast<double>(block.opacity_low[lane])};
   }
 };

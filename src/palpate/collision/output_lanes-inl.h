@@ -10,7 +10,7 @@
 #endif
 // clang-format on
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -45,6 +45,21 @@ HWY_INLINE void list_set(const PairBits& bits, std::size_t n, PairList& list) {
   }
 }
 
+// Pairs of numbers of WhitenedPairs::row are neighbours in a Contact, too.
+static_assert(offsetof(Contact, lambda) == offsetof(Contact, k_min) + sizeof(double) &&
+              offsetof(Contact, point) == offsetof(Contact, center) + 3 * sizeof(double) &&
+              offsetof(Contact, normal) == offsetof(Contact, point) + 3 * sizeof(double) &&
+              offsetof(Contact, depth) == offsetof(Contact, normal) + 3 * sizeof(double));
+
+/// Copies row `k` of a pair to `to` and its neighbour at once: number by number, the copies of a contact
+/// would take as long as its certificate.
+template <typename T>
+HWY_INLINE void copy_row(std::size_t k, const WhitenedPairs<T>& pairs, std::size_t pair, double* to) {
+  const hn::CappedTag<double, 2> two;
+  const double* from = pairs.row[k][pair].data();
+  for (std::size_t i = 0; i < 2; i += hn::Lanes(two)) hn::StoreU(hn::Load(two, from + i), two, to + i);
+}
+
 /// Appends the contacts among the pairs `touching`, whose Gaussians are in `slot`. Pairs that the lanes left
 /// open but not sure go through the scalar code. \param end where to write to in `contacts`, which grows if
 /// it must; `label(pair)` is the pair's GaussianLabel. \returns the end of what was written.
@@ -65,13 +80,12 @@ HWY_INLINE std::size_t write_contacts(const WhitenedPairs<T>& pairs, std::span<c
       end += scalar_contact(blocks[slot[pair].block()], slot[pair].lane(), tool, contact) ? 1 : 0;
       continue;
     }
-    const auto row = [&](std::size_t k) -> const std::array<double, 2>& { return pairs.row[k][pair]; };
-    contact.k_min = row(0)[0];
-    contact.lambda = row(0)[1];
-    contact.center = {row(1)[0], row(1)[1], row(2)[0]};
-    contact.point = {row(2)[1], row(3)[0], row(3)[1]};
-    contact.normal = {row(4)[0], row(4)[1], row(5)[0]};
-    contact.depth = row(5)[1];
+    copy_row(0, pairs, pair, &contact.k_min);
+    copy_row(1, pairs, pair, &contact.center[0]);
+    copy_row(2, pairs, pair, &contact.center[2]);
+    copy_row(3, pairs, pair, &contact.point[1]);
+    copy_row(4, pairs, pair, &contact.normal[0]);
+    copy_row(5, pairs, pair, &contact.normal[2]);
     ++end;
   }
   return end;

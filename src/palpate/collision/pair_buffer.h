@@ -33,6 +33,7 @@ struct PairBuffer {
   alignas(64) std::array<Lane<float>, 3> length_low;  ///< for Precision::kDouble only
   alignas(64) std::array<Lane<float>, 4> rotation;
   alignas(64) Lane<GaussianSlot> slot;
+  alignas(64) Lane<float> extent;  ///< extent_of() the Gaussian, from the screen on
 
   bool has_room_for_block() const { return size + kIndexWidth <= kCapacity; }
 };

@@ -46,7 +46,7 @@ double SceneIndex::usual_extent() const {
     const GaussianBlock& block = view_.blocks[i];
     for (std::size_t lane = 0; lane < kIndexWidth; ++lane) {
       if (!std::isnan(block.position[0][lane]))
-        extents.push_back(static_cast<double>(GaussianLabel::of(block, lane).extent));
+        extents.push_back(static_cast<double>(extent_of(block, lane)));
     }
   }
   return extents.empty() ? 0.0 : frame_.scale * quantile(extents, 0.5);

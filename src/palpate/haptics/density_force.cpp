@@ -13,11 +13,11 @@ double blend(double dt, double tau) { return tau > 0.0 ? -std::expm1(-dt / tau) 
 }  // namespace
 
 WeightedContact weighted_contact(std::span<const Contact> contacts) {
-  double k_max = 0.0, total = 0.0;
-  for (const Contact& c : contacts) k_max = std::max(k_max, c.k_min);
+  // K is in (0, 1], so that the exponentials need no largest one taken out of them.
+  double total = 0.0;
   WeightedContact sum{Eigen::Vector3d::Zero(), 0.0};
   for (const Contact& c : contacts) {
-    const double w = std::exp(c.k_min - k_max);
+    const double w = std::exp(c.k_min);
     total += w;
     sum.centroid += w * c.center;
     sum.opacity += w * c.opacity;
