@@ -203,6 +203,91 @@ TEST_F(SimdOracle, DecidesPairsThatAllButTouch) {
   });
 }
 
+/// Sigmas of a Gaussian `ratio` times as large as the tool, in tool radii: flat ones, discs and needles,
+/// balls, anything.
+Vector3d giant_shape(Random& random, double ratio) {
+  const double a = random.uniform(0.3, 1.0), thin = random.log_uniform(1e-3, 1.0);
+  switch (random.integer(0, 5)) {
+    case 0: return {ratio, a * ratio, thin};
+    case 1: return {ratio, a * ratio, 0.0};
+    case 2: return {ratio, thin, random.log_uniform(1e-3, 1.0)};
+    case 3: return {ratio, 0.0, 10.0 * thin};
+    case 4: return {ratio, ratio, ratio};
+    default: return ratio * random.semi_axes(1e-6, 1.0);
+  }
+}
+
+/// A Gaussian that is far larger than the tool, which is put anywhere on its surface, as near to touching as
+/// `k` tells. A flat one turns by a rounding of its axes, and comes off the tool by that times its size: the
+/// truth is from the numbers of the file, in 113 bits.
+struct Giant {
+  SceneIndex index;
+  Ellipsoid tool;
+  double ratio, k;
+
+  static Giant draw(Random& random, double ratio) {
+    constexpr double kRadius = 0.02;
+    const Vector3d sigma = kRadius * giant_shape(random, ratio);
+    const double away = random.integer(0, 3) == 0 ? 1000.0 : 1.0;
+    const GaussianScene scene = scene_of({splat(random.in_box(away), sigma, random.rotation())});
+    const test::WideGaussian gaussian = test::wide_gaussian(scene, 0);
+    const auto solid = solid_of(gaussian, 1.0);
+    const auto wide_k = [&](const Ellipsoid& tool) {
+      return PairOracle<Wide>(test::Solid<Wide>(tool), solid).minimize();
+    };
+    const Vector3d center = scene.gaussian(0).position;
+    Ellipsoid tool = test::exact_ellipsoid(
+        random, center, kRadius * Vector3d(1.0, random.uniform(1.0, 3.0), random.uniform(1.0, 3.0)));
+    tool.center += world_ellipsoid(scene.gaussian(0), {}, {}).axes * random.direction();
+    tool.center += tool.axes * random.direction();
+    const double margin = random.log_uniform(3e-13, 1e-3) * (random.integer(0, 1) != 0 ? 1.0 : -1.0);
+    for (int step = 0; step < 2; ++step) {
+      const auto f = static_cast<double>(1 - wide_k(tool).k_min);
+      tool.center = center + std::sqrt((1.0 - margin) / f) * (tool.center - center);
+    }
+    const PairOracle<test::Quad> oracle(test::Solid<test::Quad>(tool), solid_of<test::Quad>(gaussian, 1.0));
+    const auto k = static_cast<double>(oracle.minimize_near(wide_k(tool).t).k_min);
+    return {SceneIndex(scene, {}, {}), tool, ratio, k};
+  }
+};
+
+TEST_F(SimdOracle, DecidesGiantsThatAllButTouch) {
+  std::vector<std::vector<Giant>> parts(test::kThreads);
+  const std::size_t count = draws(10000);
+  test::on_threads([&](std::size_t thread) {
+    for (std::size_t i = thread; i < count; i += test::kThreads) {
+      Random random(204'000'000 + i);
+      const Giant giant = Giant::draw(random, random.log_uniform(1e2, 1e7));
+      if (std::abs(giant.k) > kUndecided && std::abs(giant.k) < 1e-2) parts[thread].push_back(giant);
+    }
+  });
+  std::size_t kept = 0;
+  for (const std::vector<Giant>& part : parts) kept += part.size();
+  EXPECT_GT(kept, count * 9 / 10);
+  on_every_target([&] {
+    for (const Precision precision : {Precision::kDouble, Precision::kSingle}) {
+      Tally tally;
+      double worst = 0.0;  // |dK_min| over the size ratio
+      ContactSet set;
+      for (const std::vector<Giant>& part : parts) {
+        for (const Giant& giant : part) {
+          giant.index.query(giant.tool, precision, set);
+          tally.add(giant.k, set.contacts.empty() ? nullptr : &set.contacts.front());
+          if (!set.contacts.empty())
+            worst = std::max(worst, std::abs(set.contacts.front().k_min - giant.k) / giant.ratio);
+        }
+      }
+      tally.print(precision == Precision::kDouble ? "giants, double" : "giants, single");
+      EXPECT_GT(tally.contacts, tally.pairs / 3);
+      EXPECT_EQ(tally.missed, 0U);
+      EXPECT_EQ(tally.extra, 0U);
+      if (precision == Precision::kDouble) {
+        EXPECT_LE(worst, 2e-15);
+      }
+    }
+  });
+}
+
 /// A tool, and Gaussians of all shapes and sizes around it that all but touch it. The truth is the scalar
 /// code's in double, which k_function_oracle_test.cpp vouches for: the float lanes, whose verdicts are at
 /// stake, round 1e9 times as coarsely.

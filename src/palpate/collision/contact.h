@@ -64,7 +64,8 @@ inline bool spheres_overlap(const Ellipsoid& a, double radius_a, const Ellipsoid
 
 /// What the figures of a contact are computed in. Which pairs are contacts does not depend on it.
 enum class Precision {
-  kDouble,  ///< K_min and opacity to 1e-14, lambda and vectors to 1e-10 or so
+  kDouble,  ///< K_min and opacity to 1e-14, lambda and vectors to 1e-10 or so; K_min of a flat Gaussian
+            ///< that is touched off its centre to 1e-15 times its size in tool radii
   kSingle,  ///< K_min to 2e-6, vectors to some 1e-6 of the tool's size: all that a hand can tell, in two
             ///< thirds of the time
 };

@@ -151,7 +151,7 @@ std::size_t append_contacts(Workspace& w, std::size_t n, const GaussianSlot* slo
     return write(w.singles);
   } else {
     round_coefficients(w.pairs, n, w.singles);
-    search(w.singles, n, kRoundedOnce, steps);
+    search(w.singles, n, tool.rounded, steps);
     adopt(w.singles, n, w.pairs);
     solve<double, TwoDoubles, Doubles>(w.pairs, n, tool);
     return write(w.pairs);

@@ -8,8 +8,8 @@
 ///   2. cull      a block's bounding spheres against the tool, where the tool is the unit sphere;
 ///   3. search    K in single precision: below zero beyond its rounding, the pair is apart; else near its
 ///                minimum;
-///   4. contact   the minimum of K, certified, and what follows from it; by the scalar code in double where
-///                that is too near to touching to tell.
+///   4. contact   the minimum of K, certified, and what follows from it; by the scalar code, in double or
+///                more, where that is too near to touching to tell.
 #pragma once
 
 #include <array>

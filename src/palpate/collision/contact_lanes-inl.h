@@ -61,13 +61,50 @@ HWY_INLINE auto least_at_infinity(const KLanes<L>& k) {
   return (k.e.z == T{0}) & ((T{1} + e) - p > T{1e5} * Done<T>::kSlopeRounding * ((T{1} + e) + p));
 }
 
-/// Bound of the relative error of f, where that is near 1 or above.
-HWY_INLINE TwoDoubles rounding_of(const FTerms<TwoDoubles>&, const TwoDoubles&, const ToolFrame& tool) {
-  return TwoDoubles(tool.rounding);
-}
-HWY_INLINE TwoFloats rounding_of(const FTerms<TwoFloats>& x, const TwoFloats& rE, const ToolFrame& tool) {
-  return denominator_bound(x, tool.single) * rE - 1.0F;
-}
+/// Bound of the relative error of f, where that is near 1 or above: DoubleRounding or SingleRounding.
+template <class L>
+class RoundingBound;
+
+template <>
+class RoundingBound<TwoDoubles> {
+ public:
+  using L = TwoDoubles;
+
+  HWY_INLINE RoundingBound(const KLanes<L>& k, const ToolFrame& tool) {
+    const DoubleRounding& r = tool.rounding;
+    x_per_t_ = k.e.x * r.per_extent;
+    at_minimum_ = fma(k.p.x, L(r.per_distance), x_per_t_ + r.constant);
+  }
+  HWY_INLINE L at(const FTerms<L>&, const FSlope<L>& slope, const L& t) const {
+    const L x = x_per_t_ * t, beyond = max(-slope.g, L(0.0)) + Done<double>::kSlopeRounding;
+    return sqrt(fma(x, fma(L(128.0), x, beyond), at_minimum_));
+  }
+  /// Where K falls towards lambda = 1.
+  HWY_INLINE L at_infinity() const { return sqrt(at_minimum_); }
+
+ private:
+  L x_per_t_, at_minimum_;
+};
+
+template <>
+class RoundingBound<TwoFloats> {
+ public:
+  using L = TwoFloats;
+
+  HWY_INLINE RoundingBound(const KLanes<L>& k, const ToolFrame& tool) : k_(k), tool_(tool) {}
+
+  HWY_INLINE L at(const FTerms<L>& x, const FSlope<L>& slope, const L&) const {
+    return denominator_bound(x, tool_.single) * slope.rE - 1.0F;
+  }
+  HWY_INLINE L at_infinity() const {
+    const FTerms<L> end(k_, L(Done<float>::kInfiniteT));
+    return denominator_bound(end, tool_.single) * reciprocal(end.E) - 1.0F;
+  }
+
+ private:
+  const KLanes<L>& k_;
+  const ToolFrame& tool_;
+};
 
 /// In double: makes the place of the minimum, t, and K there functions of the pair alone. Of t Newton's
 /// method leaves kLastStep^2 to where it began, which is another place for a fresh query than for a tool that
@@ -102,6 +139,7 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
   const KLanes<L> k = load_k<L>(pairs, i);
   const L guess = load<L>(pairs.t, i), latest(Limit::kInfiniteT);
   L t = select((guess >= T{1e-30F}) & (guess <= latest), guess, L(T{1}));  // NaN becomes 1, too
+  const RoundingBound<L> bound(k, tool);
   const auto far = k.p.x > Limit::kLeastDistance * Limit::kLeastDistance;
 
   L k_min(T{1}), t_min = t;
@@ -117,8 +155,7 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
     undecided &= ~decided;
   };
   if (bits_of(k.e.z == T{0}) != 0) {
-    const FTerms<L> end(k, latest);
-    const L k_end = T{1} - k.p.z / k.e.y, rounding = rounding_of(end, reciprocal(end.E), tool);
+    const L k_end = T{1} - k.p.z / k.e.y, rounding = bound.at_infinity();
     decide(least_at_infinity(k), k_end, latest, k_end<-rounding, k_end> rounding);
   }
   for (int step = 0; step < kMostSteps && undecided != 0; ++step) {
@@ -128,7 +165,7 @@ HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool
     const L k_here =
         T{1} - fma(at.f, T{0.5} * (at.g * s), at.f);  // at the end of the step ln f is higher by g s / 2
 
-    const L size_g = abs(at.g), lambda = t * at.rq, rounding = rounding_of(x, at.rE, tool);
+    const L size_g = abs(at.g), lambda = t * at.rq, rounding = bound.at(x, at, t);
     const L way =
         select(size_g <= Limit::kSlopeRounding, min(lambda, at.rq), select(at.g > T{0}, lambda, at.rq));
     const L fall = at.f * (size_g + Limit::kSlopeRounding);  // the certificate, times `way`

@@ -1,5 +1,9 @@
 #include <palpate/collision/contact_output.h>
 
+#include <cmath>
+
+#include <palpate/collision/exact_k.h>
+
 namespace palpate {
 namespace {
 
@@ -16,6 +20,11 @@ Ellipsoid captured_ellipsoid(const GaussianBlock& block, std::size_t lane) {
           q.normalized().toRotationMatrix() * lengths.asDiagonal()};
 }
 
+/// Bound of the error of K_min where that is near 0.
+double rounding_of(const KFunction& k, const DoubleRounding& r) {
+  return std::sqrt(r.constant + r.per_distance * k.p0 + r.per_extent * k.e1);
+}
+
 }  // namespace
 
 bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, Contact& contact) {
@@ -24,7 +33,9 @@ bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFram
   const Eigen::Vector3d distance = tool.W * (tool.center - gaussian.center);
   const Eigen::Matrix3d l = tool.W * gaussian.axes;
   const KFunction k(distance, l);
-  const KMinimum minimum = minimize(k);
+  KMinimum minimum = minimize(k);
+  if (std::abs(minimum.k_min) <= rounding_of(k, tool.rounding))
+    minimum.k_min = exact_k_min(block, lane, tool, minimum.log_t);
   if (!(minimum.k_min > 0.0)) return false;
   const Contact label = contact;
   contact = make_contact(tool.world, {solid.center - solid.axes * distance, solid.axes * l}, k, minimum);

@@ -13,7 +13,7 @@
 namespace palpate {
 
 /// The contact of one Gaussian by the scalar code of k_function.h, but for what its label has; false if it is
-/// apart.
+/// apart. Nearer to touching than double resolves, the verdict is that of exact_k_min(), and K_min with it.
 bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, Contact& contact);
 
 /// The root of the sum of the squares of a Gaussian's semi-axes, see Contact::extent. Unit: [captured units].

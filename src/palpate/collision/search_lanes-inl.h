@@ -30,13 +30,6 @@ constexpr float kLatestT = 1e6F;
 constexpr int kStepsFromGuess = 3;
 constexpr int kStepsFromLast = 2;
 
-/// Bound of the relative error of t P / ((1 + t) E) in lanes whose coefficients were computed in double, u =
-/// 2^-24. The coefficients are not negative: each has been rounded once (u). A term of P or E has at most
-/// three products (3 u), their sums at most three additions of numbers that are not negative (3 u); P, E, t
-/// P, 1 + t and their product add 4 u and the comparison's product u. Numerator and denominator together: at
-/// most 20 u; doubled.
-constexpr SingleRounding kRoundedOnce{40.0F * 0x1p-24F, 0.0F, 0.0F};
-
 /// Where the search starts. If the Gaussian were a ball of its extent along d', f would peak at t = 1 /
 /// extent, with extent^2 = |L^T d'|^2 / p0 = e1 - p1 / p0. If it is flat, f has a plateau that ends where e3
 /// t^3 takes over: there g t = a - (e3 / e2) t^2 + O(1/t) with a = 1 + e1 / e2 - p1 / p2, hence t^2 = a e2 /

@@ -64,9 +64,14 @@ ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
   single = {static_cast<float>(2.0 * (14.0 * kFloatRoundoff + 2.0 * beta)),
             static_cast<float>(2.0 * 36.0 * kappa * kFloatRoundoff),
             static_cast<float>(2.0 * 16.0 * kFloatRoundoff)};
-  // Inputs of a relative error of some u kappa move K by 2 sqrt(t e1) times that (see docs/decisions), which
-  // is of the order of kappa for pairs that touch; two thousand u cover the rest.
-  rounding = 2000.0 * kDoubleRoundoff * kappa;
+  const double eta = lengths.prod() / std::pow(lengths.minCoeff(), 3);
+  const double of_one = (14.0 * eta + 34.0) * kDoubleRoundoff;
+  const double of_distance = (22.0 * eta + 12.0 * kappa) * kDoubleRoundoff;
+  const double of_axes = 64.0 * kappa * kDoubleRoundoff;
+  rounded = {40.0F * static_cast<float>(kFloatRoundoff),
+             static_cast<float>(2.0 * (of_one + of_distance + of_axes)), 0.0F};
+  constexpr double kSquared = 3.0 * 2.0 * 4.0;  // three terms, their effect on g, and doubled
+  rounding = {kSquared * of_one * of_one, kSquared * of_distance * of_distance, kSquared * of_axes * of_axes};
 }
 
 }  // namespace palpate

@@ -39,8 +39,45 @@ struct CapturedFrame {
 ///   3. The comparison's own products: 4 u.
 ///
 /// Doubled, for the second order that this leaves out.
+///
+/// Where the coefficients were computed in double and rounded once, they are off by u each, as they are not
+/// negative. A term of P or E has at most three products (3 u), their sums at most three additions of numbers
+/// that are not negative (3 u); P, E, t P, 1 + t and their product add 4 u and the comparison's product u.
+/// Numerator and denominator together: at most 20 u; doubled. Besides, they have the error of DoubleRounding,
+/// whose |d'| sqrt(lambda / f) and sqrt(e1 X) are at most sqrt(A) anywhere.
 struct SingleRounding {
   float constant, per_extent, per_volume;
+};
+
+/// Bound of the relative error of f = 1 - K in double, in lanes or not, where f is near 1 or above:
+///
+///     ((f_double - f) / f)^2  <=  r0^2 + x (max(0, -g) + g_0 + 128 x),    x = per_extent t e1
+///     r0^2 = constant + per_distance p0 + per_extent e1
+///
+/// with t, p0, e1 and g = d ln f / d ln t of k_function.h, and g_0 the rounding of g. W and the tool's centre
+/// are taken as they are. It adds up, with u = 2^-53, kappa = |W|_F a_max and eta = a_max a_mid / a_min^2 of
+/// the tool's semi-axes:
+///
+///   1. With y = (I + t L L^T)^-1 d' it is f = lambda d' . y, and from the slope of f follow
+///      |y|^2 = (f / lambda) (lambda + g) and t |L^T y|^2 = (f / lambda) (1 - lambda - g). Both sides are at
+///      most f / lambda.
+///   2. d' is rounded, |dd'| <= 6 kappa u |d'|, which changes f by 2 lambda |y| |dd'|: 12 kappa u |d'|.
+///   3. L is rounded, column by column |dl| <= 32 kappa u |l|, which changes f by
+///      2 lambda t |y| |L^T y| |dL|: 64 kappa u sqrt(e1 X) with X = t (lambda + g) (1 - lambda - g). Below
+///      the minimum, where g >= 0, t (1 - lambda - g) <= lambda + g and X <= 1; beyond it X <= 1 + t |g|.
+///   4. The coefficients are rounded. A Gaussian's axes are perpendicular, so that |li| |lj| <= eta |li x lj|
+///      and |l1| |l2| |l3| <= eta |det L|: the error of E is at most (14 eta + 12) u, and of P, since
+///      t e1, t^2 e2 <= E, p1 t, p2 t^2 <= P and E / P = lambda / f, (14 eta + 8) u |d'| + 12 u. What follows
+///      adds 10 u.
+///   5. All of that shifts g, which is made of means of the powers of t, by ten times as much at most. Taken
+///      as 16 r, that is another 16 x r in 3, and 16 x r <= r^2 / 2 + 128 x^2.
+///
+/// In all (14 eta + 34) u + (22 eta + 12 kappa) u |d'| + 64 kappa u sqrt(e1 X); three for the square of a sum
+/// of three, two for 5, and doubled for the second order that this leaves out. Near the minimum it grows
+/// as the size ratio of the pair does, and no more: so does the true error, of a flat Gaussian that is
+/// touched off its centre (tests/collision/simd_oracle_test.cpp).
+struct DoubleRounding {
+  double constant, per_distance, per_extent;
 };
 
 /// Bound of the error of  m^T M m - |M m| . h - 2 sqrt(m^T M m)  in lanes of single precision, where m = (low
@@ -79,12 +116,13 @@ struct ToolFrame {
   Eigen::Matrix3f W_float;      ///< W
   Eigen::Vector3f center_high;  ///< center = center_high + center_low + 2^-48 |center|
   Eigen::Vector3f center_low;
-  Eigen::Matrix3f metric;  ///< W^T W
-  BoxRounding box;         ///< of the gap between tool and box in lanes of single precision
-  float reach_per_length;  ///< how far one captured unit reaches, at most, in tool radii
-  float cull_slack;        ///< relative, of the squared distance in tool radii
-  SingleRounding single;   ///< of K in lanes of single precision
-  double rounding;         ///< of K in the lanes of double precision, where K is near 0
+  Eigen::Matrix3f metric;   ///< W^T W
+  BoxRounding box;          ///< of the gap between tool and box in lanes of single precision
+  float reach_per_length;   ///< how far one captured unit reaches, at most, in tool radii
+  float cull_slack;         ///< relative, of the squared distance in tool radii
+  SingleRounding single;    ///< of K in lanes of single precision
+  SingleRounding rounded;   ///< of K in lanes of single precision whose coefficients come from double
+  DoubleRounding rounding;  ///< of K in double
 };
 
 }  // namespace palpate
