@@ -1,7 +1,11 @@
 // The potential force: against its own potential, around closed paths, and against a surface of known depth.
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -215,6 +219,185 @@ TEST(FieldForce, IsAsStiffOnTheTipOfALongToolAsOnItsSide) {
     EXPECT_NEAR(relative_stiffness(Eigen::Quaterniond::Identity(), 0.04, depth), 1.0, 0.2) << depth;
     EXPECT_NEAR(relative_stiffness(lying, 0.02, depth), 1.0, 0.2) << depth;
   }
+}
+
+/// What a captured scene may be made of, in a box of half the width `half`: points, discs and needles, thick
+/// and thin, of semi-axes up to `largest`.
+std::vector<test::Splat> any_splats(Random& random, std::size_t count, double half, double largest) {
+  std::vector<test::Splat> result;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d at = random.in_box(half);
+    const Eigen::Quaterniond q = random.rotation();
+    const double a = random.log_uniform(0.03, 1.0) * largest, thin = random.log_uniform(1e-5, 1e-2) * a;
+    const Vector3d shapes[] = {{a, a, a}, {a, 0.7 * a, thin}, {a, thin, thin}, {a, a, 0.0}};
+    result.push_back(test::splat(at, shapes[random.integer(0, 3)], q, random.uniform(0.15, 0.99)));
+  }
+  return result;
+}
+
+Vector3d center_of(const test::Splat& splat) { return splat.position.cast<float>().cast<double>(); }
+
+TEST(FieldForce, IsTheGradientOfItsPotentialWhereCentresMeet) {
+  Random random(907);
+  for (int i = 0; i < 40; ++i) {
+    const double size = random.log_uniform(0.005, 0.05);
+    const auto splats = any_splats(random, 30, 2.0 * size, 3.0 * size);
+    const Tool tool = i % 3 == 0   ? Tool{Vector3d::Constant(size)}
+                      : i % 3 == 1 ? Tool{Vector3d(size * random.semi_axes(0.3, 1.0))}
+                                   : test::random_tool(random, 3, size);
+    Felt felt(test::scene_of(splats), tool);
+    const Eigen::Quaterniond q = random.rotation();
+    const Vector3d part = q * tool.parts().front().pose.position;
+    const double apart = random.log_uniform(1e-3, 0.5) * size;
+    const Vector3d at = center_of(splats.front()) - part + apart * random.direction();
+    const Pose pose{at, q};
+    const Wrench wrench = felt.wrench(pose);
+    const double scale = std::max(wrench.force.norm(), 0.01 * 1000.0 * size);
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d axis = Vector3d::Unit(k), none = Vector3d::Zero();
+      EXPECT_NEAR(numerical_slope(felt, pose, axis, none, 1e-4 * size), wrench.force[k], 1e-5 * scale);
+      EXPECT_NEAR(numerical_slope(felt, pose, none, axis, 1e-4), wrench.torque[k], 1e-5 * scale * size);
+    }
+  }
+}
+
+/// The largest change of the force on the way through `at` in steps of `step`, over stiffness times `step`.
+double steepest(Felt& felt, const Pose& at, const Vector3d& direction, double half_way, double step) {
+  double most = 0.0;
+  std::optional<Vector3d> last;
+  for (double s = -half_way; s <= half_way; s += step) {
+    const Vector3d force = felt.wrench(moved(at, s * direction, Vector3d::Zero())).force;
+    if (last) most = std::max(most, (force - *last).norm() / (1000.0 * step));
+    last = force;
+  }
+  return most;
+}
+
+/// The same over ways through the centres of the Gaussians of random scenes: fine steps about the centre, and
+/// a millimetre all the way. \param tools makes one of about the size asked for
+template <class MakeTool>
+double steepest_through_centres(std::uint64_t seed, double largest, const MakeTool& make_tool) {
+  Random random(seed);
+  double most = 0.0;
+  for (int scene = 0; scene < 12; ++scene) {
+    const double size = scene % 2 == 0 ? 0.02 : 0.005;
+    const auto splats = any_splats(random, scene % 3 == 0 ? 1 : 60, 2.0 * size, largest * size);
+    const Tool tool = make_tool(random, size);
+    Felt felt(test::scene_of(splats), tool);
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Quaterniond q = random.rotation();
+      const Vector3d part = q * tool.parts()[i % tool.parts().size()].pose.position;
+      const Pose at{center_of(splats[i % splats.size()]) - part, q};
+      const Vector3d direction = random.direction();
+      most = std::max(most, steepest(felt, at, direction, 0.05 * size, 1e-5));
+      most = std::max(most, steepest(felt, at, direction, 1.2 * size, 1e-3));
+    }
+  }
+  return most;
+}
+
+// The bounds that docs/force-models.md states. With a cone as e, where its tip is crossed, this is 1200 to
+// 10000, and grows as the steps get finer.
+TEST(FieldForce, IsNoSteeperThanAFewTimesItsStiffness) {
+  const auto ball = [](Random&, double size) { return Tool{Vector3d::Constant(size)}; };
+  const auto long_one = [](Random&, double size) { return Tool{{size, size, 2.0 * size}}; };
+  const auto many = [](Random& random, double size) { return test::random_tool(random, 5, size); };
+  for (const std::uint64_t seed : {908, 909, 910, 911})
+    for (const double largest : {1.0, 3.0}) {
+      EXPECT_LE(steepest_through_centres(seed, largest, ball), 16.0) << "seed " << seed;
+      EXPECT_LE(steepest_through_centres(seed, largest, long_one), 32.0) << "seed " << seed;
+      EXPECT_LE(steepest_through_centres(seed, largest, many), 64.0) << "seed " << seed;
+    }
+}
+
+TEST(FieldForce, IsNoSteeperOnASurfaceHoweverItIsSampled) {
+  for (const char* shape : {"sphere", "box", "shell"}) {
+    const auto surface = make_surface(shape);
+    for (const double spacing : {0.006, 0.004}) {
+      ProceduralOptions options;
+      options.spacing = spacing;
+      options.noise = 0.0015;
+      options.tilt = std::numbers::pi / 18.0;
+      const GaussianScene scene = make_scene(*surface, options);
+      Random random(912);
+      for (const double radius : {0.02, 0.005}) {
+        Felt felt(scene, Tool{Vector3d::Constant(radius)});
+        for (int i = 0; i < 10; ++i) {
+          const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(scene.size()) - 1));
+          const Pose through{scene.position[at].cast<double>(), random.rotation()};
+          const Vector3d direction = random.direction();
+          EXPECT_LE(steepest(felt, through, direction, 0.05 * radius, 1e-5), 6.0) << shape << " " << at;
+          EXPECT_LE(steepest(felt, through, direction, 1.2 * radius, 1e-4), 6.0) << shape << " " << at;
+        }
+      }
+    }
+  }
+}
+
+TEST(FieldForce, OfOneGaussianIsNoSteeperThanDerived) {
+  // D = 5/4 phi(g) r: of the stiffness of D^2 / 2 at the centre, (5/4)^2 phi(0) phi''(0) r^2 = 25/16 13/16 3.
+  constexpr double kDerived = 25.0 / 16.0 * 13.0 / 16.0 * 3.0;
+  Felt felt(test::scene_of({test::splat({0, 0, 0}, {1e-7, 1e-7, 1e-7})}), Tool{Vector3d::Constant(0.02)});
+  Random random(913);
+  double most = 0.0;
+  for (int i = 0; i < 20; ++i) most = std::max(most, steepest(felt, {}, random.direction(), 0.0199, 1e-5));
+  EXPECT_LE(most, kDerived * 1.0001);
+  EXPECT_GE(most, kDerived * 0.999);
+}
+
+TEST(FieldForce, OfOneDiscIsSteeperTheLargerTheDisc) {
+  constexpr double kRadius = 0.02, kStep = 1e-5;
+  Random random(916);
+  for (const double size : {0.25, 0.5, 1.0, 2.0, 5.0}) {
+    Felt felt(test::scene_of({test::splat({0, 0, 0}, {size * kRadius, size * kRadius, 1e-7})}),
+              Tool{Vector3d::Constant(kRadius)});
+    for (int i = 0; i < 2000; ++i) {
+      const Vector3d at = (1.0 + size) * kRadius * random.in_box(1.0).cwiseProduct(Vector3d(1.0, 1.0, 0.3));
+      EXPECT_LE(steepest(felt, {at, Eigen::Quaterniond::Identity()}, random.direction(), kStep, kStep),
+                14.0 + 2.0 * size * size);
+    }
+  }
+}
+
+TEST(FieldForce, InItsFirstHalfRadiusABallIsAsDeepAsWithoutTheRounding) {
+  Random random(914);
+  const GaussianScene scene = make_scene(*make_surface("sphere"), {});
+  const SceneIndex index(scene, SceneFilter{}, Similarity{});
+  for (int i = 0; i < 50; ++i) {
+    const Tool tool(Vector3d::Constant(random.log_uniform(0.01, 0.03)));
+    const Pose pose{(0.15 + random.uniform(0.55, 1.0) * tool.thinnest()) * random.direction(),
+                    random.rotation()};
+    ContactSet set;
+    query(index, tool, pose, set);
+    if (set.contacts.empty()) continue;
+    double weight = 0.0, weighted = 0.0;
+    for (const Contact& c : set.contacts) {
+      const double x = tool.thinnest() * (1.0 - std::sqrt(1.0 - c.k_min));
+      weight += c.opacity * std::pow(x, 3);
+      weighted += c.opacity * std::pow(x, 4);
+    }
+    EXPECT_NEAR(field_depth(set, tool, pose).depth, 1.25 * weighted / weight, 1e-9);
+  }
+}
+
+TEST(FieldForce, OfOneGaussianIsNeverMoreThanTheDeviceCanShow) {
+  const SceneIndex index(test::scene_of({test::splat({0, 0, 0}, {0.004, 0.002, 1e-5})}), SceneFilter{},
+                         Similarity{});
+  const Tool tool{Vector3d::Constant(0.02)};
+  FieldForce model(tool, {.stiffness = 1000.0});
+  Random random(915);
+  ContactSet set;
+  double most = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    ForceInput input;
+    input.tool = {random.uniform(0.0, 0.025) * random.direction(), random.rotation()};
+    query(index, tool, input.tool, set);
+    input.contacts = &set;
+    input.force_max = 3.3;
+    most = std::max(most, model.evaluate(input).wrench.force.norm());
+  }
+  EXPECT_LE(most, 3.3);
+  EXPECT_GT(most, 3.0);
 }
 
 TEST(FieldForce, HasNoForceWhereCentresCoincide) {

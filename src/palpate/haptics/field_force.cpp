@@ -9,39 +9,89 @@ namespace {
 
 constexpr double kPower = 3.0;                                   // p
 constexpr double kEvenSpread = (kPower + 2.0) / (kPower + 1.0);  // c
-constexpr double kCore = 0.01;                                   // s
+constexpr double kBlunt = 0.5;                                   // g_0
+constexpr double kCore = 0.1;                                    // s_0
 
 double cube(double x) { return x * x * x; }
 
-/// 1 - sqrt(1 - K), without cancellation.
-double shrinkage(const Contact& contact) { return contact.k_min / (1.0 + std::sqrt(1.0 - contact.k_min)); }
+/// How deep one contact is, in [0, 13/16], and how fast that falls with f = 1 - K = g^2.
+struct Shrinkage {
+  double e, by_f;
+
+  explicit Shrinkage(const Contact& contact) {
+    const double f = 1.0 - contact.k_min, v = f / (kBlunt * kBlunt);
+    if (v < 1.0) {
+      e = 1.0 - kBlunt * (3.0 + v * (6.0 - v)) / 8.0;
+      by_f = -(3.0 - v) / (4.0 * kBlunt);
+    } else {
+      const double g = std::sqrt(f);
+      e = contact.k_min / (1.0 + g);  // 1 - g, without cancellation
+      by_f = -0.5 / g;
+    }
+  }
+};
+
+double shrinkage(const Contact& contact) { return Shrinkage(contact).e; }
+
+/// Where the centre of a part is from that of a Gaussian it touches, d, as far as that tells which way the
+/// surface lies: drawn in to d / (1 + (q - 1)^3)^(1/6) where q = d^T B^-1 d > 1.
+struct Offset {
+  Eigen::Vector3d d, by_d;  ///< d and B^-1 d = dq/dd / 2
+  double scale = 1.0, scale_by_q = 0.0;
+
+  Offset(const Eigen::Matrix3d& inverse_shape, const Eigen::Vector3d& apart)
+      : d(apart), by_d(inverse_shape * apart) {
+    const double beyond = d.dot(by_d) - 1.0;
+    if (!(beyond > 0.0)) return;
+    const double base = 1.0 + cube(beyond);
+    scale = std::pow(base, -1.0 / 6.0);
+    scale_by_q = -0.5 * beyond * beyond * scale / base;
+  }
+
+  Eigen::Vector3d value() const { return scale * d; }
+  /// d(g . value()) / dd
+  Eigen::Vector3d by(const Eigen::Vector3d& g) const {
+    return scale * g + 2.0 * scale_by_q * d.dot(g) * by_d;
+  }
+};
 
 /// Contacts of one part of the tool.
 struct PartContacts {
   std::span<const Contact> contacts;
-  Eigen::Vector3d center;  ///< of the part. World frame. Unit: [m].
-  double weight = 0.0;     ///< sum of alpha e^p
-  Eigen::Vector3d r;       ///< mean of center - c_i
-  double reach = 0.0;      ///< L. Unit: [m].
-  Eigen::Vector3d by_r;    ///< dL / dr
+  Eigen::Vector3d center;         ///< of the part. World frame. Unit: [m].
+  Eigen::Matrix3d inverse_shape;  ///< B^-1. World frame. Unit: [1/m^2].
+  double weight = 0.0;            ///< sum of alpha e^p
+  Eigen::Vector3d r;              ///< mean of Offset::value()
+  double reach = 0.0;             ///< L. Unit: [m].
+  Eigen::Vector3d by_r;           ///< dL / dr
+  bool round;                     ///< a ball: L is its radius whatever r is, which is not worked out then
 
   PartContacts(std::span<const Contact> of_part, const ToolPart& part, const Pose& tool)
       : contacts(of_part), center((tool * part.pose).position), r(Eigen::Vector3d::Zero()) {
+    const double a_min = part.semi_axes.minCoeff();
+    round = part.semi_axes.maxCoeff() == a_min;
+    if (round) {
+      for (const Contact& c : contacts) weight += c.opacity * cube(shrinkage(c));
+      reach = a_min;
+      return;
+    }
+    const Eigen::Matrix3d axes = (tool.orientation * part.pose.orientation).toRotationMatrix();
+    inverse_shape = axes * part.semi_axes.cwiseAbs2().cwiseInverse().asDiagonal() * axes.transpose();
     for (const Contact& c : contacts) {
       const double w = c.opacity * cube(shrinkage(c));
       weight += w;
-      r += w * (center - c.center);
+      r += w * Offset(inverse_shape, center - c.center).value();
     }
     if (!(weight > 0.0)) return;
     r /= weight;
-    const Eigen::Quaterniond turn = tool.orientation * part.pose.orientation;
-    const Eigen::Array3d inverse = part.semi_axes.array().square().inverse();
-    const Eigen::Array3d own = (turn.conjugate() * r).array();  // r along the part's axes
-    const double a_min = part.semi_axes.minCoeff();
-    const double above = (own.square() * inverse).sum() + kCore;
-    const double below = (own * inverse).square().sum() + kCore / (a_min * a_min);
-    reach = std::sqrt(above / below);
-    by_r = turn * Eigen::Vector3d((own * inverse - reach * reach * own * inverse.square()) / (reach * below));
+    const Eigen::Vector3d n = inverse_shape * r;
+    const double q = r.dot(n), within = std::max(0.0, 1.0 - q);
+    const double s = kCore * cube(within), s_by_q = -3.0 * kCore * within * within;
+    const double below = n.squaredNorm() + s / (a_min * a_min);
+    const double squared = (q + s) / below;
+    reach = std::sqrt(squared);
+    by_r = ((1.0 + s_by_q * (1.0 - squared / (a_min * a_min))) * n - squared * (inverse_shape * n)) /
+           (reach * below);
   }
 };
 
@@ -71,24 +121,28 @@ void add_gradient(const PartContacts& part, double mean, double weight, const Po
     const double e = shrinkage(c);
     by_reach += by_x(c, e * part.reach) * e;
   }
-  for (const Contact& c : part.contacts) {
-    // 1 - K = l (1 - l) d^T y and dK/dx = -2 l (1 - l) y with y = M^-1 d along the normal n (envelope
-    // theorem): |dK/dx| = 2 (1 - K) / (d . n), and |de/dx| = sqrt(1 - K) / (d . n). Where centres coincide
-    // there is no way out, hence no force.
-    const Eigen::Vector3d r = part.center - c.center;
-    const double apart = r.dot(c.normal), e = shrinkage(c);
-    if (!(apart > 0.0)) continue;
-    const double by_e = by_x(c, e * part.reach) * part.reach +
-                        by_reach * kPower * c.opacity * e * e * part.by_r.dot(r - part.r) / part.weight;
-    const Eigen::Vector3d gradient = -(by_e * std::sqrt(1.0 - c.k_min) / apart) * c.normal;
+  const auto add = [&](const Eigen::Vector3d& gradient, const Eigen::Vector3d& at) {
     result.gradient += gradient;
-    // Turning the tool moves its mass at m(lambda) against the Gaussian as translating it would.
-    result.turning += (c.point - pose.position).cross(gradient);
+    result.turning += (at - pose.position).cross(gradient);
+  };
+  for (const Contact& c : part.contacts) {
+    const Shrinkage shrunk(c);
+    const Eigen::Vector3d d = part.center - c.center;
+    double by_e = by_x(c, shrunk.e * part.reach) * part.reach;
+    if (!part.round) {
+      const Offset offset(part.inverse_shape, d);
+      const double share = c.opacity * shrunk.e * shrunk.e / part.weight;  // in r, over e
+      by_e += by_reach * kPower * share * part.by_r.dot(offset.value() - part.r);
+      // Turning the tool changes d, seen from the part, as if the Gaussian's centre were a point of the tool.
+      add(by_reach * share * shrunk.e * offset.by(part.by_r), c.center);
+    }
+    // f = 1 - K = l (1 - l) d^T y and df/dx = 2 l (1 - l) y with y = M^-1 d along the normal n (envelope
+    // theorem), hence df/dx = 2 f / (d . n) n. That is of the order of d: where centres coincide there is no
+    // way out, and no force. Turning the tool moves its mass at m(lambda) against the Gaussian as translating
+    // it would.
+    const double apart = d.dot(c.normal);
+    if (apart > 0.0) add((by_e * shrunk.by_f * 2.0 * (1.0 - c.k_min) / apart) * c.normal, c.point);
   }
-  // L follows r, and turns with the part.
-  const Eigen::Vector3d gradient = by_reach * part.by_r;
-  result.gradient += gradient;
-  result.turning += (part.center - pose.position).cross(gradient) + gradient.cross(part.r);
 }
 
 }  // namespace
@@ -112,10 +166,10 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
   return result;
 }
 
-/// Where the spring ends and the force is the same from then on. |dD/dx| may be a little above 1. Unit: [m].
+/// Where the spring ends, and the force is k D_m |dD/dx| from then on. |dD/dx| is at most c of a single
+/// Gaussian. Unit: [m].
 double FieldForce::end_of_spring(const ForceInput& input) const {
-  constexpr double kHeadroom = 0.9;
-  return kHeadroom * input.force_max / parameters_.stiffness;
+  return input.force_max / (kEvenSpread * parameters_.stiffness);
 }
 
 double FieldForce::potential(const ForceInput& input) const {

@@ -14,22 +14,31 @@ struct FieldParameters {
 
 /// How deep a tool is in what it touches, from the contacts of its pose alone:
 ///
-///     e_i = 1 - sqrt(1 - K_i)       how far both solids would have to shrink, as a factor, to only touch: 0
-///     at
-///                                   first touch, 1 where centres coincide
-///     L   = sqrt((r^T B^-1 r + s) / (r^T B^-2 r + s / a^2)),    r = mean of c_part - c_i by alpha_i e_i^p
+///     g_i = sqrt(1 - K_i)           the factor by which both solids would have to be scaled to only touch: 1
+///                                   at first touch, 0 where centres coincide
+///     e_i = 1 - g_i                 for g_i >= g_0 = 1/2, and
+///           1 - g_0 (3 + 6 v - v^2) / 8,    v = (g_i / g_0)^2,    below
+///     L   = sqrt((q + s) / (r^T B^-2 r + s / a^2)),    q = r^T B^-1 r,    s = max(0, 1 - q)^3 / 10,
 ///                                   how far the part of the tool reaches along B^-1 r, which is the normal
-///                                   of the plane that its contacts lie in
+///                                   of the plane that its contacts lie in; r = mean of d_i by alpha_i e_i^p
+///     d_i = c_part - c_i            divided by (1 + (q_i - 1)^3)^(1/6) where q_i = d_i^T B^-1 d_i > 1
 ///     D   = c (sum alpha_i (e_i L_i)^(p+1)) / (sum alpha_i (e_i L_i)^p),    p = 3, c = (p + 2) / (p + 1)
 ///
-/// with B the part's shape matrix, a its shortest semi-axis and s = 1 / 100, which keeps L smooth where
-/// centres meet; L_i is that of the part that contact i is of, and of a ball the radius. The quotient is a
-/// mean in which the deepest count most, so that D depends on where the surface is and not on how many
-/// Gaussians it is made of. A Gaussian that comes or goes has e_i = 0 and no weight. Where an ellipsoid is
-/// pressed into a plane of points, their e_i are spread evenly from 0 to that of the deepest, which is depth
-/// / L: D is then the depth.
+/// with B the part's shape matrix and a its shortest semi-axis; L_i is that of the part that contact i is of,
+/// and of a ball the radius. The quotient is a mean in which the deepest count most, so that D depends on
+/// where the surface is and not on how many Gaussians it is made of. A Gaussian that comes or goes has e_i =
+/// 0 and no weight. Where an ellipsoid is pressed into a plane of points, their e_i are spread evenly from 0
+/// to that of the deepest, which is depth / L: D is then the depth.
 ///
-/// Everything in it is a smooth function of the pose, but for the Gaussians whose centre is the tool's.
+/// g_i is a norm of d_i whose unit ball is the Minkowski sum of the two solids, and 1 - g_i a cone: its
+/// gradient jumps from one side of the tip to the other as the tool's centre passes the Gaussian's. The
+/// quartic replaces the tip by a cap that meets the cone with two continuous derivatives; nothing changes as
+/// long as all contacts are less than half as deep as they can be. For the same reason s keeps L from
+/// turning with r where r is short, and d_i is drawn in so that a large Gaussian whose centre is far outside
+/// the tool does not decide where r points.
+///
+/// D has two continuous derivatives wherever it is positive, except where a Gaussian is infinitely thin or
+/// the tool's centre is exactly at its centre: there the first is continuous.
 struct FieldDepth {
   double depth = 0.0;                                  ///< D. Unit: [m].
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< dD / d(tool position), world frame
@@ -44,9 +53,26 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
 /// done around a closed path; stiffness does not depend on how densely the scene was trained; there is no
 /// state.
 ///
-/// Beyond the depth D_m where the force is what the device can show (ForceInput::force_max), U goes on as k
-/// D_m (D - D_m / 2): a force that the device cuts off instead is no gradient, and a hand that slides in it
-/// and lifts off elsewhere would be given energy.
+/// The force is continuous. How much it changes as the tool moves by dx, |dF| <= m k |dx|:
+///
+///     ball of radius r, one point                     m = (5/4)^2 (13/16) 3 = 3.8, derived: D D'' at the
+///                                                     centre
+///     ball, one disc or needle of semi-axis s         m = 14 + 2 (s / r)^2; worst seen 4 to 200 for s / r
+///                                                     from 1/4 to 10
+///     ball, random scenes of Gaussians up to 3 r      m = 16, worst seen 14
+///     ellipsoid 1:1:2, the same                       m = 32, worst seen 23
+///     five ellipsoids of up to 1:3, the same          m = 64, worst seen 44
+///
+/// field_force_test.cpp holds these. There is no bound for every scene: where a few Gaussians are deep and n
+/// more begin to be touched elsewhere, a mean that does not depend on density falls from the depth of the few
+/// to that of the many within about n^(-1/p) of the depth, and |dD/dx| is more than 1 there. See
+/// docs/force-models.md.
+///
+/// Beyond the depth D_m = force_max / (c k), U goes on as k D_m (D - D_m / 2), and the force as k D_m
+/// |dD/dx|: a force that the device cuts off instead is no gradient, and a hand that slides in it and lifts
+/// off elsewhere would be given energy. In a plane |dD/dx| is 1, of one Gaussian under a ball at most c, so
+/// that the force is within ForceInput::force_max; where |dD/dx| is more than c, as above, it is not, and is
+/// cut off.
 ///
 /// It pushes out the way that is nearest where the tool is, so that a push deeper than the middle of a thin
 /// object comes out on the other side, as with any force that depends on the pose alone; `proxy` remembers
