@@ -53,17 +53,18 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
 /// done around a closed path; stiffness does not depend on how densely the scene was trained; there is no
 /// state.
 ///
-/// The force is continuous. How much it changes as the tool moves by dx, |dF| <= m k |dx|:
+/// The force is continuous. How much it changes as the tool moves by dx, |dF| = m k |dx|:
 ///
-///     ball of radius r, one point                     m = (5/4)^2 (13/16) 3 = 3.8, derived: D D'' at the
+///     ball of radius r, one point                     m <= (5/4)^2 (13/16) 3 = 3.8, derived: D D'' at the
 ///                                                     centre
-///     ball, one disc or needle of semi-axis s         m = 14 + 2 (s / r)^2; worst seen 4 to 200 for s / r
-///                                                     from 1/4 to 10
-///     ball, random scenes of Gaussians up to 3 r      m = 16, worst seen 14
-///     ellipsoid 1:1:2, the same                       m = 32, worst seen 23
-///     five ellipsoids of up to 1:3, the same          m = 64, worst seen 44
 ///
-/// field_force_test.cpp holds these. There is no bound for every scene: where a few Gaussians are deep and n
+///     Measured, no bounds:                            worst m seen, and what the tests allow
+///     ball, one disc or needle of semi-axis s         4 to 200 for s / r from 1/4 to 10; 14 + 2 (s / r)^2
+///     ball, random scenes of Gaussians up to 3 r      14; 16
+///     ellipsoid 1:1:2, the same                       26; 32
+///     five ellipsoids of up to 1:3, the same          75; 96
+///
+/// The last three are over 210 seeds. There is no bound for every scene: where a few Gaussians are deep and n
 /// more begin to be touched elsewhere, a mean that does not depend on density falls from the depth of the few
 /// to that of the many within about n^(-1/p) of the depth, and |dD/dx| is more than 1 there. See
 /// docs/force-models.md.
