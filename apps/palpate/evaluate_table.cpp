@@ -35,6 +35,17 @@ Section pressed() {
        {"flipped", "flipped", kCount, [](const Row& r) { return static_cast<double>(r.figures.flipped); }}}};
 }
 
+Section seen() {
+  return {
+      "Held against the seen surface",
+      "Where compositing along the press falls below one half of the light: how deep the tool is in\n"
+      "the true surface when it meets that, mm; |F| over stiffness times the depth from there.",
+      {{"seen_p50_mm", "met at", kMm, [](const Row& r) { return kToMm * r.figures.seen.p50; }},
+       {"magnitude_seen_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude_seen.p05; }},
+       {"magnitude_seen_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude_seen.p50; }},
+       {"magnitude_seen_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude_seen.p95; }}}};
+}
+
 Section moved() {
   return {
       "Slid along, around a circle, and pushed through",
@@ -144,7 +155,8 @@ bool EvaluationSection::has(const EvaluationRow& row) const {
 }
 
 const std::vector<EvaluationSection>& evaluation_sections() {
-  static const std::vector<Section> all{pressed(), moved(), rubbed(), denser(), stepped(), edged(), timed()};
+  static const std::vector<Section> all{pressed(), seen(),    moved(), rubbed(),
+                                        denser(),  stepped(), edged(), timed()};
   return all;
 }
 

@@ -12,6 +12,7 @@ from support import Case
 KEYS = ["shape", "spacing_m", "model",
         "direction_p50_deg", "direction_p95_deg", "direction_p99_deg", "magnitude_p05", "magnitude_p50", "magnitude_p95",
         "onset_p50_mm", "silent", "flipped",
+        "seen_p50_mm", "magnitude_seen_p05", "magnitude_seen_p50", "magnitude_seen_p95",
         "ripple_p50", "ripple_p95", "jump_max_n", "loop_p50", "loop_max", "pushes", "through", "fast", "fast_through",
         "friction_p05", "friction_p50", "friction_p95", "creep_max_um",
         "force_ratio_p05", "force_ratio_p50", "force_ratio_p95",
@@ -129,7 +130,7 @@ class Figures(Evaluate):
         text = self.succeed("evaluate", *small(friction=0.3), "--shapes", "sphere", "--models",
                             "proxy,density").out.decode()
         tables = [part.splitlines() for part in text.split("\n\n")][1::2]
-        self.assertEqual([len(lines) for lines in tables], [3, 3, 2, 3])  # pressed, slid, friction of proxy, ticks
+        self.assertEqual([len(lines) for lines in tables], [3, 3, 3, 2, 3])  # pressed, seen, slid, friction of proxy, ticks
         for lines in tables:
             self.assertEqual({len(line) for line in lines}, {len(lines[0])})
             self.assertLessEqual(len(lines[0]), 100)

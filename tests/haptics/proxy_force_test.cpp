@@ -12,6 +12,7 @@
 
 #include <palpate/geometry/rotation.h>
 #include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/seen_surface.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/scene/procedural.h>
 #include <support/allocation_guard.h>
@@ -48,7 +49,9 @@ class Bench {
  public:
   Bench(const std::string& shape, const ProceduralOptions& options, ProxyParameters parameters = {},
         const Tool& tool = Tool{Vector3d::Constant(kRadius)})
-      : surface(make_surface(shape)), index_(make_scene(*surface, options), SceneFilter{}, Similarity{}) {
+      : surface(make_surface(shape)),
+        seen(make_scene(*surface, options), Similarity{}),
+        index_(make_scene(*surface, options), SceneFilter{}, Similarity{}) {
     parameters.stiffness = kStiffness;
     model = std::make_unique<ProxyForce>(index_, tool, parameters);
   }
@@ -62,6 +65,7 @@ class Bench {
   }
 
   std::unique_ptr<AnalyticSurface> surface;
+  SeenSurface seen;
   std::unique_ptr<ProxyForce> model;
 
  private:
@@ -104,19 +108,23 @@ TEST_P(OnShapes, PushesAlongTheNormalAsASpringDoesHoweverDeep) {
   std::vector<double> angles, ratios;
   for (const SurfaceSample& s : places(*bench.surface, GetParam(), 40, 922)) {
     bench.model->reset();
+    // How deep it is in the true surface when it meets the noisy one that is seen.
+    const double seen = *bench.seen.first_touch(Tool(Vector3d::Constant(kRadius)),
+                                                s.point + 2.0 * kRadius * s.normal, -s.normal) -
+                        kRadius;
     for (double depth = -0.012; depth < 0.030; depth += 1e-4) {
       const Wrench wrench = bench.at(s.point + (kRadius - depth) * s.normal).wrench;
       if (depth < 0.004) continue;
       ASSERT_GT(wrench.force.norm(), 0.0) << "silent at " << depth;
       angles.push_back(degrees_between(wrench.force, s.normal));
-      ratios.push_back(wrench.force.norm() / (kStiffness * depth));
+      ratios.push_back(wrench.force.norm() / (kStiffness * (depth - seen)));
       EXPECT_LE(wrench.torque.norm(), 1e-3 * kRadius * wrench.force.norm());  // a ball has no lever
     }
   }
   EXPECT_LE(quantile(angles, 0.5), 2.5);
   EXPECT_LE(quantile(angles, 0.95), 6.0);
   EXPECT_LE(quantile(angles, 1.0), 20.0) << "nothing flips";
-  EXPECT_NEAR(quantile(ratios, 0.5), 1.0, 0.07);
+  EXPECT_NEAR(quantile(ratios, 0.5), 1.0, 0.03);
 }
 
 TEST_P(OnShapes, SlidesWithoutJumps) {
@@ -133,7 +141,7 @@ TEST_P(OnShapes, SlidesWithoutJumps) {
       s.normal = next.normal;
       s.tangent = (s.tangent - s.normal.dot(s.tangent) * s.normal).normalized();
       const Vector3d force = bench.at(s.point + (kRadius - kDepth) * s.normal).wrench.force;
-      ASSERT_LE((force - last).norm(), 0.05 + kStiffness * kStep);
+      ASSERT_LE((force - last).norm(), 0.15 + kStiffness * kStep);
       last = force;
     }
   }

@@ -2,8 +2,10 @@
 /// The Gaussians near a tool, kept for the poses that follow.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
+#include <palpate/collision/local_splats.h>
 #include <palpate/collision/scene_index.h>
 
 namespace palpate {
@@ -27,12 +29,20 @@ class Neighbourhood {
   /// those of search().
   void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, ContactSet& result);
 
+  /// What is kept, as splatting draws it. \pre search() has been called
+  /// with Precision::kSingle
+  void splats(const SceneIndex& index, LocalSplats& result) const;
+
+  /// How often search() has been called: what is kept is the same while this is.
+  std::uint64_t searches() const { return searches_; }
+
   /// How many Gaussians are kept.
   std::size_t size() const;
 
  private:
   std::unique_ptr<CandidateSet> candidates_;
   bool valid_ = false;
+  std::uint64_t searches_ = 0;
   Eigen::Vector3d center_;  ///< of the solid
   Eigen::Matrix3d W_;       ///< world to where the solid is the unit sphere
 };

@@ -1,30 +1,30 @@
 #include <palpate/haptics/confidence.h>
 
-#include <palpate/haptics/surface_fit.h>
+#include <palpate/haptics/depth_view.h>
+#include <palpate/haptics/surface_patches.h>
 
 namespace palpate {
 
 std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const Pose& pose,
                                const ProxyParameters& parameters, const std::vector<Contact>& contacts) {
   std::vector<double> result;
-  SurfaceContacts surface(contacts.size());
-  ContactSet around;
   const double extent = index.usual_extent();
-  std::size_t part = tool.parts().size();  // that `surface` is of: none yet
-  SurfaceKernel kernel{};
-  Ellipsoid larger;
+  SplatTracker tracker(index);
+  const auto image = std::make_unique<DepthView>();
   for (const Contact& contact : contacts) {
-    if (contact.part != part) {
-      part = contact.part;
-      kernel = kernel_of(tool.parts()[part], parameters, extent);
-      larger = enlarged(tool.parts()[part], kernel).at(pose);
-      index.query(larger, Precision::kSingle, around);
-      surface.assign(around.contacts, larger, kernel);
-    }
-    const Eigen::Vector3d u = contact.normal.unitOrthogonal(), v = contact.normal.cross(u);
-    const SurfaceFrame frame{((contact.point - larger.center) / kernel.detail).cast<float>(), u.cast<float>(),
-                             v.cast<float>(), contact.normal.cast<float>()};
-    result.push_back(confidence_of(surface_moments(surface, frame)));
+    const ToolPart& part = tool.parts()[contact.part];
+    const double detail = detail_of(part, parameters), reach = reach_of(part, detail, extent);
+    const LocalSplats& splats = tracker.around(enlarged(part, reach).at(pose));
+    const Ellipsoid solid = part.at(pose);
+    const ViewFrame view = ViewFrame::along(-contact.normal, solid.center, contact.normal.unitOrthogonal());
+    const Eigen::Vector3d from = contact.point - view.origin;
+    const Eigen::Vector2d place(from.dot(view.u), from.dot(view.v));
+    const double depth = from.dot(view.w);
+    Eigen::Vector2d anchor = place;
+    const double window = SurfacePatches::kWindow;
+    image->look(splats, view, Profile(solid, view), enlarged(part, reach).at(pose),
+                RayPattern::on_lattice(place, window * detail, anchor), depth - 2.0 * detail, detail);
+    result.push_back(confidence_of(image->moments({place, detail, depth, static_cast<float>(window)})));
   }
   return result;
 }

@@ -44,11 +44,11 @@ class Measurements {
 
   /// The share of scene `k`. `done(n)` is told how much of `work()` has been done.
   template <class Done>
-  void in_scene(const SceneIndex& index, std::size_t k, const Done& done) {
+  void in_scene(const SceneIndex& index, const SeenSurface& seen, std::size_t k, const Done& done) {
     Hand hand(index, setup_.tool, setup_.model);
     Hand rubbing(index, setup_.tool, setup_.model, setup_.friction);
     for (std::size_t i = k; i < places_.size(); i += setup_.scenes, done()) {
-      presses_.at(hand, places_[i]);
+      presses_.at(hand, places_[i], seen);
       slides_.at(hand, places_[i]);
       loops_.at(hand, places_[i]);
       if (setup_.friction > 0.0) rubs_.at(rubbing, places_[i]);
@@ -91,8 +91,9 @@ Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress) {
   Measurements measurements(*surface, setup);
   std::size_t done = 0;
   for (std::size_t k = 0; k < setup.scenes; ++k) {
-    const SceneIndex index = scene_of(*surface, setup, k);
-    measurements.in_scene(index, k, [&] {
+    const GaussianScene scene = gaussians_of(*surface, setup, k);
+    const SceneIndex index(scene, SceneFilter{}, Similarity{});
+    measurements.in_scene(index, SeenSurface(scene, Similarity{}), k, [&] {
       report(progress, "evaluating", static_cast<double>(++done) / static_cast<double>(measurements.work()));
     });
   }

@@ -44,8 +44,11 @@ struct EvaluationSetup {
 /// surface is told by its point that is first to touch.
 struct Evaluation {
   /// Of presses straight in at 0.1 m/s, from outside to 1.5 tool radii, where they are deeper than 4 mm:
-  Spread direction;         ///< angle of the force from the true normal. Unit: [deg].
-  Spread magnitude;         ///< |F| / (stiffness depth); NaN if no stiffness was promised
+  Spread direction;       ///< angle of the force from the true normal. Unit: [deg].
+  Spread magnitude;       ///< |F| / (stiffness depth); NaN if no stiffness was promised
+  Spread magnitude_seen;  ///< the same, of the depth below where the tool first meets the seen surface
+                          ///< (SeenSurface)
+  Spread seen;  ///< how deep the tool is where it does; negative: above the true surface. Unit: [m].
   std::size_t silent = 0;   ///< ticks without force
   std::size_t flipped = 0;  ///< ticks with a force that pulls in
   Spread onset;             ///< how deep the first force is felt; negative: above the surface. Unit: [m].

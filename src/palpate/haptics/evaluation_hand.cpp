@@ -22,10 +22,14 @@ Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double depth) {
   return place.point - depth * place.normal - foot;
 }
 
-SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k) {
+GaussianScene gaussians_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k) {
   ProceduralOptions options = setup.scene;
   options.seed += k;
-  return {make_scene(surface, options), SceneFilter{}, Similarity{}};
+  return make_scene(surface, options);
+}
+
+SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k) {
+  return {gaussians_of(surface, setup, k), SceneFilter{}, Similarity{}};
 }
 
 void Hand::reset() {

@@ -28,6 +28,7 @@ Eigen::Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double d
 double reach(const Tool& tool, const Eigen::Vector3d& n);
 
 /// The scene `k` of the setup, of 0 ... scenes-1.
+GaussianScene gaussians_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
 SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
 
 /// A tool in a scene, moved tick by tick.

@@ -1,6 +1,7 @@
 #include <palpate/haptics/evaluation_strokes.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 namespace palpate {
@@ -28,8 +29,11 @@ CurveBins over_depth(const Tool& tool) {
 Presses::Presses(const EvaluationSetup& setup)
     : stiffness_(setup.stiffness), direction_at_(over_depth(setup.tool)), force_at_(over_depth(setup.tool)) {}
 
-void Presses::at(Hand& hand, const SurfaceSample& place) {
+void Presses::at(Hand& hand, const SurfaceSample& place, const SeenSurface& scene) {
   const double r = reach(hand.tool(), place.normal);
+  const auto way = scene.first_touch(hand.tool(), centre_at(place, hand.tool(), -r), -place.normal);
+  const double seen = way ? *way - r : std::numeric_limits<double>::quiet_NaN();
+  if (way) seen_.push_back(seen);
   bool touched = false;
   hand.reset();
   const auto feel = [&](const ForceOutput& felt, double s) {
@@ -46,7 +50,10 @@ void Presses::at(Hand& hand, const SurfaceSample& place) {
     }
     direction_.push_back(off);
     if (force.dot(place.normal) < 0.0) ++flipped_;
-    if (stiffness_ > 0.0) magnitude_.push_back(size / (stiffness_ * depth));
+    if (stiffness_ > 0.0) {
+      magnitude_.push_back(size / (stiffness_ * depth));
+      if (depth > seen) magnitude_seen_.push_back(size / (stiffness_ * (depth - seen)));
+    }
   };
   hand.move(centre_at(place, hand.tool(), -r), centre_at(place, hand.tool(), kDeepest * r), kHandSpeed, feel);
 }
@@ -54,6 +61,8 @@ void Presses::at(Hand& hand, const SurfaceSample& place) {
 void Presses::tell(Evaluation& result) const {
   result.direction = spread_of(direction_);
   result.magnitude = spread_of(magnitude_);
+  result.magnitude_seen = spread_of(magnitude_seen_);
+  result.seen = spread_of(seen_);
   result.silent = silent_;
   result.flipped = flipped_;
   result.onset = spread_of(onset_);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <palpate/haptics/evaluation_hand.h>
+#include <palpate/haptics/seen_surface.h>
 
 namespace palpate {
 
@@ -15,13 +16,13 @@ namespace palpate {
 class Presses {
  public:
   explicit Presses(const EvaluationSetup& setup);
-  void at(Hand& hand, const SurfaceSample& place);
+  void at(Hand& hand, const SurfaceSample& place, const SeenSurface& scene);
   void tell(Evaluation& result) const;
 
  private:
   double stiffness_;
   std::size_t silent_ = 0, flipped_ = 0;
-  std::vector<double> direction_, magnitude_, onset_;
+  std::vector<double> direction_, magnitude_, magnitude_seen_, seen_, onset_;
   CurveBins direction_at_, force_at_;
 };
 

@@ -35,21 +35,41 @@ constexpr double kLeastPurpose = 0.01;
 /// What gives way this much hardly holds anything. As a share of the stiffness.
 constexpr double kLeastConfidence = 1e-3;
 
+/// No hand moves so far in a tick: a tool that does is taken for one that starts there. Unit: [m].
+constexpr double kJump = 1.0;
+
+/// What a spring of no stiffness counts as, where one is divided by. Unit: [N/m].
+constexpr double kLeastStiffness = 1.0;
+
+/// The way over which the heading of a part is averaged, as a share of its thinnest semi-axis.
+constexpr double kHeadingOfTool = 0.25;
+/// The heading is one if it is this long, and is where the part is going if the cosine between both is this.
+constexpr double kStraight = 0.3, kSameWay = 0.5;
+/// A part looks farther than it goes by this share of the detail, and again where the cosine between both
+/// ways is less.
+constexpr double kAhead = 0.01, kSameLook = 0.95;
+
 /// Time constant of the velocity that damping goes by: a tenth of the shortest time that a hand takes to turn
 /// round. Unit: [s].
 constexpr double kVelocityFilter = 0.005;
 
 }  // namespace
 
-SurfaceKernel kernel_of(const ToolPart& part, const ProxyParameters& parameters, double extent) {
-  const double a_min = part.semi_axes.minCoeff();
-  return SurfaceKernel::for_tool(a_min, parameters.detail.value_or(ProxyParameters::kDetailOfTool * a_min),
-                                 extent);
+double detail_of(const ToolPart& part, const ProxyParameters& parameters) {
+  return parameters.detail.value_or(ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff());
 }
 
-ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel) {
+/// (a + reach)^2 = a^2 + w^2 shows the plane under a ball of radius a out to w: to where the kernel has a
+/// hundredth of its weight. A ray also meets Gaussians whose ellipsoids end before it.
+double reach_of(const ToolPart& part, double detail, double extent) {
+  constexpr double kShown = 0.88;
+  const double a_min = part.semi_axes.minCoeff();
+  return std::max(std::hypot(a_min, kShown * SurfacePatches::kWindow * detail) - a_min, 0.5 * extent);
+}
+
+ToolPart enlarged(const ToolPart& part, double reach) {
   ToolPart larger = part;
-  larger.semi_axes.array() += kernel.reach;
+  larger.semi_axes.array() += reach;
   return larger;
 }
 
@@ -58,13 +78,11 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
     : parameters_(parameters),
       gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
-      step_(std::numeric_limits<double>::infinity()),
-      surface_(kRoom) {
+      step_(std::numeric_limits<double>::infinity()) {
   const double extent = index.usual_extent();
   for (const ToolPart& part : tool.parts()) {
-    const SurfaceKernel kernel = kernel_of(part, parameters, extent);
-    parts_.emplace_back(index, part, kernel, lookahead);
-    step_ = std::min(step_, 0.5 * kernel.reach);
+    parts_.emplace_back(index, part, parameters, extent, lookahead);
+    step_ = std::min(step_, 0.5 * parts_.back().reach);
   }
   contacts_.contacts.reserve(kRoom);
   obstacles_.planes.reserve(SurfacePatches::kMost * parts_.size());
@@ -72,51 +90,85 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
 }
 
 void ProxyForce::reset() {
-  started_ = held_ = false;
+  started_ = held_ = trails_ = false;
   hold_ = {};
-  reserve_ = kReserve;
+  reserve_ = most_reserve();
   velocity_.setZero();
   direction_.setZero();
-  for (Part& part : parts_) part.patches.clear();
+  for (Part& part : parts_) {
+    part.patches.clear();
+    part.heading.setZero();
+    part.clear = 0.0;
+  }
 }
 
-void ProxyForce::find_obstacles() {
+bool ProxyForce::touches(Part& part, const Ellipsoid& solid) {
+  part.touched.query(solid, contacts_);
+  return !contacts_.contacts.empty();
+}
+
+void ProxyForce::start_patches(Part& part) {
+  const Ellipsoid solid = part.solid.at(proxy_);
+  if (!touches(part, solid)) return;
+  const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
+  // The deepest first.
+  std::ranges::sort(contacts_.contacts, [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
+  for (const Contact& contact : contacts_.contacts)
+    part.patches.add_at(splats, solid, contact.normal, contact.point);
+}
+
+void ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& target) {
+  const Ellipsoid solid = part.solid.at(proxy_), there = part.solid.at(target);
+  const Eigen::Vector3d wanted = there.center - solid.center;
+  const double length = wanted.norm(), detail = part.patches.detail();
+  if (length == 0.0 || splats.size == 0) return;
+  Eigen::Vector3d along = wanted / length;
+  const double heading = part.heading.norm();
+  if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
+  const double way = std::min(length, step_) + kAhead * detail;
+  const double moved =
+      (solid.center - part.looked_from.center).norm() + (solid.axes - part.looked_from.axes).norm();
+  if (moved + way <= part.clear && along.dot(part.looked_along) > kSameLook) return;
+  const Ellipsoid next{solid.center + way * along, solid.axes};
+  const double clear = part.patches.look_ahead(splats, solid, along, way,
+                                               [&] { return touches(part, next) || touches(part, there); });
+  part.clear = std::min({clear, 0.5 * part.reach, 0.5 * detail});
+  part.looked_from = solid;
+  part.looked_along = along;
+}
+
+void ProxyForce::find_obstacles(const Pose& target) {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
   for (Part& part : parts_) {
-    const Ellipsoid larger = part.larger.at(proxy_);
-    part.tracker.query(larger, contacts_);
-    surface_.assign(contacts_.contacts, larger, part.patches.kernel());
-    part.patches.update(surface_, part.solid.at(proxy_));
-    for (const SurfacePatch& patch : part.patches.patches()) {
-      const double c = std::max(kLeastConfidence, patch.confidence);
-      const Properties properties = properties_at(patch, part.patches.kernel());
-      obstacles_.planes.push_back(
-          {patch.normal, patch.foot - proxy_.position, patch.gap, (1.0 - c) / c, properties.friction});
+    const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
+    part.patches.follow(splats, part.solid.at(proxy_));
+    look_ahead(part, splats, target);
+    const std::span<const SurfacePatch> patches = part.patches.patches();
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      const double c = std::max(kLeastConfidence, patches[i].confidence);
+      const Properties properties = properties_of(part.patches, i, splats);
+      obstacles_.planes.push_back({patches[i].normal, patches[i].foot - proxy_.position, patches[i].gap,
+                                   (1.0 - c) / c, properties.friction});
       obstacles_.properties.push_back(properties);
     }
   }
 }
 
-ProxyForce::Properties ProxyForce::properties_at(const SurfacePatch& patch,
-                                                 const SurfaceKernel& kernel) const {
+ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i,
+                                                 const LocalSplats& splats) const {
   const Properties usual{parameters_.stiffness, parameters_.friction, 0.0};
-  if (!parameters_.materials || parameters_.materials->empty()) return usual;
+  const std::span<const PatchWitness> witnesses = patches.witnesses(i);
+  if (!parameters_.materials || parameters_.materials->empty() || witnesses.empty()) return usual;
   Properties sum{};
-  double total = 0.0;
-  for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
-    const Contact& contact = contacts_.contacts[i];
-    const Eigen::Vector3d away = (contact.point - patch.foot).cross(patch.normal) / kernel.detail;
-    const double w = static_cast<double>(surface_.lane(SurfaceContacts::kWeight)[i]) *
-                     std::max(0.0, contact.normal.dot(patch.normal)) * std::exp(-0.5 * away.squaredNorm());
-    const Material material = parameters_.materials->of(contact.id, contact.center);
-    sum.stiffness += w * material.stiffness.value_or(usual.stiffness);
-    sum.friction += w * material.friction.value_or(usual.friction);
-    sum.damping += w * material.damping.value_or(usual.damping);
-    total += w;
+  for (const PatchWitness& witness : witnesses) {
+    const Material material =
+        parameters_.materials->of(splats.id[witness.splat], splats.position(witness.splat));
+    sum.stiffness += witness.weight * material.stiffness.value_or(usual.stiffness);
+    sum.friction += witness.weight * material.friction.value_or(usual.friction);
+    sum.damping += witness.weight * material.damping.value_or(usual.damping);
   }
-  if (!(total > 0.0)) return usual;
-  return {sum.stiffness / total, sum.friction / total, sum.damping / total};
+  return sum;
 }
 
 ProxyForce::Hold ProxyForce::hold() const {
@@ -152,19 +204,35 @@ double share_within(const Motion& wanted, const Motion& motion, double stretch, 
 
 }  // namespace
 
+/// As far towards `motion` as the spring allows, from the motion that comes out of no plane that it is in: of
+/// all that go no deeper the nearest to the wanted one, it never winds up the spring.
+Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double stretch) {
+  std::vector<MotionConstraint>& planes = obstacles_.planes;
+  for (MotionConstraint& plane : planes) plane.gap = std::max(0.0, plane.gap);
+  const Motion along = constrained_motion(wanted, planes, gyration_);
+  const Motion rest{wanted.translation - along.translation, wanted.rotation - along.rotation};
+  const Motion out{motion.translation - along.translation, motion.rotation - along.rotation};
+  return blend(along, motion, share_within(rest, out, stretch, gyration_));
+}
+
 double ProxyForce::step(const Pose& target, double longest, double stretch) {
-  find_obstacles();
+  find_obstacles(target);
   const Motion wanted = motion_between(proxy_, target);
   Motion motion = constrained_motion(wanted, obstacles_.planes, gyration_);
   const Hold held = hold();
+  if (share_within(wanted, motion, stretch, gyration_) < 1.0) motion = less_wound(wanted, motion, stretch);
   held_ = held.push > 0.0;
-  if (held_) hold_ = held;  // what is let go slowly stays what it was
+  if (held_) {
+    hold_ = held;  // what is let go slowly stays what it was
+    trails_ = true;
+  }
   const double farthest = motion.translation.norm() + radius_ * motion.rotation.norm();
   const double length = length_of(motion, gyration_);
-  const double share = std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300),
-                                 share_within(wanted, motion, stretch, gyration_)});
+  const double share =
+      std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300)});
   if (!held_ && share == 1.0) {
     proxy_ = target;  // not to rounding
+    trails_ = false;
   } else {
     motion = blend({}, motion, share);
     proxy_.position += motion.translation;
@@ -182,7 +250,11 @@ double ProxyForce::damped(const Eigen::Vector3d& push) const {
 }
 
 /// Less where the proxy goes to and fro, as between patches that come and go in turn: it then settles.
-double ProxyForce::catch_up() const { return kCatchUp * std::max(kLeastPurpose, direction_.squaredNorm()); }
+double ProxyForce::catch_up() const {
+  return parameters_.hand_scale * kCatchUp * std::max(kLeastPurpose, direction_.squaredNorm());
+}
+
+double ProxyForce::most_reserve() const { return kReserve * parameters_.hand_scale * parameters_.hand_scale; }
 
 void ProxyForce::remember(const Eigen::Vector3d& moved) {
   const double way = moved.norm();
@@ -194,31 +266,42 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
 /// What the spring has lost by the proxy's own motion fills the reserve, what it has gained empties it. Of
 /// what it was stretched by the tool's motion, k |d|^2 / 2 is no work of the hand's, which felt the force of
 /// before all the way: to a tool that slides, it would be a gift in every tick.
-void ProxyForce::reserve(double slack, double of_tool, double length) {
+void ProxyForce::refill(double slack, double of_tool, double length) {
   const double lost = std::max(0.0, slack * slack - of_tool * of_tool - length * length);
   const double gained = std::max(0.0, length * length - slack * slack);
-  reserve_ = std::clamp(reserve_ + 0.5 * hold_.stiffness * (lost - gained), 0.0, kReserve);
+  reserve_ = std::clamp(reserve_ + 0.5 * hold_.stiffness * (lost - gained), 0.0, most_reserve());
+}
+
+/// As remember(), of the tool's own motion.
+void ProxyForce::head(Part& part, const Eigen::Vector3d& moved) {
+  const double way = moved.norm();
+  if (way == 0.0) return;
+  const double forgotten = -std::expm1(-way / (kHeadingOfTool * part.solid.semi_axes.minCoeff()));
+  part.heading += forgotten * (moved / way - part.heading);
 }
 
 ForceOutput ProxyForce::evaluate(const ForceInput& input) {
-  const bool jumped = !held_ && (input.tool.position - proxy_.position).norm() > kMostFreeSteps * step_;
-  const bool first = !started_ || jumped;  // a pose so far away is no motion
+  const bool jumped =
+      !trails_ && (input.tool.position - tool_.position).norm() > kJump * parameters_.hand_scale;
+  const bool first = !started_ || jumped;
   if (first) {
     reset();
     proxy_ = tool_ = input.tool;
     started_ = true;
+    for (Part& part : parts_) start_patches(part);
   }
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
   // Where the tool starts in something, it comes out at once.
   const double of_tool = length_of(motion_between(tool_, input.tool), gyration_);
-  double way = first ? std::numeric_limits<double>::infinity() : of_tool + catch_up() * input.dt;
+  // What is not held is with the tool, or on its way there.
+  double way = first || !trails_ ? std::numeric_limits<double>::infinity() : of_tool + catch_up() * input.dt;
+  for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
-  const double stretch = first || hold_.stiffness == 0.0
-                             ? std::numeric_limits<double>::infinity()
-                             : std::sqrt(slack * slack + 2.0 * reserve_ / hold_.stiffness);
+  const double reserve = trails_ ? 2.0 * reserve_ / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
+  const double stretch = first ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + reserve);
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
@@ -228,12 +311,14 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     if (moved < kSettled * step_) break;
   }
   remember(proxy_.position - before);
-  const Motion spring = motion_between(input.tool, proxy_);
-  const double length = length_of(spring, gyration_);
-  if (!first) reserve(slack, of_tool, length);
+  // On its way through free space, nothing is felt.
+  if (!trails_) return {Wrench{}, proxy_, 1.0, reserve_};
+  const Motion pull = motion_between(input.tool, proxy_);
+  const double length = length_of(pull, gyration_);
+  if (!first) refill(slack, of_tool, length);
   if (length == 0.0) return {Wrench{}, proxy_, 1.0, reserve_};
-  const double k = hold_.stiffness, push = damped(k * spring.translation);
-  return {{push * k * spring.translation, push * k * gyration_ * gyration_ * spring.rotation},
+  const double k = hold_.stiffness, push = damped(k * pull.translation);
+  return {{push * k * pull.translation, push * k * gyration_ * gyration_ * pull.rotation},
           proxy_,
           hold_.confidence,
           0.5 * k * length * length + reserve_,

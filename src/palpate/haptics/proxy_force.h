@@ -9,10 +9,11 @@
 
 #include <palpate/collision/contact_tracker.h>
 #include <palpate/collision/scene_index.h>
+#include <palpate/collision/splat_tracker.h>
 #include <palpate/haptics/constrained_motion.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/material.h>
-#include <palpate/haptics/surface_fit.h>
+#include <palpate/haptics/surface_patches.h>
 #include <palpate/haptics/tool.h>
 
 namespace palpate {
@@ -21,46 +22,57 @@ namespace palpate {
 struct ProxyParameters {
   double stiffness = 500.0;  ///< of the spring between tool and proxy. Unit: [N/m]. >= 0
   double friction = 0.0;     ///< Coulomb's coefficient. >= 0
-  /// SurfaceKernel::detail; kDetailOfTool of the tool's thinnest semi-axis if unset. Unit: [m]. > 0
+  /// Standard deviation of the kernel that a surface is fitted with; kDetailOfTool of the part's thinnest
+  /// semi-axis if unset. Unit: [m]. > 0
   std::optional<double> detail = {};
+  /// Metres of the world a metre of the hand's way: what is bounded for the hand's sake, speeds and energies,
+  /// goes by the hand. > 0
+  double hand_scale = 1.0;
   /// What the scene is made of, over the numbers above; null or empty: of one stuff all over.
   std::shared_ptr<const MaterialMap> materials = {};
 
   /// A tool cannot tell much that is smaller than itself. This much of it keeps the direction of the force on
   /// splats a third of the tool's radius apart, displaced by a quarter of that, within four degrees, 95 times
   /// in 100.
-  static constexpr double kDetailOfTool = 0.6;
+  static constexpr double kDetailOfTool = 0.65;
 };
 
-/// The kernel that the surface is felt with by a part of the tool, in a scene of usual_extent() `extent`.
-SurfaceKernel kernel_of(const ToolPart& part, const ProxyParameters& parameters, double extent);
+/// Standard deviation of the kernel that a part of the tool feels the surface with. Unit: [m].
+double detail_of(const ToolPart& part, const ProxyParameters& parameters);
 
-/// A part that is larger by the kernel's reach on all sides.
-ToolPart enlarged(const ToolPart& part, const SurfaceKernel& kernel);
+/// How far around a part the scene is looked at: enough to see the window of a patch. Unit: [m]. \param
+/// extent SceneIndex::usual_extent()
+double reach_of(const ToolPart& part, double detail, double extent);
+
+/// A part that is larger by `reach` on all sides.
+ToolPart enlarged(const ToolPart& part, double reach);
 
 /// A god-object (Zilles and Salisbury 1995), in six degrees of freedom (Ortega, Redon and Coquillart 2007),
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
 /// points):
 ///
-///  1. of every part of the proxy the contacts, enlarged by SurfaceKernel::reach, make SurfacePatches;
+///  1. every part of the proxy looks along its motion for what it would touch first, and follows the patches
+///  of
+///     surface that it has met (SurfacePatches). A patch begins only where an ellipsoid is touched;
 ///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion(), with friction),
-///  at
-///     most half of the reach at once, so that nothing is passed unseen however fast the tool is. A patch of
-///     confidence c gives way, so that it is felt with c times the stiffness and does not hide what is
-///     behind;
-///  3. again, until it hardly moves, at most kMostSteps times, or kMostFreeSteps out of contact and at first,
-///     where the tool may begin inside something. In all, it moves no farther than the tool did and a little,
-///     so that the force does not jump where patches come and go;
-///  4. What is there may change from one moment to the next, where a fit finds another patch, and push the
-///  proxy away from
-///     the tool, which would wind up the spring with energy that no hand has put in. The spring is therefore
-///     no longer after the proxy has moved than before, for the tool where it is, but for a reserve that is
-///     filled by what the spring loses otherwise, kReserve at most. The proxy stays in such a patch until the
-///     tool has made way.
+///  at most
+///     half of the reach at once and never farther than it has looked, so that nothing is passed unseen
+///     however fast the tool is; what a tick leaves undone, the next does. A patch of confidence c gives way,
+///     so that it is felt with c times the stiffness and does not hide what is behind;
+///  3. again, until it hardly moves, at most kMostSteps times in contact, kMostFreeSteps times out of
+///  contact. In
+///     contact it moves no farther than the tool did and a little, so that the force does not jump where
+///     patches come and go;
+///  4. what is there may change from one moment to the next, where a fit finds another patch, and push the
+///  proxy away
+///     from the tool, which would wind up the spring with energy that no hand has put in. The spring is
+///     therefore no longer after the proxy has moved than before, for the tool where it is, but for a reserve
+///     that is filled by what the spring loses otherwise, kReserve at most. The proxy stays in such a patch
+///     until the tool has made way;
 ///  5. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the tool's
 ///  radius of
-///     gyration. Zero where nothing holds the proxy back or has held it. With damping b, the force changes by
-///     -b times the tool's velocity along it, by no more than there is.
+///     gyration. Zero where nothing has held the proxy since it was last with the tool. With damping b, the
+///     force changes by -b times the tool's velocity along it, by no more than there is.
 ///
 /// k, friction and damping are those of what holds the proxy: means over the Gaussians that the surface is
 /// made of there, and over the patches, by how hard they are pushed.
@@ -91,20 +103,33 @@ class ProxyForce final : public ForceModel {
   static constexpr double kReserve = 2e-4;
 
   static constexpr int kMostSteps = 4;       ///< in contact
-  static constexpr int kMostFreeSteps = 32;  ///< out of contact, where a step costs little
+  static constexpr int kMostFreeSteps = 32;  ///< out of contact
   static constexpr std::size_t kRoom = 4096;
 
  private:
   struct Part {
-    Part(const SceneIndex& index, const ToolPart& part, const SurfaceKernel& kernel, Lookahead* lookahead)
+    Part(const SceneIndex& index, const ToolPart& part, const ProxyParameters& parameters, double extent,
+         Lookahead* lookahead)
         : solid(part),
-          larger(enlarged(part, kernel)),
-          tracker(index, Precision::kDouble, lookahead),  // see decision 12
-          patches(kernel) {}
+          reach(reach_of(part, detail_of(part, parameters), extent)),
+          larger(enlarged(part, reach)),
+          splats(index, lookahead),
+          touched(index, Precision::kDouble, lookahead),
+          patches(detail_of(part, parameters), reach) {}
 
-    ToolPart solid, larger;  ///< it, and enlarged by the reach
-    ContactTracker tracker;
+    ToolPart solid;
+    double reach;     ///< Unit: [m].
+    ToolPart larger;  ///< by the reach
+    SplatTracker splats;
+    ContactTracker touched;
     SurfacePatches patches;
+    /// Mean direction of the last way of the centre, over a quarter of the thinnest semi-axis; a unit vector
+    /// if that was straight.
+    Eigen::Vector3d heading = Eigen::Vector3d::Zero();
+    // The last look ahead.
+    Ellipsoid looked_from;
+    Eigen::Vector3d looked_along = Eigen::Vector3d::Zero();
+    double clear = 0.0;  ///< how far it may go that way. Unit: [m].
   };
 
   /// What something is made of, nothing left open.
@@ -128,17 +153,25 @@ class ProxyForce final : public ForceModel {
   /// Moves the proxy one step towards `target`, by at most `longest`, and at most to where the spring is
   /// `stretch` long. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
-  /// The patches of all parts as obstacles.
-  void find_obstacles();
-  /// Of the contacts that are in contacts_ and surface_, those that make up `patch`.
-  Properties properties_at(const SurfacePatch& patch, const SurfaceKernel& kernel) const;
+  Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
+  /// The patches of all parts as obstacles, on the way to `target`.
+  void find_obstacles(const Pose& target);
+  /// Looks where `part` is about to go.
+  void look_ahead(Part& part, const LocalSplats& splats, const Pose& target);
+  /// True if `part` touches an ellipsoid there.
+  bool touches(Part& part, const Ellipsoid& solid);
+  /// Patches of what the tool is in where it starts.
+  void start_patches(Part& part);
+  Properties properties_of(const SurfacePatches& patches, std::size_t i, const LocalSplats& splats) const;
   Hold hold() const;
   /// How much faster than the tool the proxy may move now. Unit: [m/s].
   double catch_up() const;
   void remember(const Eigen::Vector3d& moved);
+  void head(Part& part, const Eigen::Vector3d& moved);
+  double most_reserve() const;
   /// Keeps reserve_. Lengths of the spring before and after the proxy has moved, and of the tool's motion.
   /// Unit: [m].
-  void reserve(double slack, double of_tool, double length);
+  void refill(double slack, double of_tool, double length);
   /// What the push is multiplied with so that it damps the motion, too.
   double damped(const Eigen::Vector3d& push) const;
 
@@ -148,13 +181,13 @@ class ProxyForce final : public ForceModel {
   double step_;             ///< the farthest that a point moves at once. Unit: [m].
   std::deque<Part> parts_;  ///< that cannot be moved
   ContactSet contacts_;
-  SurfaceContacts surface_;
   Obstacles obstacles_;
   /// Mean direction of the proxy's last way, of the length of a step; a unit vector if that was straight.
   Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
   bool held_ = false;          ///< by something, in the last step
+  bool trails_ = false;        ///< has been held since it was last with the tool
   Hold hold_;                  ///< of the last step in which it was held
   double reserve_ = kReserve;  ///< what the proxy may yet put into the spring by itself. Unit: [J].
   Pose tool_;                  ///< of the last call, world frame

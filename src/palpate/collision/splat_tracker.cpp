@@ -1,0 +1,42 @@
+#include <palpate/collision/splat_tracker.h>
+
+namespace palpate {
+namespace {
+
+/// How much larger the solid is made for a search, in its own radii; see ContactTracker.
+constexpr double kMargin = 0.1;
+/// Of a solid that touches too many Gaussians, this much is left at each attempt to find fewer.
+constexpr double kSmaller = 0.7;
+constexpr int kMostAttempts = 12;
+
+}  // namespace
+
+SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead)
+    : index_(index),
+      ahead_(lookahead == nullptr ? nullptr : &lookahead->add(index, Precision::kSingle)),
+      splats_(std::make_unique<LocalSplats>()) {}
+
+const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
+  const Neighbourhood* known = &near_;
+  if (ahead_ != nullptr) {
+    ahead_->want(solid);
+    if (ahead_->newest().covers(solid)) known = &ahead_->newest();
+  }
+  if (!known->covers(solid)) {
+    double size = 1.0 + kMargin;
+    known = &near_;
+    for (int k = 0; k < kMostAttempts; ++k, size *= kSmaller) {
+      if (near_.search(index_, {solid.center, size * solid.axes}, Precision::kSingle)) break;
+    }
+  }
+  if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);
+  return *splats_;
+}
+
+void SplatTracker::fill_from(const Neighbourhood& known) {
+  known.splats(index_, *splats_);
+  filled_from_ = &known;
+  filled_at_ = known.searches();
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+/// \file
+/// The Gaussians around a tool that moves little from tick to tick.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <palpate/collision/local_splats.h>
+#include <palpate/collision/lookahead.h>
+#include <palpate/collision/neighbourhood.h>
+
+namespace palpate {
+
+/// Keeps the LocalSplats of a slightly larger solid, and looks no further while the solid stays inside that.
+/// With a Lookahead, another thread looks further. Belongs to one thread; the index must outlive it. Takes
+/// nothing from the heap after construction.
+class SplatTracker {
+ public:
+  /// `lookahead` must outlive it; null: it looks for itself.
+  explicit SplatTracker(const SceneIndex& index, Lookahead* lookahead = nullptr);
+
+  /// All Gaussians whose ellipsoids `solid` overlaps, and some besides; the same until the next call. Where
+  /// they are more than LocalSplats has room for, those of a smaller solid about the same centre. \pre as
+  /// ContactQuery::query.
+  const LocalSplats& around(const Ellipsoid& solid);
+
+ private:
+  void fill_from(const Neighbourhood& known);
+
+  const SceneIndex& index_;
+  Lookahead::Line* ahead_;
+  Neighbourhood near_;
+  const Neighbourhood* filled_from_ = nullptr;
+  std::uint64_t filled_at_ = 0;  ///< Neighbourhood::searches() then
+  std::unique_ptr<LocalSplats> splats_;
+};
+
+}  // namespace palpate

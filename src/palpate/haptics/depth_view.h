@@ -1,0 +1,152 @@
+/// \file
+/// What is seen of the Gaussians around a tool, looking along one direction: a depth image of a few rays.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include <palpate/collision/local_splats.h>
+#include <palpate/geometry/ellipsoid.h>
+
+namespace palpate {
+
+/// An orthographic view. World frame; lengths in m.
+struct ViewFrame {
+  Eigen::Vector3d origin;  ///< of depths and of places (x, y) in the image
+  Eigen::Vector3d u, v;    ///< unit; the image's axes
+  Eigen::Vector3d w;       ///< unit; where it looks, depth is positive that way. u, v, w are orthonormal.
+
+  /// A view along `w` whose u is as near to `u` as can be.
+  static ViewFrame along(const Eigen::Vector3d& w, const Eigen::Vector3d& origin, const Eigen::Vector3d& u);
+
+  Eigen::Vector3d at(double x, double y, double depth) const { return origin + x * u + y * v + depth * w; }
+};
+
+/// The far side of an ellipsoid in a view whose origin is its centre: how deep it reaches at (x, y),
+///
+///     depth = (sqrt(c . c - |x a + y b|^2) - (x d + y e)) / c . c
+///
+/// with c = B w, a = (B u) x c, b = (B v) x c, d = B u . c, e = B v . c and B the inverse of its axes.
+struct Profile {
+  Profile(const Ellipsoid& solid, const ViewFrame& view);
+
+  float aa, ab, bb, cc, d, e;
+
+  /// Of c . c, what must be left of it for a place to count as below the solid: nearer to the silhouette, the
+  /// solid's side is steeper than a depth image can tell.
+  static constexpr float kLeastFacing = 0.04F;
+
+  /// True if (x, y) is below the solid and not at its very side.
+  bool below(float x, float y) const;
+  float depth(float x, float y) const;
+};
+
+/// Where the regular rays of a look are.
+struct RayPattern {
+  static constexpr std::size_t kMost = 64;
+
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< in the image. Unit: [m].
+  double reach = 0.0;                                ///< of the rays from there. Unit: [m].
+  std::size_t size = 0;
+  std::array<Eigen::Vector2f, kMost> places;  ///< in the image. Unit: [m].
+
+  /// Evenly spread over an ellipse about the origin. \param shape the unit disc to it. Unit: [m].
+  static RayPattern over_ellipse(const Eigen::Matrix2d& shape);
+  /// The points of a triangular lattice, one of which is `anchor`, that are in a disc: as the disc moves on,
+  /// rays come and go at its rim, and look at the same places meanwhile. `anchor` becomes one that is near
+  /// the centre.
+  static RayPattern on_lattice(const Eigen::Vector2d& center, double radius, Eigen::Vector2d& anchor);
+};
+
+/// Sums over the regular rays that hit something, with b = (1, x, y, x^2 + y^2), x and y from the kernel's
+/// centre and all lengths in its unit.
+struct DepthMoments {
+  std::array<float, 10> normal_matrix{};  ///< of w b_i b_j: the upper triangle, row by row
+  std::array<float, 4> right{};           ///< of w b_i z
+  float hit = 0.0F;                       ///< of w
+  float residual = 0.0F;                  ///< of w (z - fit)^2
+  float aimed = 0.0F;                     ///< of the kernel alone, over all regular rays
+  float seen_through = 0.0F;              ///< of w times the transmittance that is left behind what was hit
+};
+
+/// What moments() weighs rays with: w = h (1 - (x^2 + y^2) / end^2)^3 / (1 + (z - fit)^2 / spread^2), with h
+/// the share of what a ray would meet of a wall that hides all.
+struct DepthKernel {
+  Eigen::Vector2d center;  ///< in the image. Unit: [m].
+  double unit;             ///< of all other lengths. Unit: [m].
+  double level;            ///< depth that z is counted from. Unit: [m].
+  float end;               ///< where it ends
+  std::array<float, 4> fit{};
+  float spread = 1.0F;
+};
+
+/// Splatting for touch (Kerbl et al. 2023, for a handful of rays instead of pixels). A Gaussian is met where
+/// the ray is nearest to it by its own measure, with alpha exp(-m^2 / 2), at most 0.99, front to back by the
+/// depth of its centre; what a ray meets when its transmittance falls below one half is what is seen there.
+/// Regular rays fill a window evenly; besides, there are some through the centres of what is nearest below
+/// the solid.
+///
+/// Belongs to one thread. Takes nothing from the heap after construction.
+class DepthView {
+ public:
+  static constexpr std::size_t kRegular = RayPattern::kMost, kExtra = 16, kRays = kRegular + kExtra;
+
+  /// Looks at those of `splats` that reach into `larger`, below the solid of `profile`; both solids' centre
+  /// is the view's origin. What is nearer than the depth `start` is not there. \param detail a Gaussian that
+  /// is thicker along the ray than this is met where it begins, a thinner one in its middle. Unit: [m].
+  void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
+            const RayPattern& pattern, double start, double detail);
+
+  /// \name Of ray k: regular ones first.
+  /// @{
+  float x(std::size_t k) const { return x_[k]; }
+  float y(std::size_t k) const { return y_[k]; }
+  float depth(std::size_t k) const { return depth_[k]; }  ///< infinite where nothing is seen. Unit: [m].
+  bool hits(std::size_t k) const { return depth_[k] < kNothing; }
+  std::uint32_t splat(std::size_t k) const { return splat_[k]; }  ///< what is seen, by number in the splats
+  /// Mean depth of where the light falls from three quarters to one, and how much of that it does.
+  float mean_depth(std::size_t k) const { return sum_[k] / share_[k]; }
+  float share(std::size_t k) const { return share_[k]; }
+  /// What is left of the light, at most the little that is not followed further.
+  float transmittance(std::size_t k) const { return left_[k]; }
+  /// @}
+
+  /// From the far side of the solid to what ray k sees, along the view; infinite where that sees nothing or
+  /// is not below the solid. Unit: [m].
+  float clearance(std::size_t k) const { return clearance_[k]; }
+  /// The ray with the least of them; kRays if there is none.
+  std::size_t nearest() const;
+
+  DepthMoments moments(const DepthKernel& kernel) const;
+
+  static constexpr float kNothing = 1e30F;
+
+  /// What is left of the light where a ray is not followed further.
+  static constexpr float kDark = 0.1F;
+
+ private:
+  friend struct DepthViewLanes;
+  static constexpr std::size_t kMost = LocalSplats::kCapacity;
+  template <typename T>
+  using PerSplat = LocalSplats::Array<T>;
+  template <typename T>
+  using PerRay = std::array<T, kRays>;
+
+  void aim_extra_rays(const Eigen::Vector2d& center);
+  void order();
+
+  alignas(64) PerRay<float> x_{}, y_{}, depth_{}, sum_{}, share_{}, left_{}, clearance_{};
+  alignas(64) PerRay<std::uint32_t> splat_{};
+  alignas(64) std::array<PerSplat<float>, 3> from_;  ///< the view's origin to each splat. Unit: [m].
+  // Of the splats that are in the window, in no order: depth t0 + x tx + y ty, and m^2 as a quadratic form.
+  std::size_t size_ = 0;
+  alignas(64) PerSplat<float> t0_, tx_, ty_, q00_, q01_, q02_, q11_, q12_, q22_, log_alpha_;
+  alignas(64) PerSplat<float> key_, below_;
+  alignas(64) PerSplat<std::uint32_t> number_;
+  std::array<std::uint16_t, kMost> order_;
+};
+
+}  // namespace palpate

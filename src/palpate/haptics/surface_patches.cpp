@@ -1,0 +1,318 @@
+#include <palpate/haptics/surface_patches.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// Slope and curvature are held back as by this share of all rays, at one deviation, that say there is none.
+constexpr double kSlopePrior = 5e-4, kCurvaturePrior = 1e-3;
+/// Fits of what is seen, each less moved by what is far from the one before.
+constexpr int kFits = 3;
+/// What is farther from the first fit than this counts half; from a later one, what is farther than kFar
+/// times the roughness. In deviations of the kernel.
+constexpr double kFirstSpread = 1.0, kLeastSpread = 0.15, kFar = 2.0;
+/// Looks at a new patch, since its place and normal follow each other.
+constexpr int kFirstLooks = 3;
+/// The offset over a fit is within this many times the roughness of what the nearest ray says: on noise it
+/// follows slowly, at an edge at once.
+constexpr double kSlack = 2.0;
+/// The way over which the offset follows, in details.
+constexpr double kMemory = 2.0;
+/// A patch that is farther away than this, in deviations of the kernel, is none any more.
+constexpr double kGone = 0.5;
+/// Patches are one if their normals are within 25 degrees and their places within the window.
+constexpr double kOnePatch = 0.9;
+/// What is this much above a patch's plane, in roughnesses, and in deviations of the kernel, is part of it.
+constexpr double kPartOfIt = 3.0, kFlat = 0.1;
+/// The least cosine between a view and the normal that is found in it.
+constexpr double kLeastFacing = 0.2;
+/// A surface is whole where a quarter of the rays meet something: thin things are felt, lone specks give way.
+constexpr double kCovered = 0.25;
+/// What lets less than a tenth of the light through is as hard as what lets none through; what lets half of
+/// it through is not there.
+constexpr double kOpaque = 0.9, kHalf = 0.5;
+
+/// The point of the solid's surface that is farthest along -n.
+Vector3d support_point(const Ellipsoid& solid, const Vector3d& n) {
+  const Vector3d along = solid.axes.transpose() * n;
+  return solid.center - solid.axes * (along / along.norm());
+}
+
+/// With semi-axes longer by `reach`.
+Ellipsoid enlarged(const Ellipsoid& solid, double reach) {
+  Ellipsoid larger = solid;
+  for (Eigen::Index k = 0; k < 3; ++k) larger.axes.col(k) *= 1.0 + reach / solid.axes.col(k).norm();
+  return larger;
+}
+
+Vector2d image_of(const ViewFrame& view, const Vector3d& point) {
+  const Vector3d from = point - view.origin;
+  return {from.dot(view.u), from.dot(view.v)};
+}
+
+/// From one place towards another, by `most` at most.
+Vector2d towards(const Vector2d& from, const Vector2d& to, double most) {
+  const Vector2d way = to - from;
+  const double length = way.norm();
+  return length <= most ? to : Vector2d(from + most / length * way);
+}
+
+double depth_of(const Profile& profile, const Vector2d& place) {
+  return static_cast<double>(profile.depth(static_cast<float>(place.x()), static_cast<float>(place.y())));
+}
+
+bool is_below(const Profile& profile, const Vector2d& place) {
+  return profile.below(static_cast<float>(place.x()), static_cast<float>(place.y()));
+}
+
+/// Where a ray at `place` begins: a quarter of its way through the solid, so that what is behind the solid is
+/// not taken for what is in front of it.
+double start_of(const Profile& profile, const Vector2d& place) {
+  const double half = std::sqrt(
+      std::max(0.0, 1.0 - (place.x() * place.x() * profile.aa + 2.0 * place.x() * place.y() * profile.ab +
+                           place.y() * place.y() * profile.bb) /
+                              profile.cc) /
+      profile.cc);
+  return depth_of(profile, place) - 1.5 * half;
+}
+
+Eigen::Vector4d solve(const DepthMoments& moments) {
+  const auto& m = moments.normal_matrix;
+  Eigen::Matrix4d matrix;
+  matrix << m[0], m[1], m[2], m[3],  //
+      m[1], m[4], m[5], m[6],        //
+      m[2], m[5], m[7], m[8],        //
+      m[3], m[6], m[8], m[9];
+  const double all = moments.aimed;
+  matrix.diagonal() += all * Eigen::Vector4d(0.0, kSlopePrior, kSlopePrior, kCurvaturePrior);
+  const auto& b = moments.right;
+  return matrix.ldlt().solve(Eigen::Vector4f(b[0], b[1], b[2], b[3]).cast<double>());
+}
+
+/// A quadric over the image.
+struct Fit {
+  Vector2d center;
+  double deviation, level;
+  Eigen::Vector4d of;  ///< height, slopes, mean curvature; in deviations
+  DepthMoments moments;
+
+  double depth(const Vector2d& place) const {
+    const Vector2d u = (place - center) / deviation;
+    return level + deviation * of.dot(Eigen::Vector4d(1.0, u.x(), u.y(), u.squaredNorm()));
+  }
+  double roughness() const {
+    return deviation * std::sqrt(static_cast<double>(moments.residual) / static_cast<double>(moments.hit));
+  }
+  /// Towards the viewer.
+  Vector3d normal(const ViewFrame& view) const {
+    return (of[1] * view.u + of[2] * view.v - view.w).normalized();
+  }
+};
+
+/// False if hardly anything is seen.
+bool fit_image(const DepthView& image, const Vector2d& center, double deviation, double level, Fit& fit) {
+  constexpr float kAnything = 1e-3F;
+  DepthKernel kernel{center, deviation,
+                     level,  static_cast<float>(SurfacePatches::kWindow),
+                     {},     static_cast<float>(kFirstSpread)};
+  for (int k = 0; k < kFits; ++k) {
+    fit.moments = image.moments(kernel);
+    if (!(fit.moments.hit > kAnything * fit.moments.aimed)) return false;
+    fit.of = solve(fit.moments);
+    for (Eigen::Index i = 0; i < 4; ++i)
+      kernel.fit[static_cast<std::size_t>(i)] = static_cast<float>(fit.of[i]);
+    if (k > 0)
+      kernel.spread = static_cast<float>(std::max(
+          kLeastSpread, kFar * std::sqrt(static_cast<double>(fit.moments.residual / fit.moments.hit))));
+    else
+      kernel.spread = static_cast<float>(0.5 * kFirstSpread);
+  }
+  fit.center = center;
+  fit.deviation = deviation;
+  fit.level = level;
+  return true;
+}
+
+double smooth_step(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+}  // namespace
+
+double confidence_of(const DepthMoments& moments) {
+  if (!(moments.hit > 0.0F)) return 0.0;
+  const double covered = static_cast<double>(moments.hit / moments.aimed);
+  const double hidden = 1.0 - static_cast<double>(moments.seen_through / moments.hit);
+  return smooth_step(covered / kCovered) * std::clamp((hidden - kHalf) / (kOpaque - kHalf), 0.0, 1.0);
+}
+
+bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch,
+                          Look& look) {
+  const ViewFrame view = ViewFrame::along(-patch.normal, solid.center, patch.tangent);
+  const Profile profile(solid, view);
+  const Vector2d lowest = image_of(view, support_point(solid, patch.normal));
+  const Vector2d place = towards(image_of(view, patch.on_surface()), lowest, detail_);
+  if (!is_below(profile, place)) return false;
+  Vector2d anchor = image_of(view, patch.anchor);
+  const RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
+  view_->look(splats, view, profile, enlarged(solid, reach_), pattern, start_of(profile, place), detail_);
+  const std::size_t nearest = view_->nearest();
+  if (nearest == DepthView::kRays) return false;
+  const double clearance = view_->clearance(nearest);
+  Fit fit;
+  if (!fit_image(*view_, place, detail_, clearance + depth_of(profile, place), fit)) return false;
+  const Vector3d normal = fit.normal(view);
+  const double facing = normal.dot(patch.normal);
+  if (facing < kLeastFacing) return false;
+  Vector2d foot = towards(place, image_of(view, support_point(solid, normal)), detail_);
+  if (!is_below(profile, foot)) foot = place;
+  const double depth = depth_of(profile, foot);
+  look.fitted = facing * (fit.depth(foot) - depth);
+  look.least = facing * clearance;
+  patch.tangent = view.u;
+  patch.anchor = view.at(anchor.x(), anchor.y(), fit.depth(anchor));
+  patch.normal = normal;
+  patch.foot = view.at(foot.x(), foot.y(), depth);
+  patch.roughness = fit.roughness();
+  patch.confidence = confidence_of(fit.moments);
+  seen_count_ = 0;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < DepthView::kRegular; ++k) {
+    if (!view_->hits(k)) continue;
+    const Vector2d u = (Vector2d(view_->x(k), view_->y(k)) - foot) / detail_;
+    const double weight = std::exp(-0.5 * u.squaredNorm());
+    seen_[seen_count_++] = {view_->splat(k), weight};
+    sum += weight;
+  }
+  for (std::size_t k = 0; k < seen_count_; ++k) seen_[k].weight /= sum;
+  return true;
+}
+
+bool SurfacePatches::keep(const SurfacePatch& patch) {
+  const double near = kWindow * detail_;
+  for (std::size_t i = 0; i < size_; ++i) {
+    SurfacePatch& other = patches_[i];
+    if (other.normal.dot(patch.normal) <= kOnePatch) continue;
+    if ((other.on_surface() - patch.on_surface()).squaredNorm() > near * near) continue;
+    if (patch.gap < other.gap) {  // what holds the tool more
+      other = patch;
+      remember_witnesses(i);
+    }
+    return false;
+  }
+  patches_[size_] = patch;
+  remember_witnesses(size_++);
+  return true;
+}
+
+void SurfacePatches::remember_witnesses(std::size_t i) {
+  std::copy_n(seen_.begin(), seen_count_, witnesses_[i].begin());
+  witness_count_[i] = seen_count_;
+}
+
+void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
+  const std::size_t before = size_;
+  size_ = 0;
+  for (std::size_t i = 0; i < before; ++i) {
+    SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
+    const Vector3d from = patch.foot;
+    Look seen;
+    if (!look(splats, solid, patch, seen)) continue;
+    const Vector3d way = patch.foot - from;
+    const double along = (way - way.dot(patch.normal) * patch.normal).norm();
+    const double wanted = seen.least - seen.fitted, band = kSlack * patch.roughness;
+    patch.offset -= std::expm1(-along / (kMemory * detail_)) * (wanted - patch.offset);
+    patch.offset = std::clamp(patch.offset, wanted - band, wanted + band);
+    patch.gap = seen.fitted + patch.offset;
+    if (patch.gap <= kGone * detail_) keep(patch);
+  }
+}
+
+bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point) const {
+  for (std::size_t i = 0; i < size_; ++i) {
+    const SurfacePatch& patch = patches_[i];
+    const Vector3d from = point - patch.on_surface();
+    const double above = from.dot(patch.normal);
+    if (above > std::max(kPartOfIt * patch.roughness, kFlat * detail_)) continue;
+    // All of the tool is above the plane if its lowest point is; else the plane answers for its surroundings
+    // alone.
+    const Vector3d lowest = support_point(solid, patch.normal);
+    const double slack = (patch.foot - lowest).dot(patch.normal);
+    const double aside = (from - above * patch.normal).norm();
+    if (slack < kFlat * detail_ || aside < kWindow * detail_) return true;
+  }
+  return false;
+}
+
+double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& along,
+                            double way, Meeting& meeting) {
+  const ViewFrame view = ViewFrame::along(along, solid.center, solid.axes.col(0));
+  const Profile profile(solid, view);
+  // The silhouette: the image of the unit sphere.
+  Eigen::Matrix<double, 2, 3> image;
+  image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
+  const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
+  view_->look(splats, view, profile, enlarged(solid, reach_), RayPattern::over_ellipse(root),
+              start_of(profile, Vector2d::Zero()), detail_);
+  double first = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < DepthView::kRays; ++k) {
+    const double clearance = view_->clearance(k);
+    if (clearance >= first || clearance >= DepthView::kNothing) continue;
+    const Vector3d point = view.at(view_->x(k), view_->y(k), view_->depth(k));
+    // Far ahead, patches need not be asked.
+    if (clearance <= way && explained(solid, point)) continue;
+    first = clearance;
+    meeting = {along, point, clearance};
+  }
+  return first;
+}
+
+bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting) {
+  SurfacePatch patch;
+  patch.normal = -meeting.along;
+  patch.tangent = meeting.along.unitOrthogonal();
+  patch.anchor = meeting.point;
+  patch.foot = meeting.point - meeting.clearance * meeting.along;
+  patch.gap = meeting.clearance;
+  SurfacePatch best = patch;
+  seen_count_ = 0;
+  for (int k = 0; k < kFirstLooks; ++k) {
+    Look seen;
+    if (!look(splats, solid, patch, seen)) break;
+    // It is met where it is seen along the motion.
+    patch.gap = meeting.clearance * std::max(kLeastFacing, -meeting.along.dot(patch.normal));
+    patch.offset = patch.gap - seen.fitted;
+    best = patch;
+  }
+  return keep(best);
+}
+
+bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& normal,
+                            const Vector3d& point) {
+  if (size_ == kMost || explained(solid, point)) return false;
+  SurfacePatch patch;
+  patch.normal = normal;
+  patch.tangent = normal.unitOrthogonal();
+  patch.foot = patch.anchor = point;
+  bool found = false;
+  for (int k = 0; k < kFirstLooks; ++k) {
+    Look seen;
+    if (!look(splats, solid, patch, seen)) break;
+    patch.offset = seen.least - seen.fitted;
+    patch.gap = seen.least;
+    found = true;
+  }
+  return found && keep(patch);
+}
+
+}  // namespace palpate

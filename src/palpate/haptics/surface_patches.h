@@ -1,0 +1,137 @@
+/// \file
+/// The felt surface near a solid: what is seen of the Gaussians from where the solid touches them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include <Eigen/Core>
+
+#include <palpate/geometry/ellipsoid.h>
+#include <palpate/haptics/depth_view.h>
+
+namespace palpate {
+
+/// A place where the tool touches or may soon touch: the plane that the surface has there. World frame.
+struct SurfacePatch {
+  Eigen::Vector3d normal;  ///< unit, towards the tool
+  Eigen::Vector3d foot;    ///< the tool's own point that touches
+  double gap = 0.0;        ///< from the surface to `foot`, along the normal; negative inside. Unit: [m].
+  /// Confidence that there is a surface, in [0, 1]: 1 where Gaussians cover what the tool touches and hide
+  /// what is behind them, less in holes, at what floats alone, and where light comes through.
+  double confidence = 1.0;
+  /// Root mean square of the distance of what is seen from the fit. Unit: [m].
+  double roughness = 0.0;
+
+  // What is remembered from one look to the next.
+  Eigen::Vector3d tangent;  ///< of the views
+  Eigen::Vector3d anchor;   ///< of the lattice of rays
+  double offset = 0.0;      ///< of the felt surface over the fit, along the normal. Unit: [m].
+
+  Eigen::Vector3d on_surface() const { return foot - gap * normal; }
+};
+
+/// What a patch is made of: a Gaussian that is seen in it.
+struct PatchWitness {
+  std::uint32_t splat;  ///< by number in the LocalSplats
+  double weight;
+};
+
+/// How much of a surface there is where the moments were taken; see SurfacePatch::confidence.
+double confidence_of(const DepthMoments& moments);
+
+/// The patches that one solid of a tool touches, kept from one instant to the next. Takes nothing from the
+/// heap after construction.
+///
+/// A patch looks at the scene against its normal, in a window of kWindow details around its foot
+/// (DepthView). Which way it faces comes from all that is seen there,
+///
+///     minimise  sum_k w_k (z_k - a - b . u_k - c |u_k|^2)^2
+///
+/// over height a, slope b and mean curvature c, z_k the depth that ray k sees at u_k: moving least squares
+/// (Levin 1998; Alexa et al. 2003) on the depth image instead of on points, so that what is hidden does not
+/// count, nor how many Gaussians lie over each other. Where it is comes from the ray that the solid would
+/// touch first: the felt surface is the fit, moved by an offset that follows, over one deviation of the way
+/// that the foot goes, the least clearance of all rays. Where a patch is first met, the offset is such that
+/// it is met where it is seen.
+class SurfacePatches {
+ public:
+  /// As many constraints as a rigid body has degrees of freedom, and two to choose from.
+  static constexpr std::size_t kMost = 8;
+
+  /// \param detail the standard deviation of the kernel \param reach how far around the solid the scene is
+  /// looked at. Unit: [m]. > 0
+  SurfacePatches(double detail, double reach)
+      : detail_(detail), reach_(reach), view_(std::make_unique<DepthView>()) {}
+
+  /// Radius of the window of a patch, in details: its kernel, of the form (1 - r^2)^3, has a deviation of
+  /// 0.32 of that.
+  static constexpr double kWindow = 2.6;
+
+  double detail() const { return detail_; }
+  void clear() { size_ = 0; }
+
+  /// Fits the patches anew where `solid` is now, and drops those that are not there any more.
+  void follow(const LocalSplats& splats, const Ellipsoid& solid);
+
+  /// Looks along the unit vector `along` for what the solid, moved that way by `way`, would touch and no
+  /// patch explains; each such place becomes a patch if `admit()` lets it. \returns how far it may go without
+  /// another look. Unit: [m].
+  template <class Admit>
+  double look_ahead(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
+                    double way, const Admit& admit) {
+    double clear = 0.0;
+    while (size_ < kMost) {
+      Meeting meeting;
+      clear = meet(splats, solid, along, way, meeting);
+      if (clear > way || !admit()) break;
+      if (!add(splats, solid, meeting)) break;
+    }
+    return clear;
+  }
+
+  /// A patch where the tool is in something already: faced along `normal` at `point`. \returns false if
+  /// nothing is seen there.
+  bool add_at(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& normal,
+              const Eigen::Vector3d& point);
+
+  std::span<const SurfacePatch> patches() const { return {patches_.data(), size_}; }
+  /// What patch `i` was made of in the last follow(), look_ahead() or add_at(). Weights add up to 1, or there
+  /// are none.
+  std::span<const PatchWitness> witnesses(std::size_t i) const {
+    return {witnesses_[i].data(), witness_count_[i]};
+  }
+
+ private:
+  /// What is seen first along a motion.
+  struct Meeting {
+    Eigen::Vector3d along, point;
+    double clearance = 0.0;
+  };
+  /// What a patch sees.
+  struct Look {
+    double fitted = 0.0;  ///< gap of the fit. Unit: [m].
+    double least = 0.0;   ///< gap by the nearest ray. Unit: [m].
+  };
+
+  double meet(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along, double way,
+              Meeting& meeting);
+  bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting);
+  bool look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, Look& look);
+  bool explained(const Ellipsoid& solid, const Eigen::Vector3d& point) const;
+  bool keep(const SurfacePatch& patch);
+  void remember_witnesses(std::size_t i);
+
+  double detail_, reach_;
+  std::unique_ptr<DepthView> view_;
+  std::size_t size_ = 0;
+  std::array<SurfacePatch, kMost> patches_;
+  std::array<std::array<PatchWitness, DepthView::kRegular>, kMost> witnesses_;
+  std::array<std::size_t, kMost> witness_count_{};
+  std::array<PatchWitness, DepthView::kRegular> seen_;  ///< in the last look
+  std::size_t seen_count_ = 0;
+};
+
+}  // namespace palpate
