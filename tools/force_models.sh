@@ -36,7 +36,7 @@ table() {
   awk -F, '
     function value(name) { return $column[name] }
     function text(name, format) { return value(name) == "" ? "- |" : sprintf(format " |", value(name)) }
-    function line(a, b, c, d, e, f, g, h, i, j, k, l) { print a, b, c, d, e, f, g, h, i, j, k, l }
+    function line(a, b, c, d, e, f, g, h, i, j, k, l, m, n) { print a, b, c, d, e, f, g, h, i, j, k, l, m, n }
     NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
     '"$condition"' { line(sprintf("| %s | %g | %s |", $1, 1000 * $2, $3)'"$values"') }' "$csv" | sed 's/ *$//'
 }
@@ -44,7 +44,8 @@ table() {
 write_tables() {
   printf '%s\n\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(date -u +%Y-%m-%d)"
   table "$work/all.csv" 1 'direction p50 deg=direction_p50_deg:%.1f' 'p95=direction_p95_deg:%.1f' \
-    'F / (k depth)=magnitude_p50:%.2f' 'ripple=ripple_p50:%.3f' 'jump N=jump_max_n:%.3f' 'loop=loop_p50:%.0e' \
+    'F / (k depth)=magnitude_p50:%.2f' 'below the seen surface=magnitude_seen_p50:%.2f' 'seen at mm=seen_p50_mm:%.1f' \
+    'ripple=ripple_p50:%.3f' 'jump N=jump_max_n:%.3f' 'loop=loop_p50:%.0e' \
     'through of 100=through:%d' 'friction of 0.3=friction_p50:%.2f' 'F / F at 6 mm=force_ratio_p50:%.2f' \
     'tick p50 us=tick_p50_us:%.0f' 'p99=tick_p99_us:%.0f'
   printf '\nA step of 3 mm under a ball of 5 mm:\n\n'

@@ -33,7 +33,7 @@ struct DepthViewLanes {
   /// Where a splat ends: exp(-m^2 / 2) is then less than what splatting draws.
   static constexpr float kEnd = 3.33F;
   static constexpr float kMostAlpha = 0.99F, kHalf = 0.5F;
-  /// What mean_depth() is the mean over.
+  /// What the mean depth is the mean over.
   static constexpr float kBright = 0.75F, kDim = 0.25F;
 
   const std::array<LocalSplats::Array<float>, 3>& from() const { return view.from_; }

@@ -86,8 +86,11 @@ struct DepthKernel {
 /// Splatting for touch (Kerbl et al. 2023, for a handful of rays instead of pixels). A Gaussian is met where
 /// the ray is nearest to it by its own measure, with alpha exp(-m^2 / 2), at most 0.99, front to back by the
 /// depth of its centre; what a ray meets when its transmittance falls below one half is what is seen there.
-/// Regular rays fill a window evenly; besides, there are some through the centres of what is nearest below
-/// the solid.
+/// Regular rays fill a window evenly; besides, there is one in its middle, and some through the centres of
+/// what is nearest below the solid.
+///
+/// What is fitted to (moments()) is not that depth but the mean depth of where the light falls from three
+/// quarters to one quarter, which does not jump from one Gaussian to the next.
 ///
 /// Belongs to one thread. Takes nothing from the heap after construction.
 class DepthView {
@@ -107,11 +110,6 @@ class DepthView {
   float depth(std::size_t k) const { return depth_[k]; }  ///< infinite where nothing is seen. Unit: [m].
   bool hits(std::size_t k) const { return depth_[k] < kNothing; }
   std::uint32_t splat(std::size_t k) const { return splat_[k]; }  ///< what is seen, by number in the splats
-  /// Mean depth of where the light falls from three quarters to one, and how much of that it does.
-  float mean_depth(std::size_t k) const { return sum_[k] / share_[k]; }
-  float share(std::size_t k) const { return share_[k]; }
-  /// What is left of the light, at most the little that is not followed further.
-  float transmittance(std::size_t k) const { return left_[k]; }
   /// @}
 
   /// From the far side of the solid to what ray k sees, along the view; infinite where that sees nothing or
