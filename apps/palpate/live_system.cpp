@@ -209,6 +209,7 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
                                                  const LiveSettings& settings) const {
   ForceOptions force = settings.force;
   force.proxy.stiffness = stiffness_;  // the rest is gain
+  force.proxy.hand_scale = map_.scale;
   return std::make_shared<FeltScene>(std::move(index), settings.tool, force, made_of_, contacts_, clock_,
                                      options_.worker_delay);
 }

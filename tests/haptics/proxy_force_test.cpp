@@ -219,6 +219,36 @@ TEST(ProxyForce, HasTheFrictionThatIsSetForATool) {
   }
 }
 
+/// Everything `scale` times as large, felt by a hand whose centimetre is so many of the scene: force over
+/// scale is what a WorkspaceMap makes of it.
+std::vector<Vector3d> felt_by_hand(double scale) {
+  const Similarity larger{scale, Eigen::Quaterniond::Identity(), Vector3d::Zero()};
+  const SceneIndex index(make_scene(*make_surface("sphere"), noisy(941)), SceneFilter{}, larger);
+  ProxyParameters parameters;
+  parameters.hand_scale = scale;
+  ProxyForce model(index, Tool{Vector3d::Constant(scale * kRadius)}, parameters);
+  std::vector<Vector3d> felt;
+  ForceInput input;
+  input.dt = 1e-3;
+  for (int tick = 0; tick < 600; ++tick) {
+    const double in = std::min(tick, 250) * 1e-4, along = std::max(0, tick - 250) * 1e-4;
+    input.tool.position = scale * Vector3d(along, 0.0, 0.15 + kRadius + 0.01 - in);
+    felt.push_back(model.evaluate(input).wrench.force / scale);
+  }
+  return felt;
+}
+
+TEST(ProxyForce, FeelsAlikeAtEveryScaleOfTheHand) {
+  const std::vector<Vector3d> one = felt_by_hand(1.0);
+  EXPECT_GT(one.back().norm(), 1.0);
+  for (const double scale : {0.0625, 0.25, 16.0}) {  // powers of two: all that differs is rounding
+    const std::vector<Vector3d> other = felt_by_hand(scale);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < one.size(); ++i) worst = std::max(worst, (other[i] - one[i]).norm());
+    EXPECT_LE(worst, 0.01 * one.back().norm()) << scale;
+  }
+}
+
 TEST(ProxyForce, SticksWithoutCreeping) {
   ProxyParameters parameters;
   parameters.friction = 0.5;

@@ -13,12 +13,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Slope and curvature are held back as by this share of all rays, at one deviation, that say there is none.
+/// Slope and curvature are held back as by this share of all rays, at one detail, that say there is none.
 constexpr double kSlopePrior = 5e-4, kCurvaturePrior = 1e-3;
 /// Fits of what is seen, each less moved by what is far from the one before.
 constexpr int kFits = 3;
 /// What is farther from the first fit than this counts half; from a later one, what is farther than kFar
-/// times the roughness. In deviations of the kernel.
+/// times the roughness. In details.
 constexpr double kFirstSpread = 1.0, kLeastSpread = 0.15, kFar = 2.0;
 /// Looks at a new patch, since its place and normal follow each other.
 constexpr int kFirstLooks = 3;
@@ -27,11 +27,11 @@ constexpr int kFirstLooks = 3;
 constexpr double kSlack = 2.0;
 /// The way over which the offset follows, in details.
 constexpr double kMemory = 2.0;
-/// A patch that is farther away than this, in deviations of the kernel, is none any more.
+/// A patch that is farther away than this, in details, is none any more.
 constexpr double kGone = 0.5;
 /// Patches are one if their normals are within 25 degrees and their places within the window.
 constexpr double kOnePatch = 0.9;
-/// What is this much above a patch's plane, in roughnesses, and in deviations of the kernel, is part of it.
+/// What is this much above a patch's plane, in roughnesses, and in details, is part of it.
 constexpr double kPartOfIt = 3.0, kFlat = 0.1;
 /// The least cosine between a view and the normal that is found in it.
 constexpr double kLeastFacing = 0.2;
@@ -102,7 +102,7 @@ Eigen::Vector4d solve(const DepthMoments& moments) {
 struct Fit {
   Vector2d center;
   double deviation, level;
-  Eigen::Vector4d of;  ///< height, slopes, mean curvature; in deviations
+  Eigen::Vector4d of;  ///< height, slopes, mean curvature; in details
   DepthMoments moments;
 
   double depth(const Vector2d& place) const {

@@ -53,7 +53,7 @@ double confidence_of(const DepthMoments& moments);
 /// over height a, slope b and mean curvature c, z_k the depth that ray k sees at u_k: moving least squares
 /// (Levin 1998; Alexa et al. 2003) on the depth image instead of on points, so that what is hidden does not
 /// count, nor how many Gaussians lie over each other. Where it is comes from the ray that the solid would
-/// touch first: the felt surface is the fit, moved by an offset that follows, over one deviation of the way
+/// touch first: the felt surface is the fit, moved by an offset that follows, over two details of the way
 /// that the foot goes, the least clearance of all rays. Where a patch is first met, the offset is such that
 /// it is met where it is seen.
 class SurfacePatches {
@@ -61,7 +61,7 @@ class SurfacePatches {
   /// As many constraints as a rigid body has degrees of freedom, and two to choose from.
   static constexpr std::size_t kMost = 8;
 
-  /// \param detail the standard deviation of the kernel \param reach how far around the solid the scene is
+  /// \param detail the scale of the fit \param reach how far around the solid the scene is
   /// looked at. Unit: [m]. > 0
   SurfacePatches(double detail, double reach)
       : detail_(detail), reach_(reach), view_(std::make_unique<DepthView>()) {}
