@@ -249,6 +249,27 @@ TEST(ProxyForce, FeelsAlikeAtEveryScaleOfTheHand) {
   }
 }
 
+// Captures have Gaussians as large as a city, and as thin as rounding.
+TEST(ProxyForce, IsFiniteAmongGiantsAndNeedles) {
+  std::vector<test::Splat> splats;
+  Random random(942);
+  for (const double size : {1e-12, 1e-6, 1e-2, 1e3, 1e9, 1e12})
+    for (int i = 0; i < 30; ++i)
+      splats.push_back(test::splat(0.05 * Vector3d(random.normal(), random.normal(), random.normal()),
+                                   {size, size * random.uniform(1e-9, 1.0), i % 3 == 0 ? 0.0 : 1e-9 * size}));
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool{Vector3d(0.02, 0.02, 0.04)});
+  ForceInput input;
+  input.dt = 1e-3;
+  for (int tick = 0; tick < 2000; ++tick) {
+    input.tool.position =
+        0.1 * Vector3d(std::cos(0.01 * tick), std::sin(0.013 * tick), std::sin(0.007 * tick));
+    const ForceOutput felt = model.evaluate(input);
+    ASSERT_TRUE(felt.wrench.force.allFinite() && felt.wrench.torque.allFinite()) << tick;
+    ASSERT_TRUE(felt.proxy.position.allFinite()) << tick;
+  }
+}
+
 TEST(ProxyForce, SticksWithoutCreeping) {
   ProxyParameters parameters;
   parameters.friction = 0.5;

@@ -132,8 +132,8 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     // Depth of the nearest point of a ray, by the Gaussian's measure: linear in its place.
     const V tx = hn::Neg(hn::Mul(lw.dot(lu), per_ww)), ty = hn::Neg(hn::Mul(lw.dot(lv), per_ww));
     // Met where it begins, if it is thick: h^4 / (1 + h^4) of half its thickness earlier.
-    const V half = hn::Sqrt(per_ww), h = hn::Mul(half, set(1.0F / job.detail)), h2 = hn::Mul(h, h),
-            h4 = hn::Mul(h2, h2);
+    const V half = hn::Sqrt(per_ww), h = hn::Min(set(1e6F), hn::Mul(half, set(1.0F / job.detail))),
+            h2 = hn::Mul(h, h), h4 = hn::Mul(h2, h2);
     const V earlier = hn::Mul(half, hn::Div(h4, hn::Add(h4, set(1.0F))));
     const V at_center = hn::Sub(pz, earlier);
     const V t0 = hn::NegMulAdd(tx, px, hn::NegMulAdd(ty, py, at_center));
@@ -449,7 +449,10 @@ void DepthView::order() {
     most = std::max(most, key_[i]);
   }
   const float per_bin = most > least ? (static_cast<float>(kBins) - 0.5F) / (most - least) : 0.0F;
-  const auto bin_of = [&](std::size_t i) { return static_cast<std::size_t>((key_[i] - least) * per_bin); };
+  const auto bin_of = [&](std::size_t i) {
+    const float bin = (key_[i] - least) * per_bin;
+    return bin > 0.0F ? static_cast<std::size_t>(std::min(bin, static_cast<float>(kBins - 1))) : 0;
+  };
   for (std::size_t i = 0; i < size_; ++i) ++first[bin_of(i) + 1];
   for (std::size_t b = 0; b < kBins; ++b) first[b + 1] = static_cast<std::uint16_t>(first[b + 1] + first[b]);
   for (std::size_t i = 0; i < size_; ++i) order_[first[bin_of(i)]++] = static_cast<std::uint16_t>(i);
