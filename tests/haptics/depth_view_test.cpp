@@ -89,8 +89,8 @@ TEST_F(DepthViewTest, ClearanceIsFromTheSolidToWhatIsSeen) {
     EXPECT_NEAR(image->clearance(nearest), 0.01, 1e-6);  // straight below
     for (std::size_t k = 0; k < DepthView::kRays; ++k) {
       const double x = image->x(k), y = image->y(k);
-      if (image->hits(k))
-        EXPECT_NEAR(image->clearance(k), 0.03 - std::sqrt(kRadius * kRadius - x * x - y * y), 1e-6);
+      if (!image->hits(k)) continue;
+      EXPECT_NEAR(image->clearance(k), 0.03 - std::sqrt(kRadius * kRadius - x * x - y * y), 1e-6);
     }
   });
 }
