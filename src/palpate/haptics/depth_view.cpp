@@ -49,12 +49,11 @@ struct DepthViewLanes {
   float* t0() { return view.t0_.data(); }
   float* tx() { return view.tx_.data(); }
   float* ty() { return view.ty_.data(); }
-  float* q00() { return view.q00_.data(); }
-  float* q01() { return view.q01_.data(); }
-  float* q02() { return view.q02_.data(); }
-  float* q11() { return view.q11_.data(); }
-  float* q12() { return view.q12_.data(); }
-  float* q22() { return view.q22_.data(); }
+  float* px() { return view.px_.data(); }
+  float* py() { return view.py_.data(); }
+  float* quu() { return view.quu_.data(); }
+  float* quv() { return view.quv_.data(); }
+  float* qvv() { return view.qvv_.data(); }
   float* log_alpha() { return view.log_alpha_.data(); }
   float* key() { return view.key_.data(); }
   float* below() { return view.below_.data(); }
@@ -160,11 +159,11 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     put(t0, lanes.t0());
     put(tx, lanes.tx());
     put(ty, lanes.ty());
-    put(px, lanes.q01());  // the form is about the splat's image; the casting takes the place from here
-    put(py, lanes.q02());
-    put(quu, lanes.q11());
-    put(hn::Add(quv, quv), lanes.q12());
-    put(qvv, lanes.q22());
+    put(px, lanes.px());
+    put(py, lanes.py());
+    put(quu, lanes.quu());
+    put(hn::Add(quv, quv), lanes.quv());
+    put(qvv, lanes.qvv());
     put(hn::Log(d, hn::LoadU(d, &splats.opacity[i])), lanes.log_alpha());
     put(key, lanes.key());
     put(below, lanes.below());
@@ -195,8 +194,8 @@ void Cast(const ViewJob& job, DepthViewLanes lanes) {
       if (hn::AllTrue(d, hn::Lt(most, set(DepthView::kDark)))) break;
     }
     const V t0 = set(lanes.t0()[i]), tx = set(lanes.tx()[i]), ty = set(lanes.ty()[i]),
-            cx = set(lanes.q01()[i]), cy = set(lanes.q02()[i]), quu = set(lanes.q11()[i]),
-            quv = set(lanes.q12()[i]), qvv = set(lanes.q22()[i]), log_alpha = set(lanes.log_alpha()[i]);
+            cx = set(lanes.px()[i]), cy = set(lanes.py()[i]), quu = set(lanes.quu()[i]),
+            quv = set(lanes.quv()[i]), qvv = set(lanes.qvv()[i]), log_alpha = set(lanes.log_alpha()[i]);
     const auto number = hn::Set(du, lanes.number()[i]);
     for (std::size_t k = 0; k < rays; k += n) {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
@@ -434,8 +433,8 @@ void DepthView::aim_extra_rays(const Eigen::Vector2d& center) {
   }
   for (std::size_t k = 0; k < kExtra; ++k) {
     const bool aimed = k > 0 && k <= count;
-    x_[kRegular + k] = aimed ? q01_[found[k - 1]] : static_cast<float>(center.x());
-    y_[kRegular + k] = aimed ? q02_[found[k - 1]] : static_cast<float>(center.y());
+    x_[kRegular + k] = aimed ? px_[found[k - 1]] : static_cast<float>(center.x());
+    y_[kRegular + k] = aimed ? py_[found[k - 1]] : static_cast<float>(center.y());
   }
 }
 

@@ -139,9 +139,10 @@ class DepthView {
   alignas(64) PerRay<float> x_{}, y_{}, depth_{}, sum_{}, share_{}, left_{}, clearance_{};
   alignas(64) PerRay<std::uint32_t> splat_{};
   alignas(64) std::array<PerSplat<float>, 3> from_;  ///< the view's origin to each splat. Unit: [m].
-  // Of the splats that are in the window, in no order: depth t0 + x tx + y ty, and m^2 as a quadratic form.
+  // Of the splats that are in the window, in no order: depth t0 + x tx + y ty, and m^2 as a quadratic form
+  // of the way from (px, py).
   std::size_t size_ = 0;
-  alignas(64) PerSplat<float> t0_, tx_, ty_, q00_, q01_, q02_, q11_, q12_, q22_, log_alpha_;
+  alignas(64) PerSplat<float> t0_, tx_, ty_, px_, py_, quu_, quv_, qvv_, log_alpha_;
   alignas(64) PerSplat<float> key_, below_;
   alignas(64) PerSplat<std::uint32_t> number_;
   std::array<std::uint16_t, kMost> order_;
