@@ -1,4 +1,5 @@
-// palpate evaluate: force models against surfaces that are known exactly.
+// palpate evaluate: force models against surfaces that are known exactly, or on a capture against what is
+// seen.
 #include <cstdio>
 #include <memory>
 #include <numbers>
@@ -12,6 +13,7 @@
 #include <palpate/base/file.h>
 
 #include "command.h"
+#include "evaluate_capture.h"
 #include "evaluate_page.h"
 #include "evaluate_table.h"
 #include "options.h"
@@ -36,6 +38,7 @@ struct Options {
   int pushes = 100;
   std::uint64_t seed = 1;
   std::string csv, html, svg;
+  CaptureOptions capture;
 };
 
 EvaluationSetup setup_of(const Options& options, const std::string& shape, double spacing,
@@ -121,6 +124,11 @@ std::string setup_text(const Options& options) {
 }
 
 void run(const Options& options) {
+  if (!options.capture.scene.path.empty()) {
+    evaluate_capture(options.capture, {options.common, options.query.tool, options.force, options.models,
+                                       options.pushes, options.seed, options.csv, options.html, options.svg});
+    return;
+  }
   check_output(options.csv, {options.common.config}, "--csv");
   check_output(options.html, {options.common.config, options.csv}, "--html");
   check_figure_folder(options.svg);
@@ -153,15 +161,16 @@ void declare_how_much(CLI::App& app, Options& options) {
   constexpr int kMost = 100'000;
   add_count(app, "--scenes", options.scenes, 1, 1000, "made of each, with one seed after the other");
   add_count(app, "--places", options.places, 1, kMost, "where each is pressed and slid along, in all");
-  add_count(app, "--pushes", options.pushes, 0, kMost, "to the other side of each, every tenth at 2 m/s");
+  add_count(app, "--pushes", options.pushes, 0, kMost,
+            "to the other side of each, every tenth at 2 m/s; of --scene: in and back");
   add_seed(app, options.seed, "of the first scene, and of the places");
 }
 
 }  // namespace
 
 Command declare_evaluate(CLI::App& parent) {
-  CLI::App& app =
-      add_command(parent, "evaluate", "Force models against the analytic truth: tables and figures");
+  CLI::App& app = add_command(parent, "evaluate",
+                              "Force models against the analytic truth, or what is seen of a capture");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the tables as JSON");
   declare_what(app, *options);
@@ -169,6 +178,7 @@ Command declare_evaluate(CLI::App& parent) {
   add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, a line a row");
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
   add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
+  options->capture.declare(app);
   options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
   options->query.declare_tool(app);
   options->force.proxy.friction = 0.3;  // measured in slides and rests of its own

@@ -201,6 +201,54 @@ class Page(Evaluate):
         self.assertGreater(points[0][1], points[-1][1])  # up is up
 
 
+class Captures(Evaluate):
+    KEYS = ["model", "pushes", "onset_within_5mm_percent", "late_percent", "early_percent", "onset_p50_mm",
+            "silent_5mm_percent", "silent_10mm_percent", "untouched_percent", "push_step_p50_n", "push_step_max_n",
+            "slides", "slide_strong_percent", "slide_silent_percent", "slide_step_p50_n", "slide_step_max_n",
+            "tick_p50_us", "tick_p99.9_us", "first_touch_within_5mm_percent",
+            "against_p10", "against_p90", "silent_in_one_percent"]
+    ARGS = ["evaluate", "-q", "--scene", "ball.ply", "--tool", "0.01,0.01,0.01", "--pushes", "6", "--slides", "2",
+            "--rays", "30"]
+
+    def setUp(self):
+        super().setUp()
+        self.succeed("make-scene", "sphere", "--spacing", "0.004", "--out", "ball.ply", "-q")
+
+    def test_a_clean_ball_is_felt_where_it_is_seen(self):
+        (row,) = self.succeed(*self.ARGS, "--models", "proxy", "--json").json
+        self.assertEqual(list(row), self.KEYS)
+        self.assertEqual((row["pushes"], row["slides"]), (6, 2))
+        self.assertEqual((row["onset_within_5mm_percent"], row["late_percent"], row["early_percent"]), (100, 0, 0))
+        self.assertEqual((row["untouched_percent"], row["silent_5mm_percent"], row["slide_strong_percent"]), (0, 0, 0))
+        self.assertIsNone(row["against_p10"])
+
+    def test_the_same_capture_feels_the_same(self):
+        (row,) = self.succeed(*self.ARGS, "--models", "proxy", "--against", "ball.ply", "--json").json
+        self.assertEqual((row["against_p10"], row["against_p90"], row["silent_in_one_percent"]), (1, 1, 0))
+
+    def test_the_worst_pushes_are_drawn_and_can_be_replayed(self):
+        out = self.succeed(*self.ARGS, "--models", "proxy,field", "--worst", ".", "--html", "p.html", "--csv", "t.csv")
+        pushes = [f for f in self.files() if f.startswith("push-")]
+        self.assertEqual(len(pushes), 2 * 5)
+        for name in pushes:
+            self.assertIn(name, out.out.decode())
+        page = self.read("p.html").decode()
+        self.assertEqual(page.count("<svg"), 2 * 2 * 5)
+        self.assertIn("ball.ply", page)
+        with open(self.path("t.csv"), newline="", encoding="utf-8") as file:
+            self.assertEqual([row["model"] for row in csv.DictReader(file)], ["proxy", "field"])
+        name = next(f for f in pushes if "proxy" in f)
+        run = self.succeed("replay", "ball.ply", "--trajectory", name, "--tool", "0.01,0.01,0.01", "--out", "run.csv",
+                           "--json").json
+        self.assertGreater(run["force_max"], 5.0)  # three radii deep: 15 N
+
+    def test_what_makes_no_sense_is_refused(self):
+        self.refuse(1, "none.ply", "evaluate", "-q", "--scene", "none.ply")
+        self.refuse(1, "--worst", *self.ARGS, "--worst", "nowhere")
+        self.refuse(1, "--stiffness", *self.ARGS, "--stiffness", "0")
+        self.refuse(1, "--html", *self.ARGS, "--html", "ball.ply")
+
+
 class BadInput(Evaluate):
     def test_bad_usage(self):
         for arguments in (["--shapes", "cube"], ["--models", "magic"], ["--spacings", "0"], ["--places", "0"],

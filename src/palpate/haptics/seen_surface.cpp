@@ -44,24 +44,41 @@ SeenSurface::SeenSurface(const GaussianScene& scene, const Similarity& world_fro
   }
 }
 
-SeenSurface::Splats SeenSurface::near(const Vector3d& from, const Vector3d& along, double radius) const {
-  Splats found;
-  for (const Splat& splat : splats_) {
-    const Vector3d way = splat.center - from;
-    const double reach = radius + splat.radius;
-    if (way.squaredNorm() - std::pow(way.dot(along), 2) < reach * reach) found.push_back(&splat);
-  }
-  return found;
+std::optional<double> SeenSurface::depth(const Vector3d& from, const Vector3d& along) const {
+  return SeenRays(*this, from, along, 0.0).depth(from);
 }
 
-std::optional<double> SeenSurface::composite(const Splats& splats, const Vector3d& from,
-                                             const Vector3d& along) {
+std::optional<double> SeenSurface::first_touch(const Tool& tool, const Vector3d& from,
+                                               const Vector3d& along) const {
+  return SeenRays(*this, from, along, tool.radius()).first_touch(tool);
+}
+
+SeenRays::SeenRays(const SeenSurface& scene, const Vector3d& from, const Vector3d& along, double radius)
+    : from_(from), along_(along), u_(along.unitOrthogonal()), v_(along.cross(u_)) {
+  for (const SeenSurface::Splat& splat : scene.splats_) {
+    const Vector3d way = splat.center - from;
+    const Eigen::Vector2d middle(way.dot(u_), way.dot(v_));
+    const double reach = radius + splat.radius;
+    if (middle.squaredNorm() >= reach * reach) continue;
+    const Vector3d ray = splat.whitening * along, a = splat.whitening * u_, b = splat.whitening * v_;
+    const double size = ray.norm();
+    const Vector3d across_a = ray.cross(a) / size, across_b = ray.cross(b) / size;
+    images_.push_back({middle, across_a.squaredNorm(), across_a.dot(across_b), across_b.squaredNorm(),
+                       way.dot(along), -ray.dot(a) / (size * size), -ray.dot(b) / (size * size), splat.radius,
+                       splat.opacity});
+  }
+}
+
+std::optional<double> SeenRays::depth(const Vector3d& point) const {
+  const Eigen::Vector2d place((point - from_).dot(u_), (point - from_).dot(v_));
   std::vector<std::pair<double, double>> met;  // depth and alpha
-  for (const Splat* splat : splats) {
-    const Vector3d ray = splat->whitening * along, way = splat->whitening * (splat->center - from);
-    const double depth = ray.dot(way) / ray.squaredNorm();
-    const double m2 = ray.cross(way).squaredNorm() / ray.squaredNorm();
-    const double alpha = std::min(kMostAlpha, splat->opacity * std::exp(-0.5 * m2));
+  for (const Image& image : images_) {
+    const Eigen::Vector2d way = place - image.middle;
+    if (way.squaredNorm() >= image.radius * image.radius) continue;
+    const double m2 =
+        way.x() * way.x() * image.aa + 2.0 * way.x() * way.y() * image.ab + way.y() * way.y() * image.bb;
+    const double alpha = std::min(kMostAlpha, image.opacity * std::exp(-0.5 * m2));
+    const double depth = image.t + way.x() * image.tx + way.y() * image.ty;
     if (depth > 0.0 && alpha >= kLeastAlpha) met.emplace_back(depth, alpha);
   }
   std::ranges::sort(met);
@@ -73,32 +90,24 @@ std::optional<double> SeenSurface::composite(const Splats& splats, const Vector3
   return {};
 }
 
-std::optional<double> SeenSurface::depth(const Vector3d& from, const Vector3d& along) const {
-  return composite(near(from, along, 0.0), from, along);
-}
-
-std::optional<double> SeenSurface::first_touch(const Tool& tool, const Vector3d& from,
-                                               const Vector3d& along) const {
+std::optional<double> SeenRays::first_touch(const Tool& tool, const Vector3d& aside, int rings) const {
   constexpr double kSilhouette = 0.98;
-  const Splats splats = near(from, along, tool.radius());
-  const Vector3d u = along.unitOrthogonal(), v = along.cross(u);
   std::optional<double> first;
   for (const ToolPart& part : tool.parts()) {
     const Ellipsoid solid = part.at({});
-    for (int ring = 0; ring <= kRings; ++ring) {
+    // Points of the unit sphere's disc across the ray, as the part's own axes see it: the ray through one
+    // leaves the solid where the sphere ends.
+    const Vector3d w = (solid.axes.inverse() * along_).normalized(), p = w.unitOrthogonal(), q = w.cross(p);
+    for (int ring = 0; ring <= rings; ++ring) {
       const int rays = ring == 0 ? 1 : 6 * ring;
+      const double r = kSilhouette * ring / std::max(1, rings);
       for (int k = 0; k < rays; ++k) {
-        // A point of the unit sphere's disc across the ray, as the part's own axes see it: the ray through it
-        // leaves the solid where the sphere ends.
-        const Eigen::Matrix3d inverse = solid.axes.inverse();
-        const Vector3d w = (inverse * along).normalized(), p = w.unitOrthogonal(), q = w.cross(p);
-        const double r = kSilhouette * ring / kRings, angle = 2.0 * std::numbers::pi * k / rays;
+        const double angle = 2.0 * std::numbers::pi * k / rays;
         const Vector3d lowest =
             solid.axes * (r * std::cos(angle) * p + r * std::sin(angle) * q + std::sqrt(1.0 - r * r) * w);
         const Vector3d point = solid.center + lowest;  // of the tool, at the origin
-        const Vector3d aside = point.dot(u) * u + point.dot(v) * v;
-        const std::optional<double> seen = composite(splats, from + aside, along);
-        if (seen && (!first || *seen - point.dot(along) < *first)) first = *seen - point.dot(along);
+        const std::optional<double> seen = depth(from_ + aside + point);
+        if (seen && (!first || *seen - point.dot(along_) < *first)) first = *seen - point.dot(along_);
       }
     }
   }

@@ -28,29 +28,54 @@ class SeenSurface {
   /// frame. Unit: [m].
   std::optional<double> depth(const Eigen::Vector3d& from, const Eigen::Vector3d& along) const;
 
-  /// How far a tool of the orientation of the world goes from `from` along the unit vector `along` until the
-  /// first of the rays of its cross-section meets the seen surface: kRings rings of rays for each part, those
-  /// in the middle and a part in fifty from the silhouette included. Unit: [m].
+  /// As SeenRays::first_touch(), for one way of one tool.
   std::optional<double> first_touch(const Tool& tool, const Eigen::Vector3d& from,
                                     const Eigen::Vector3d& along) const;
 
-  static constexpr int kRings = 8;
-
  private:
+  friend class SeenRays;
   struct Splat {
     Eigen::Vector3d center;
     Eigen::Matrix3d whitening;  ///< m^2 = |whitening (x - center)|^2
     double radius;              ///< beyond which it is not drawn
     double opacity;
   };
-  using Splats = std::vector<const Splat*>;
-
-  /// Those that rays along `along`, within `radius` of the one from `from`, may meet.
-  Splats near(const Eigen::Vector3d& from, const Eigen::Vector3d& along, double radius) const;
-  static std::optional<double> composite(const Splats& splats, const Eigen::Vector3d& from,
-                                         const Eigen::Vector3d& along);
 
   std::vector<Splat> splats_;
+};
+
+/// The parallel rays near one line. World frame; lengths in m. Immutable.
+class SeenRays {
+ public:
+  /// Rays along the unit vector `along`, no farther than `radius` from the one from `from`, begin in the
+  /// plane through `from` across them.
+  SeenRays(const SeenSurface& scene, const Eigen::Vector3d& from, const Eigen::Vector3d& along,
+           double radius);
+
+  /// Of rays of a cross-section: one in the middle, and six more in each ring than in the one before.
+  static constexpr int kRings = 6;
+
+  /// How far from the plane the ray through `point` sees the surface; nothing if it does not.
+  std::optional<double> depth(const Eigen::Vector3d& point) const;
+
+  /// How far a tool of the orientation of the world goes from `from`, moved across the rays by `aside`, until
+  /// the first of the rays of its cross-section meets the seen surface: the middle and `rings` rings for each
+  /// part, the outermost a part in fifty from the silhouette.
+  std::optional<double> first_touch(const Tool& tool, const Eigen::Vector3d& aside = Eigen::Vector3d::Zero(),
+                                    int rings = kRings) const;
+
+ private:
+  /// Across the rays, where m^2 = |x a + y b|^2 from its middle, and it is nearest to the ray at the depth
+  /// t + x tx + y ty.
+  struct Image {
+    Eigen::Vector2d middle;
+    double aa, ab, bb;
+    double t, tx, ty;
+    double radius, opacity;
+  };
+
+  Eigen::Vector3d from_, along_, u_, v_;
+  std::vector<Image> images_;
 };
 
 }  // namespace palpate

@@ -1,0 +1,36 @@
+/// \file
+/// `palpate evaluate --scene`: force models on a captured scene, held against what is seen of it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "options.h"
+
+namespace palpate::cli {
+
+struct CaptureOptions {
+  SceneOptions scene;   ///< the analytic shapes instead if its path is empty
+  std::string against;  ///< another capture of the same object, registered alike; empty: none
+  std::string worst;    ///< folder for the worst pushes; empty: none
+  int rays = 127;       ///< of a tool's cross-section
+  int slides = 50;
+
+  void declare(CLI::App& app);
+};
+
+/// What else the command was asked for.
+struct CaptureTask {
+  CommonOptions common;
+  Tool tool;
+  ForceOptions force;
+  std::vector<std::string> models;
+  int pushes;
+  std::uint64_t seed;
+  std::string csv, html, svg;
+};
+
+void evaluate_capture(const CaptureOptions& options, const CaptureTask& task);
+
+}  // namespace palpate::cli

@@ -1,0 +1,190 @@
+// The yardstick for captures: a model that knows where the scene is seen must come out perfect, and each kind
+// of error must be found where it was made.
+
+#include <cmath>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include <palpate/haptics/capture_evaluation.h>
+#include <palpate/haptics/proxy_force.h>
+
+#include "support/splats.h"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRadius = 0.01, kStiffness = 400.0;
+constexpr double kSpacing = 0.003;
+
+/// Flat, opaque splats in the plane z = `level`, where |x| and |y| <= `end`.
+std::vector<test::Splat> sheet(double level = 0.0, double end = 0.135) {
+  std::vector<test::Splat> splats;
+  const int last = static_cast<int>(end / kSpacing);
+  for (int i = -last; i <= last; ++i)
+    for (int k = -last; k <= last; ++k)
+      splats.push_back(test::splat({kSpacing * i, kSpacing * k, level}, {kSpacing, kSpacing, 1e-5},
+                                   Eigen::Quaterniond::Identity(), 0.95));
+  return splats;
+}
+
+/// A spring out of the plane z = 0, and what may be wrong with it.
+struct Knowledge {
+  double early = 0.0;  ///< by how much it begins above. Unit: [m].
+  double gain = 1.0;
+  double jump = 0.0;  ///< of the force, 4 mm deep. Unit: [N].
+};
+
+class Knowing final : public ForceModel {
+ public:
+  explicit Knowing(const Knowledge& knows) : knows_(knows) {}
+  void reset() override {}
+  ForceOutput evaluate(const ForceInput& input) override {
+    const double depth = kRadius - input.tool.position.z() + knows_.early;
+    ForceOutput felt{Wrench{}, input.tool};
+    if (depth > 0.0) felt.wrench.force.z() = knows_.gain * kStiffness * depth;
+    if (depth > 0.00405) felt.wrench.force.z() += knows_.jump;
+    return felt;
+  }
+
+ private:
+  Knowledge knows_;
+};
+
+struct Bench {
+  explicit Bench(const std::vector<test::Splat>& splats, const ForceModelMaker& model)
+      : index(test::scene_of(splats), SceneFilter{}, Similarity{}),
+        seen(test::scene_of(splats), Similarity{}),
+        evaluation(index, seen, tool, model, kStiffness) {}
+  Bench(const std::vector<test::Splat>& splats, const Knowledge& knows)
+      : Bench(splats,
+              [knows](const SceneIndex&, const Tool&, double) { return std::make_unique<Knowing>(knows); }) {}
+
+  CaptureAim down() const {
+    const Vector3d from(0, 0, 0.2);
+    return {from, -Vector3d::UnitZ(), *seen.first_touch(tool, from, -Vector3d::UnitZ())};
+  }
+  CaptureFigures push() {
+    last = evaluation.push(down());
+    return evaluation.figures({last}, {});
+  }
+  CaptureFigures slide() {
+    const CaptureSlide slide = evaluation.slide(down());
+    way = slide.way;
+    return evaluation.figures({}, {slide});
+  }
+
+  Tool tool{Vector3d::Constant(kRadius)};
+  SceneIndex index;
+  SeenSurface seen;
+  CaptureEvaluation evaluation;
+  CapturePush last;
+  double way = 0.0;
+};
+
+TEST(CaptureEvaluation, WhoKnowsTheSurfaceIsRight) {
+  Bench bench(sheet(), Knowledge{});
+  EXPECT_NEAR(bench.down().seen, 0.19, 1e-6);
+  const CaptureFigures figures = bench.push();
+  EXPECT_EQ(figures.onset_within, 1.0);
+  EXPECT_EQ(figures.late + figures.early + figures.silent_5mm + figures.silent_10mm + figures.untouched, 0.0);
+  EXPECT_NEAR(figures.onset.p50, 0.0, 2e-4);
+  EXPECT_NEAR(*bench.last.touched, 0.0, 2e-4);
+  EXPECT_NEAR(bench.last.step, 0.0, 1e-9) << "a spring moves by no more than k times the motion";
+}
+
+TEST(CaptureEvaluation, WhatBeginsLateIsSilent) {
+  Bench bench(sheet(), Knowledge{.early = -0.007});
+  const CaptureFigures figures = bench.push();
+  EXPECT_EQ(figures.late, 1.0);
+  EXPECT_EQ(figures.silent_5mm, 1.0);
+  EXPECT_EQ(figures.silent_10mm, 0.0);
+  EXPECT_NEAR(figures.onset.p50, 0.007, 2e-4);
+}
+
+TEST(CaptureEvaluation, WhatBeginsEarlyPushesBeforeAnythingIsTouched) {
+  Bench bench(sheet(), Knowledge{.early = 0.007});
+  const CaptureFigures figures = bench.push();
+  EXPECT_EQ(figures.early, 1.0);
+  EXPECT_EQ(figures.untouched, 1.0);
+  EXPECT_NEAR(bench.last.untouched_force, 0.007 * kStiffness, 0.1);
+}
+
+TEST(CaptureEvaluation, NothingIsSilentAndLate) {
+  Bench bench(sheet(), Knowledge{.gain = 0.0});
+  const CaptureFigures figures = bench.push();
+  EXPECT_EQ(figures.late, 1.0);
+  EXPECT_EQ(figures.silent_10mm, 1.0);
+}
+
+TEST(CaptureEvaluation, AJumpIsFound) {
+  Bench bench(sheet(), Knowledge{.jump = 0.3});
+  EXPECT_NEAR(bench.push().push_step.max, 0.3, 1e-9);
+}
+
+TEST(CaptureEvaluation, SlidesAreHeldAgainstTheirDepth) {
+  Bench right(sheet(), Knowledge{});
+  const CaptureFigures figures = right.slide();
+  EXPECT_NEAR(right.way, 0.1, 1e-9);
+  EXPECT_EQ(figures.slide_strong, 0.0);
+  EXPECT_EQ(figures.slide_silent, 0.0);
+  EXPECT_EQ(Bench(sheet(), Knowledge{.gain = 3.2}).slide().slide_strong, 1.0);
+  EXPECT_EQ(Bench(sheet(), Knowledge{.gain = 0.05}).slide().slide_silent, 1.0);
+}
+
+TEST(CaptureEvaluation, ASlideEndsWhereTheSurfaceFallsAway) {
+  Bench bench(sheet(0.0, 0.04), Knowledge{});
+  bench.slide();
+  EXPECT_NEAR(bench.way, 0.045, 0.01);  // as far as the ball touches its end
+}
+
+TEST(CaptureEvaluation, TwoCapturesOfOneObjectAreCompared) {
+  const ForceModelMaker proxy = [](const SceneIndex& index, const Tool& tool, double) {
+    ProxyParameters parameters;
+    parameters.stiffness = kStiffness;
+    return std::make_unique<ProxyForce>(index, tool, parameters);
+  };
+  Bench one(sheet(), proxy), same(sheet(), proxy), lower(sheet(-0.006), proxy);
+  const CaptureLikeness alike = capture_likeness(one.evaluation, same.evaluation, {one.down()});
+  EXPECT_NEAR(alike.p10, 1.0, 1e-9);
+  EXPECT_NEAR(alike.p90, 1.0, 1e-9);
+  EXPECT_EQ(alike.silent_in_one, 0.0);
+  const CaptureLikeness apart = capture_likeness(one.evaluation, lower.evaluation, {one.down()});
+  EXPECT_EQ(apart.silent_in_one, 1.0);
+  // 24 mm under a sheet that is 6 mm lower, it is 24 mm of 30.
+  EXPECT_NEAR(apart.p90, 24.0 / 30.0, 0.02);
+  EXPECT_LT(apart.p10, 0.6);
+}
+
+TEST(CaptureEvaluation, AimsMeetWhatIsSeenFromOutside) {
+  // A ball of splats: wherever from, the tool meets it a tool's radius above.
+  constexpr double kBall = 0.05;
+  std::vector<test::Splat> splats;
+  constexpr int kCount = 3000;
+  for (int k = 0; k < kCount; ++k) {
+    const double z = 1.0 - 2.0 * (k + 0.5) / kCount, angle = 2.39996 * k, s = std::sqrt(1.0 - z * z);
+    const Vector3d n(s * std::cos(angle), s * std::sin(angle), z);
+    splats.push_back(test::splat(kBall * n, {0.003, 0.003, 1e-5},
+                                 Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n), 0.95));
+  }
+  const SeenSurface seen(test::scene_of(splats), Similarity{});
+  FilterReport report;
+  const EllipsoidScene kept = filter_scene(test::scene_of(splats), SceneFilter{}, Similarity{}, report);
+  const Tool tool(Vector3d::Constant(kRadius));
+  const auto aims = capture_aims(kept, seen, tool, 30, 5);
+  ASSERT_EQ(aims.size(), 30U);
+  for (const CaptureAim& aim : aims) {
+    EXPECT_GT(aim.from.norm(), 2.0 * kBall);
+    const double away = (aim.from + aim.seen * aim.along).norm();
+    EXPECT_NEAR(away, kBall + kRadius, 0.002);
+  }
+  const auto again = capture_aims(kept, seen, tool, 30, 5);
+  EXPECT_EQ(again.back().seen, aims.back().seen);
+  EXPECT_NE(capture_aims(kept, seen, tool, 30, 6).back().seen, aims.back().seen);
+  EXPECT_TRUE(capture_aims({}, seen, tool, 30, 5).empty());
+}
+
+}  // namespace
+}  // namespace palpate
