@@ -1,5 +1,6 @@
 // ContactTracker: whatever the tool does, the contacts are those of a fresh query.
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -7,6 +8,7 @@
 
 #include <palpate/collision/contact_kernel.h>
 #include <palpate/collision/contact_tracker.h>
+#include <palpate/collision/splat_tracker.h>
 #include <support/brute_force.h>
 #include <support/effort.h>
 #include <support/on_every_target.h>
@@ -231,6 +233,38 @@ TEST_F(ContactTrackerOnEveryTarget, OfNothingFindsNothing) {
       EXPECT_EQ(set.candidates + set.filtered, 0U);
     }
   });
+}
+
+// What splatting draws reaches three times as far as an ellipsoid: the oracle is a scene of ellipsoids that
+// large.
+TEST(SplatTracker, FindsAllThatIsDrawnInASolid) {
+  test::Random r(11);
+  std::vector<test::Splat> splats = test::sphere_of_splats(r, 3000);
+  for (int i = 0; i < 300; ++i) splats.push_back(test::wild_splat(r, 1.0));
+  const Similarity world_from_scene{0.3, r.rotation(), {0.1, -0.2, 0.3}, false};
+  SceneFilter threefold;
+  threefold.sigma = Neighbourhood::kDrawn;
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, world_from_scene),
+      oracle(test::scene_of(splats), threefold, world_from_scene);
+  std::size_t found = 0;
+  for (const Ellipsoid& captured : test::tools_at_sphere(r, 200)) {
+    const Ellipsoid solid{world_from_scene * captured.center, captured.axes};
+    SplatTracker tracker(index);
+    const LocalSplats& near = tracker.around(solid);
+    ContactSet drawn;
+    oracle.query(solid, drawn);
+    std::vector<std::uint32_t> kept(near.id.begin(),
+                                    near.id.begin() + static_cast<std::ptrdiff_t>(near.size));
+    std::sort(kept.begin(), kept.end());
+    for (const Contact& contact : drawn.contacts)
+      ASSERT_TRUE(std::binary_search(kept.begin(), kept.end(), contact.id)) << contact.id;
+    found += drawn.contacts.size();
+    for (std::size_t i = 0; i < near.size; ++i) {
+      const double sigma = 0.3 * splats[near.id[i]].sigma.maxCoeff();
+      ASSERT_NEAR(near.radius[i], sigma, 1e-5 * sigma) << "the size itself is not enlarged";
+    }
+  }
+  EXPECT_GT(found, 5000U);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRadius = 0.02, kReach = 0.02, kDetail = 1e3;  // all splats are met in their middle
+constexpr double kRadius = 0.02, kReach = 0.02;
 
 Ellipsoid ball(const Vector3d& center, double radius) {
   return Ellipsoid::from_semi_axes({center, Eigen::Quaterniond::Identity()}, Vector3d::Constant(radius));
@@ -56,7 +56,8 @@ TEST_F(DepthViewTest, SeesWhatCompositingInDoubleSees) {
     Vector2d anchor(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     const RayPattern pattern = RayPattern::on_lattice({0.001, -0.002}, 0.015, anchor);
     on_every_target([&] {
-      image->look(near, view, Profile(solid, view), larger, pattern, 0.0, kDetail);
+      RayLight light;
+      image->look(near, view, Profile(solid, view), larger, pattern, 0.0, light);
       int hits = 0, agree = 0;
       for (std::size_t k = 0; k < DepthView::kRays; ++k) {
         if (k >= pattern.size && k < DepthView::kRegular) continue;
@@ -82,8 +83,9 @@ TEST_F(DepthViewTest, ClearanceIsFromTheSolidToWhatIsSeen) {
   const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
   Vector2d anchor = Vector2d::Zero();
   on_every_target([&] {
+    RayLight light;
     image->look(near, view, Profile(solid, view), larger, RayPattern::on_lattice({0, 0}, 0.01, anchor), 0.0,
-                0.01);
+                light);
     const std::size_t nearest = image->nearest();
     ASSERT_LT(nearest, DepthView::kRays);
     EXPECT_NEAR(image->clearance(nearest), 0.01, 1e-6);  // straight below
@@ -141,6 +143,59 @@ TEST(SplatTracker, KnowsAllThatTheSolidTouchesWhereverItGoes) {
       EXPECT_LT((near.position(i) - contact.center).norm(), 1e-7);
     }
   }
+}
+
+/// What a ray through the middle of a ball at the origin sees, looking down.
+struct MiddleRay {
+  explicit MiddleRay(const std::vector<test::Splat>& splats)
+      : index(test::scene_of(splats), SceneFilter{}, Similarity{}), tracker(index) {}
+
+  /// From a ball whose centre is at the height `z`; \returns the height of what is seen.
+  double look(double z, RayLight& light) {
+    const Vector3d center(0, 0, z);
+    const Ellipsoid solid = ball(center, kRadius), larger = ball(center, kRadius + kReach);
+    const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), center, Vector3d::UnitX());
+    const RayPattern pattern = RayPattern::over_ellipse(kRadius * Eigen::Matrix2d::Identity());
+    image->look(tracker.around(larger), view, Profile(solid, view), larger, pattern, 0.0, light);
+    return z - image->depth(DepthView::kRegular);
+  }
+
+  SceneIndex index;
+  SplatTracker tracker;
+  std::unique_ptr<DepthView> image = std::make_unique<DepthView>();
+};
+
+// Splats of a capture are flat and wide: what is below the ball may have its centre far away from it.
+TEST_F(DepthViewTest, SeesAWideDiscWhoseCentreIsFarAside) {
+  on_every_target([&] {
+    MiddleRay ray({test::splat({0.08, 0.01, -0.03}, {0.1, 0.1, 1e-5}, Eigen::Quaterniond::Identity(), 0.95)});
+    RayLight light;
+    EXPECT_NEAR(ray.look(0.0, light), -0.03, 1e-6);
+  });
+}
+
+// Veils of opacity 0.2 let 0.8, 0.64, 0.512 and then 0.41 of the light through: the fourth is seen, for a
+// ball that has come through the ones before as for one that looks at all of them.
+TEST_F(DepthViewTest, WhatTheToolHasComeThroughTakesLightAway) {
+  std::vector<test::Splat> veils;
+  for (int k = 0; k < 6; ++k)
+    veils.push_back(test::splat({0, 0, -0.005 * k}, {0.5, 0.5, 1e-6}, Eigen::Quaterniond::Identity(), 0.2));
+  on_every_target([&] {
+    MiddleRay ray(veils);
+    RayLight light;
+    EXPECT_NEAR(ray.look(0.002, light), -0.015, 1e-6);
+    EXPECT_NEAR(light.left[0], 1.0, 1e-6);
+    // 9 mm lower, two veils are above the ball's centre, where it looks from.
+    light.since -= 0.009;
+    EXPECT_NEAR(ray.look(-0.007, light), -0.015, 1e-6);
+    EXPECT_NEAR(light.left[0], 0.64, 1e-3);
+    RayLight fresh;
+    EXPECT_NEAR(ray.look(-0.007, fresh), -0.025, 1e-6) << "for one that starts there, the fourth from there";
+    // Nothing is felt twice: what has taken more than half is as what has taken half.
+    light.since -= 0.011;
+    EXPECT_NEAR(ray.look(-0.018, light), -0.020, 1e-6);
+    EXPECT_EQ(light.left[0], 0.5F);
+  });
 }
 
 TEST(SeenSurface, IsWhereTheTransmittanceFallsBelowOneHalf) {

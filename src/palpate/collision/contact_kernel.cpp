@@ -178,7 +178,7 @@ void find_contacts_in(const IndexView& index, const ToolFrame& tool, ContactSet&
                                       end, result.contacts);
     pairs.size = 0;
   };
-  result.candidates = walk<kPrecision>(index, tool, buffer, flush);
+  result.candidates = walk<kPrecision>(index, tool, AsTheyAre{}, buffer, flush);
   flush(buffer);
   result.contacts.resize(end);
 }
@@ -224,8 +224,9 @@ void append_candidates(const IndexView& index, const PairBuffer& buffer, const W
   candidates.size += n;
 }
 
-template <Precision kPrecision, class L>
-bool find_candidates_in(const IndexView& index, const ToolFrame& tool, CandidateSet& candidates) {
+template <Precision kPrecision, class L, class Size>
+bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Size& size,
+                        CandidateSet& candidates) {
   PairBuffer buffer;
   WhitenedPairs<float> singles;
   bool fits = true;
@@ -236,7 +237,7 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, Candidate
     if (fits) append_candidates<L>(index, pairs, singles, candidates);
     pairs.size = 0;
   };
-  candidates.walked = walk<kPrecision>(index, tool, buffer, flush);
+  candidates.walked = walk<kPrecision>(index, tool, size, buffer, flush);
   flush(buffer);
   if (!fits) candidates.size = 0;
   return fits;
@@ -245,8 +246,12 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, Candidate
 bool FindCandidates(const IndexView& index, const ToolFrame& tool, Precision precision,
                     CandidateSet& candidates) {
   return precision == Precision::kSingle
-             ? find_candidates_in<Precision::kSingle, Floats>(index, tool, candidates)
-             : find_candidates_in<Precision::kDouble, Doubles>(index, tool, candidates);
+             ? find_candidates_in<Precision::kSingle, Floats>(index, tool, AsTheyAre{}, candidates)
+             : find_candidates_in<Precision::kDouble, Doubles>(index, tool, AsTheyAre{}, candidates);
+}
+
+bool FindMagnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
+  return find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, candidates);
 }
 
 /// Candidates from i on, as solids.
@@ -297,6 +302,7 @@ namespace {
 
 HWY_EXPORT(FindContacts);
 HWY_EXPORT(FindCandidates);
+HWY_EXPORT(FindMagnified);
 HWY_EXPORT(ContactsAmong);
 
 }  // namespace
@@ -308,6 +314,10 @@ void find_contacts(const IndexView& index, const ToolFrame& tool, Precision prec
 bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
                      CandidateSet& candidates) {
   return HWY_DYNAMIC_DISPATCH(FindCandidates)(index, tool, precision, candidates);
+}
+
+bool find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
+  return HWY_DYNAMIC_DISPATCH(FindMagnified)(index, tool, times, candidates);
 }
 
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,

@@ -54,6 +54,10 @@ void find_contacts(const IndexView& index, const ToolFrame& tool, Precision prec
 bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
                      CandidateSet& candidates);
 
+/// As find_candidates in single precision, of Gaussians whose ellipsoids are `times` as large, times >= 1: so
+/// are their axes in `candidates`. Not for contacts_among().
+bool find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates);
+
 /// As find_contacts, among `candidates` alone, found with the same precision, whose t is kept up to date.
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
                     Precision precision, ContactSet& result);

@@ -53,7 +53,9 @@ void Lookahead::Line::finish() {
   double margin = std::max(kLeastMargin, needed);
   Neighbourhood& found = found_.back();
   for (int k = 0; k < kMostHalvings; ++k, margin *= 0.5) {
-    const bool fits = found.search(index_, enlarged(ahead, margin), precision_);
+    const Ellipsoid solid = enlarged(ahead, margin);
+    const bool fits =
+        precision_ ? found.search(index_, solid, *precision_) : found.search_drawn(index_, solid);
     if (fits && (found.size() <= kEasy || margin <= needed)) break;
   }
   known_ = ahead;

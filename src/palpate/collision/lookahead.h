@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 
 #include <palpate/base/background_work.h>
 #include <palpate/base/latest_value.h>
@@ -22,7 +23,9 @@ class Lookahead final : public BackgroundWork {
   /// Between a tracker and the thread that looks ahead for it.
   class Line {
    public:
-    Line(const SceneIndex& index, Precision precision) : index_(index), precision_(precision) {}
+    /// Of contacts in that precision; none: of what is drawn, see Neighbourhood::search_drawn().
+    Line(const SceneIndex& index, std::optional<Precision> precision)
+        : index_(index), precision_(precision) {}
 
     /// \name The servo thread's. Neither waits nor takes memory.
     /// @{
@@ -37,7 +40,7 @@ class Lookahead final : public BackgroundWork {
     void finish();
 
     const SceneIndex& index_;
-    Precision precision_;
+    std::optional<Precision> precision_;
     LatestValue<Ellipsoid> wanted_;
     LatestValue<Neighbourhood> found_;
     Ellipsoid tool_;                                 ///< that was taken
@@ -50,6 +53,8 @@ class Lookahead final : public BackgroundWork {
 
   /// A line for tools in `index`, which must outlive it.
   Line& add(const SceneIndex& index, Precision precision) { return lines_.emplace_back(index, precision); }
+  /// The same, for what is drawn.
+  Line& add_drawn(const SceneIndex& index) { return lines_.emplace_back(index, std::nullopt); }
 
   void take() override;
   void finish() override;

@@ -21,11 +21,20 @@ Neighbourhood::Neighbourhood() : candidates_(std::make_unique<CandidateSet>()) {
 Neighbourhood::~Neighbourhood() = default;
 
 bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Precision precision) {
+  remember(solid, find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_));
+  return valid_;
+}
+
+bool Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid) {
+  remember(solid, find_magnified(index.view(), ToolFrame(solid, index.frame()), kDrawn, *candidates_));
+  return valid_;
+}
+
+void Neighbourhood::remember(const Ellipsoid& solid, bool fits) {
   ++searches_;
-  valid_ = find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_);
+  valid_ = fits;
   center_ = solid.center;
   W_ = WhitenedTool(solid).W;
-  return valid_;
 }
 
 /// Seen from where the solid is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the
@@ -54,7 +63,7 @@ void Neighbourhood::splats(const SceneIndex& index, LocalSplats& result) const {
     const Eigen::Vector3d center = frame.world_from_captured * captured.cast<double>() + frame.origin;
     Eigen::Matrix3f axes;
     for (std::size_t k = 0; k < 9; ++k) axes(static_cast<Eigen::Index>(k)) = from.rounded_axes[k][i];
-    axes = turn * axes;
+    axes = turn * (axes / kDrawn);
     const Eigen::Vector3f lengths = axes.colwise().norm();
     const float longest = lengths.maxCoeff(), least = LocalSplats::kLeastThickness * longest;
     for (Eigen::Index k = 0; k < 3; ++k) {

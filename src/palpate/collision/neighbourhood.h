@@ -22,6 +22,13 @@ class Neighbourhood {
   /// Looks for what `solid` touches. \returns false if that is too much to keep; it then covers nothing.
   bool search(const SceneIndex& index, const Ellipsoid& solid, Precision precision);
 
+  /// The same of what splatting draws: Gaussians whose ellipsoids are kDrawn times as large. For splats()
+  /// alone.
+  bool search_drawn(const SceneIndex& index, const Ellipsoid& solid);
+
+  /// What is drawn of an ellipsoid of one standard deviation ends here: 0.99 exp(-3^2 / 2) is 0.011.
+  static constexpr float kDrawn = 3.0F;
+
   /// True if contacts() of `tool` are complete. May be false though they would be.
   bool covers(const Ellipsoid& tool) const;
 
@@ -29,8 +36,7 @@ class Neighbourhood {
   /// those of search().
   void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, ContactSet& result);
 
-  /// What is kept, as splatting draws it. \pre search() has been called
-  /// with Precision::kSingle
+  /// What is kept, as splatting draws it. \pre search_drawn() has been called last
   void splats(const SceneIndex& index, LocalSplats& result) const;
 
   /// How often search() has been called: what is kept is the same while this is.
@@ -40,6 +46,8 @@ class Neighbourhood {
   std::size_t size() const;
 
  private:
+  void remember(const Ellipsoid& solid, bool fits);
+
   std::unique_ptr<CandidateSet> candidates_;
   bool valid_ = false;
   std::uint64_t searches_ = 0;

@@ -13,7 +13,7 @@ constexpr int kMostAttempts = 12;
 
 SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead)
     : index_(index),
-      ahead_(lookahead == nullptr ? nullptr : &lookahead->add(index, Precision::kSingle)),
+      ahead_(lookahead == nullptr ? nullptr : &lookahead->add_drawn(index)),
       splats_(std::make_unique<LocalSplats>()) {}
 
 const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
@@ -26,7 +26,7 @@ const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
     double size = 1.0 + kMargin;
     known = &near_;
     for (int k = 0; k < kMostAttempts; ++k, size *= kSmaller) {
-      if (near_.search(index_, {solid.center, size * solid.axes}, Precision::kSingle)) break;
+      if (near_.search_drawn(index_, {solid.center, size * solid.axes})) break;
     }
   }
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);

@@ -19,9 +19,9 @@ class SplatTracker {
   /// `lookahead` must outlive it; null: it looks for itself.
   explicit SplatTracker(const SceneIndex& index, Lookahead* lookahead = nullptr);
 
-  /// All Gaussians whose ellipsoids `solid` overlaps, and some besides; the same until the next call. Where
-  /// they are more than LocalSplats has room for, those of a smaller solid about the same centre. \pre as
-  /// ContactQuery::query.
+  /// All Gaussians that splatting draws something of inside `solid` (Neighbourhood::kDrawn), and some
+  /// besides; the same until the next call. Where they are more than LocalSplats has room for, those of a
+  /// smaller solid about the same centre. \pre as ContactQuery::query.
   const LocalSplats& around(const Ellipsoid& solid);
 
  private:

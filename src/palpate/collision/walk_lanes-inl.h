@@ -71,14 +71,40 @@ HWY_INLINE LaneMask<DFloat, 1> is_apart(const Vec3<Floats>& low, const Vec3<Floa
   return (gap > 0.0F) & (gap * gap > mm * 4.0F);
 }
 
+/// Takes Gaussians as they are.
+struct AsTheyAre {
+  HWY_INLINE void grow(Vec3<Floats>&, Vec3<Floats>&) const {}
+  HWY_INLINE void grow(Vec3<Floats>&) const {}
+};
+
+/// Takes them `times` as large, each about its own centre. What is in a box is then in one that is as many
+/// times as large about its centre, since no ellipsoid is larger than the box that it is in.
+struct Magnified {
+  float times;
+
+  HWY_INLINE void grow(Vec3<Floats>& low, Vec3<Floats>& high) const {
+    const Vec3<Floats> more = scaled(high - low, 0.5F * (times - 1.0F));
+    low = low - more;
+    high = high + more;
+  }
+  HWY_INLINE void grow(Vec3<Floats>& length) const { length = scaled(length, times); }
+
+ private:
+  HWY_INLINE static Vec3<Floats> scaled(const Vec3<Floats>& v, float s) {
+    return {v.x * s, v.y * s, v.z * s};
+  }
+};
+
 /// Appends the nodes and the blocks whose boxes meet the tool's. Without a branch: which slots meet, and
 /// which of them are blocks, is nothing that a processor could predict. \pre pending.block_count <=
 /// Pending::kPortion.
-HWY_INLINE void expand(const IndexNode& node, const ToolFrame& tool, Pending& pending) {
+template <class Size>
+HWY_INLINE void expand(const IndexNode& node, const ToolFrame& tool, const Size& size, Pending& pending) {
   const Vec3<Floats> low = broadcast<Floats>(tool.low), high = broadcast<Floats>(tool.high);
   for (std::size_t i = 0; i < kIndexWidth; i += Floats::width()) {
     const From from{i};
-    const Vec3<Floats> node_low = from(node.low), node_high = from(node.high);
+    Vec3<Floats> node_low = from(node.low), node_high = from(node.high);
+    size.grow(node_low, node_high);
     const auto meets = (node_low.x <= high.x) & (node_low.y <= high.y) & (node_low.z <= high.z) &
                        (node_high.x >= low.x) & (node_high.y >= low.y) & (node_high.z >= low.z);
     const Floats child = from(node.child);
@@ -104,9 +130,9 @@ HWY_INLINE void prefetch(const GaussianBlock& block) {
 /// Appends to `out` what may touch the tool: |d'| <= 1 + length_max / a_min, paper eq. 4 in the frame where
 /// the tool is a unit sphere, where it says more. \pre out.has_room_for_block(). \returns Gaussians in the
 /// block.
-template <Precision kPrecision>
+template <Precision kPrecision, class Size>
 HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t number,
-                            const ToolFrame& tool, PairBuffer& out) {
+                            const ToolFrame& tool, const Size& size, PairBuffer& out) {
   const GaussianBlock& block = blocks[number];
   const Matrix3<Floats> W = broadcast<Floats>(tool.W_float);
   const Vec3<Floats> high = broadcast<Floats>(tool.center_high), low = broadcast<Floats>(tool.center_low);
@@ -114,7 +140,9 @@ HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t
   std::size_t gaussians = 0;
   for (std::size_t i = 0; i < kIndexWidth; i += Floats::width()) {
     const From from{i};
-    const Vec3<Floats> position = from(block.position), length = from(block.length_high);
+    const Vec3<Floats> position = from(block.position);
+    Vec3<Floats> length = from(block.length_high);
+    size.grow(length);
     gaussians += count_of(is_number(position.x));
     const Floats distance_squared = squared_norm(W * ((high - position) + low));
     const Floats longest = max(length.x, max(length.y, length.z));
@@ -127,7 +155,9 @@ HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t
       for (std::size_t k = 0; k < lanes.size(); ++k) pack(from(lanes[k]), &to[k][n]);
     };
     pack_all(block.position, out.position);
-    pack_all(block.length_high, out.length_high);
+    pack(length.x, &out.length_high[0][n]);
+    pack(length.y, &out.length_high[1][n]);
+    pack(length.z, &out.length_high[2][n]);
     if constexpr (kPrecision == Precision::kDouble) pack_all(block.length_low, out.length_low);
     pack_all(block.rotation, out.rotation);
     const auto slots = hn::Iota(numbers, static_cast<std::uint32_t>(number * kIndexWidth + i));
@@ -140,15 +170,15 @@ HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t
 /// Walks the tree depth first and fills `buffer`, calling `flush(buffer)`, which must empty it, whenever it
 /// is full. What is left in it at the end is the caller's. \returns the Gaussians in the blocks that were
 /// met.
-template <Precision kPrecision, class Flush>
-HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, PairBuffer& buffer,
-                            const Flush& flush) {
+template <Precision kPrecision, class Size, class Flush>
+HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const Size& size,
+                            PairBuffer& buffer, const Flush& flush) {
   std::size_t walked = 0;
   Pending pending;
   if (!index.nodes.empty()) pending.nodes[pending.node_count++] = 0;
   while (pending.node_count != 0) {
     const std::size_t blocks_before = pending.block_count;
-    expand(index.nodes[pending.nodes[--pending.node_count]], tool, pending);
+    expand(index.nodes[pending.nodes[--pending.node_count]], tool, size, pending);
     for (std::size_t k = blocks_before; k < pending.block_count; ++k) {
       pending.blocks[k] &= ~IndexNode::kLeaf;
       prefetch(index.blocks[pending.blocks[k]]);
@@ -159,7 +189,7 @@ HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, PairB
     }
     for (std::size_t k = 0; k < pending.block_count; ++k) {
       if (!buffer.has_room_for_block()) flush(buffer);
-      walked += cull<kPrecision>(index.blocks, pending.blocks[k], tool, buffer);
+      walked += cull<kPrecision>(index.blocks, pending.blocks[k], tool, size, buffer);
     }
     pending.block_count = 0;
   }

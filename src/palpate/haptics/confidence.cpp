@@ -22,9 +22,11 @@ std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const 
     const double depth = from.dot(view.w);
     Eigen::Vector2d anchor = place;
     const double window = SurfacePatches::kWindow;
+    RayLight light;
     image->look(splats, view, Profile(solid, view), enlarged(part, reach).at(pose),
-                RayPattern::on_lattice(place, window * detail, anchor), depth - 2.0 * detail, detail);
-    result.push_back(confidence_of(image->moments({place, detail, depth, static_cast<float>(window)})));
+                RayPattern::on_lattice(place, window * detail, anchor), depth - 2.0 * detail, light);
+    result.push_back(confidence_of(image->moments({place, detail, depth, static_cast<float>(window)}),
+                                   image->nearest() < DepthView::kRays));
   }
   return result;
 }

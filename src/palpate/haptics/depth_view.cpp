@@ -1,9 +1,13 @@
 #include <palpate/haptics/depth_view.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Geometry>
+
+#include <palpate/collision/neighbourhood.h>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpate/haptics/depth_view.cpp"
@@ -21,8 +25,10 @@ struct ViewJob {
   Eigen::Vector3f u, v, w;
   Eigen::Vector2f center;  ///< of the rays
   float reach;             ///< from there
-  float start, detail;
-  Eigen::Matrix3f larger;  ///< the inverse of the axes of what splats must reach into
+  float since, start;      ///< depths: of the light that comes in, and from where on something is seen
+  float end;               ///< the depth that the larger solid reaches
+  Eigen::Vector2f anchor;  ///< see RayPattern
+  Eigen::Matrix2f to_cell;
 };
 
 /// The lanes' way to what DepthView keeps to itself.
@@ -30,9 +36,9 @@ struct DepthViewLanes {
   DepthView& view;
 
   static constexpr std::size_t kRegular = DepthView::kRegular, kRays = DepthView::kRays;
-  /// Where a splat ends: exp(-m^2 / 2) is then less than what splatting draws.
-  static constexpr float kEnd = 3.33F;
-  static constexpr float kMostAlpha = 0.99F, kHalf = 0.5F;
+  /// Where a splat ends, in standard deviations.
+  static constexpr float kEnd = Neighbourhood::kDrawn;
+  static constexpr float kMostAlpha = 0.99F;
   /// What the mean depth is the mean over.
   static constexpr float kBright = 0.75F, kDim = 0.25F;
 
@@ -44,6 +50,8 @@ struct DepthViewLanes {
   float* sum() { return view.sum_.data(); }
   float* share() { return view.share_.data(); }
   float* left() { return view.left_.data(); }
+  float* near() { return view.near_.data(); }
+  float* far() { return view.far_.data(); }
   float* clearance() { return view.clearance_.data(); }
   std::uint32_t* splat() { return view.splat_.data(); }
   float* t0() { return view.t0_.data(); }
@@ -56,9 +64,13 @@ struct DepthViewLanes {
   float* qvv() { return view.qvv_.data(); }
   float* log_alpha() { return view.log_alpha_.data(); }
   float* key() { return view.key_.data(); }
+  float* regular() { return view.regular_.data(); }
+  float* half_width() { return view.half_width_.data(); }
+  float* half_height() { return view.half_height_.data(); }
   float* below() { return view.below_.data(); }
   std::uint32_t* number() { return view.number_.data(); }
-  const std::uint16_t* order() { return view.order_.data(); }
+  std::span<const SplatImage> images() const { return {view.images_.data(), view.image_count_}; }
+  const DepthView::RayBlocks& blocks() const { return view.blocks_; }
 };
 
 }  // namespace palpate
@@ -92,8 +104,25 @@ HWY_INLINE Vec3 load3(const std::array<LocalSplats::Array<float>, 3>& lanes, std
   return {hn::Load(D(), &lanes[0][i]), hn::Load(D(), &lanes[1][i]), hn::Load(D(), &lanes[2][i])};
 }
 
+/// A ray's way through an ellipsoid, in all lanes; see Profile.
+struct Chord {
+  V facing, middle, per_cc;
+
+  HWY_INLINE Chord(const Profile& solid, V x, V y) {
+    facing = hn::NegMulAdd(hn::Mul(x, x), set(solid.aa),
+                           hn::NegMulAdd(hn::Mul(hn::Add(x, x), y), set(solid.ab),
+                                         hn::NegMulAdd(hn::Mul(y, y), set(solid.bb), set(solid.cc))));
+    middle = hn::Neg(hn::MulAdd(x, set(solid.d), hn::Mul(y, set(solid.e))));
+    per_cc = set(1.0F / solid.cc);
+  }
+  HWY_INLINE V half() const { return hn::Sqrt(hn::ZeroIfNegative(facing)); }
+  HWY_INLINE V near() const { return hn::Mul(hn::Sub(middle, half()), per_cc); }
+  HWY_INLINE V far() const { return hn::Mul(hn::Add(middle, half()), per_cc); }
+};
+
 /// The image of all splats that are in the window.
-void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid, DepthViewLanes lanes) {
+void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid, const Profile& larger,
+             DepthViewLanes lanes) {
   const D d;
   const DU du;
   std::size_t size = 0;
@@ -104,8 +133,9 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     const V away = hn::Sqrt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)));
     const V radius = hn::LoadU(d, &splats.radius[i]);
     const V extent = hn::Mul(radius, set(DepthViewLanes::kEnd));
-    auto keep =
-        hn::And(hn::Le(away, hn::Add(set(job.reach), extent)), hn::Ge(hn::Add(pz, extent), set(job.start)));
+    auto keep = hn::And(
+        hn::Le(away, hn::Add(set(job.reach), extent)),
+        hn::And(hn::Ge(hn::Add(pz, extent), set(job.since)), hn::Le(hn::Sub(pz, extent), set(job.end))));
     keep = hn::And(keep, hn::FirstN(d, splats.size - i));
     if (hn::AllFalse(d, keep)) continue;
     // Rows of L times u, v, w and the way to the centre.
@@ -117,44 +147,52 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     const Vec3 a = L(0), b = L(1), e = L(2);
     const Vec3 lw{a.dot(job.w), b.dot(job.w), e.dot(job.w)}, lu{a.dot(job.u), b.dot(job.u), e.dot(job.u)},
         lv{a.dot(job.v), b.dot(job.v), e.dot(job.v)};
-    // The point of the ellipsoid on the way to the view's origin: if that is in the larger solid, so is some
-    // of the ellipsoid. What is kept therefore depends on the pose alone, not on what else has been found
-    // besides.
-    const Vec3 lf{a.dot(from), b.dot(from), e.dot(from)};
-    const V left = hn::ZeroIfNegative(
-        hn::Sub(set(1.0F), hn::Div(set(1.0F), hn::Max(set(1e-12F), hn::Sqrt(lf.dot(lf))))));
-    const Vec3 tip{from.dot(Eigen::Vector3f(job.larger.row(0))), from.dot(Eigen::Vector3f(job.larger.row(1))),
-                   from.dot(Eigen::Vector3f(job.larger.row(2)))};
-    keep = hn::And(keep, hn::Le(hn::Mul(hn::Mul(left, left), tip.dot(tip)), set(1.0F)));
-    if (hn::AllFalse(d, keep)) continue;
     const V ww = lw.dot(lw), per_ww = hn::Div(set(1.0F), ww);
     // Depth of the nearest point of a ray, by the Gaussian's measure: linear in its place.
     const V tx = hn::Neg(hn::Mul(lw.dot(lu), per_ww)), ty = hn::Neg(hn::Mul(lw.dot(lv), per_ww));
-    // Met where it begins, if it is thick: h^4 / (1 + h^4) of half its thickness earlier.
-    const V half = hn::Sqrt(per_ww), h = hn::Min(set(1e6F), hn::Mul(half, set(1.0F / job.detail))),
-            h2 = hn::Mul(h, h), h4 = hn::Mul(h2, h2);
-    const V earlier = hn::Mul(half, hn::Div(h4, hn::Add(h4, set(1.0F))));
-    const V at_center = hn::Sub(pz, earlier);
-    const V t0 = hn::NegMulAdd(tx, px, hn::NegMulAdd(ty, py, at_center));
+    const V t0 = hn::NegMulAdd(tx, px, hn::NegMulAdd(ty, py, pz));
     // m^2 about the splat's own image: |(dx lu + dy lv) x lw|^2 / ww.
     const Vec3 cu = lu.cross(lw), cv = lv.cross(lw);
     const V quu = hn::Mul(cu.dot(cu), per_ww), quv = hn::Mul(cu.dot(cv), per_ww),
             qvv = hn::Mul(cv.dot(cv), per_ww);
+    // What is drawn is in a rectangle about that, 3 / sqrt(det Q) times sqrt(qvv) and sqrt(quu) large.
+    const V det = hn::Max(hn::NegMulAdd(quv, quv, hn::Mul(quu, qvv)), set(1e-30F));
+    const V unit = hn::Div(set(DepthViewLanes::kEnd), hn::Sqrt(det)), reach = set(job.reach);
+    keep = hn::And(keep, hn::Le(hn::Abs(dx), hn::MulAdd(unit, hn::Sqrt(qvv), reach)));
+    keep = hn::And(keep, hn::Le(hn::Abs(dy), hn::MulAdd(unit, hn::Sqrt(quu), reach)));
+    // And is met no farther than so much before or behind its middle.
+    const V tilt =
+        hn::MulAdd(tx, hn::NegMulAdd(hn::Add(ty, ty), quv, hn::Mul(tx, qvv)), hn::Mul(hn::Mul(ty, ty), quu));
+    const V thick = hn::Mul(unit, hn::Sqrt(hn::ZeroIfNegative(tilt)));
+    keep = hn::And(
+        keep, hn::And(hn::Ge(hn::Add(pz, thick), set(job.since)), hn::Le(hn::Sub(pz, thick), set(job.end))));
+    // Whether a point of the lattice may be in that: one that is small compared with a cell may lie between
+    // them.
+    const auto& T = job.to_cell;
+    const V ax = hn::Sub(px, set(job.anchor.x())), ay = hn::Sub(py, set(job.anchor.y()));
+    const V cx = hn::MulAdd(ax, set(T(0, 0)), hn::Mul(ay, set(T(0, 1)))),
+            cy = hn::MulAdd(ax, set(T(1, 0)), hn::Mul(ay, set(T(1, 1))));
+    const auto width = [&](float t0, float t1) HWY_ATTR {
+      const V squared =
+          hn::MulAdd(set(t0 * t0), qvv, hn::NegMulAdd(set(2.0F * t0 * t1), quv, hn::Mul(set(t1 * t1), quu)));
+      return hn::Mul(unit, hn::Sqrt(hn::ZeroIfNegative(squared)));
+    };
+    const V wide = width(T(0, 0), T(0, 1)), high = width(T(1, 0), T(1, 1));
+    constexpr float kRow = 0.8660254F;
+    const V row = hn::Round(hn::Mul(cy, set(1.0F / kRow))), along = hn::NegMulAdd(set(0.5F), row, cx);
+    const auto meets_row = hn::Le(hn::Abs(hn::NegMulAdd(row, set(kRow), cy)), high);
+    const auto meets_point = hn::Le(hn::Abs(hn::Sub(along, hn::Round(along))), wide);
+    const auto regular = hn::Or(hn::Ge(high, set(0.5F * kRow)), hn::And(meets_row, meets_point));
     // Order: as deep as it is towards the window's centre, as far as it reaches.
     const V towards = hn::Min(set(1.0F), hn::Div(radius, hn::Max(away, set(1e-12F))));
     const V slope = hn::Neg(hn::Mul(towards, hn::MulAdd(tx, dx, hn::Mul(ty, dy))));
-    const V key = hn::Add(at_center, hn::Max(hn::Neg(radius), hn::Min(radius, slope)));
+    const V key = hn::Add(pz, hn::Max(hn::Neg(radius), hn::Min(radius, slope)));
     // How far it is from the solid, at its own place.
-    const V facing =
-        hn::NegMulAdd(hn::Mul(px, px), set(solid.aa),
-                      hn::NegMulAdd(hn::Mul(hn::Add(px, px), py), set(solid.ab),
-                                    hn::NegMulAdd(hn::Mul(py, py), set(solid.bb), set(solid.cc))));
-    const V profile = hn::Mul(hn::Sub(hn::Sqrt(hn::ZeroIfNegative(facing)),
-                                      hn::MulAdd(px, set(solid.d), hn::Mul(py, set(solid.e)))),
-                              set(1.0F / solid.cc));
+    const Chord chord(solid, px, py);
     const auto is_below =
-        hn::And(hn::Gt(facing, set(Profile::kLeastFacing * solid.cc)), hn::Gt(pz, set(job.start)));
-    const V below = hn::IfThenElse(is_below, hn::Sub(at_center, profile), set(DepthView::kNothing));
+        hn::And(hn::Gt(chord.facing, set(Profile::kLeastFacing * solid.cc)),
+                hn::And(hn::Gt(pz, set(job.start)), hn::Lt(pz, Chord(larger, px, py).far())));
+    const V below = hn::IfThenElse(is_below, hn::Sub(pz, chord.far()), set(DepthView::kNothing));
     const auto put = [&](V value, float* to) HWY_ATTR { hn::CompressStore(value, keep, d, to + size); };
     put(t0, lanes.t0());
     put(tx, lanes.tx());
@@ -166,6 +204,9 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     put(qvv, lanes.qvv());
     put(hn::Log(d, hn::LoadU(d, &splats.opacity[i])), lanes.log_alpha());
     put(key, lanes.key());
+    put(hn::IfThenElse(regular, set(1.0F), hn::Zero(d)), lanes.regular());
+    put(hn::Mul(unit, hn::Sqrt(qvv)), lanes.half_width());
+    put(hn::Mul(unit, hn::Sqrt(quu)), lanes.half_height());
     put(below, lanes.below());
     const auto numbers = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(i)));
     size += hn::CompressStore(numbers, hn::RebindMask(du, keep), du, lanes.number() + size);
@@ -173,55 +214,126 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
   lanes.size() = size;
 }
 
+/// A splat, in all lanes.
+struct Drawn {
+  V t0, tx, ty, px, py, quu, quv, qvv, log_alpha;
+
+  HWY_INLINE explicit Drawn(const SplatImage& image)
+      : t0(set(image.t0)),
+        tx(set(image.tx)),
+        ty(set(image.ty)),
+        px(set(image.px)),
+        py(set(image.py)),
+        quu(set(image.quu)),
+        quv(set(image.quv)),
+        qvv(set(image.qvv)),
+        log_alpha(set(image.log_alpha)) {}
+
+  HWY_INLINE V m2(V x, V y) const {
+    const V dx = hn::Sub(x, px), dy = hn::Sub(y, py);
+    return hn::MulAdd(dx, hn::MulAdd(dx, quu, hn::Mul(dy, quv)), hn::Mul(hn::Mul(dy, dy), qvv));
+  }
+  HWY_INLINE V depth(V x, V y) const { return hn::MulAdd(x, tx, hn::MulAdd(y, ty, t0)); }
+  HWY_INLINE V alpha(V m2) const {
+    const D d;
+    return hn::Min(set(DepthViewLanes::kMostAlpha), hn::Exp(d, hn::MulAdd(m2, set(-0.5F), log_alpha)));
+  }
+};
+
+/// Where the rays from number k on may meet it: what is outside the larger solid counts as not there, as it
+/// might not have been found.
+HWY_INLINE auto is_drawn(DepthViewLanes& lanes, std::size_t k, V t, V m2) {
+  const D d;
+  const auto inside =
+      hn::And(hn::Gt(t, hn::Load(d, lanes.near() + k)), hn::Lt(t, hn::Load(d, lanes.far() + k)));
+  return hn::And(inside, hn::Lt(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd)));
+}
+
+/// Where the rays are in the larger solid.
+void Bound(const Profile& larger, DepthViewLanes lanes) {
+  const D d;
+  for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
+    const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
+    const Chord chord(larger, x, y);
+    hn::Store(chord.near(), d, lanes.near() + k);
+    hn::Store(chord.far(), d, lanes.far() + k);
+  }
+}
+
+/// Calls `visit(k)` for the vectors of rays that may meet the splat, of the blocks in `lit`.
+template <class Visit>
+HWY_INLINE void for_rays(const DepthView::RayBlocks& blocks, const SplatImage& image, std::uint32_t lit,
+                         const Visit& visit) {
+  for (std::uint32_t left = lit & blocks.near(image); left != 0; left &= left - 1) {
+    const std::size_t first = DepthView::kBlock * static_cast<std::size_t>(std::countr_zero(left));
+    for (std::size_t k = first; k < first + DepthView::kBlock; k += hn::Lanes(D())) visit(k);
+  }
+}
+
+/// Takes from the light of all rays what is lost before the depth where something may be seen.
+void Shade(const ViewJob& job, DepthViewLanes lanes) {
+  const D d;
+  for (const SplatImage& image : lanes.images()) {
+    const Drawn splat(image);
+    for_rays(lanes.blocks(), image, ~0U, [&](std::size_t k) HWY_ATTR {
+      const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
+      const V t = splat.depth(x, y), m2 = splat.m2(x, y);
+      const auto drawn =
+          hn::And(is_drawn(lanes, k, t, m2), hn::And(hn::Gt(t, set(job.since)), hn::Le(t, set(job.start))));
+      if (hn::AllFalse(d, drawn)) return;
+      const V left = hn::Load(d, lanes.left() + k);
+      hn::Store(hn::IfThenElse(drawn, hn::NegMulAdd(left, splat.alpha(m2), left), left), d, lanes.left() + k);
+    });
+  }
+}
+
+/// The blocks of rays some of which have light.
+HWY_INLINE std::uint32_t lit_blocks(DepthViewLanes& lanes) {
+  const D d;
+  std::uint32_t lit = 0;
+  for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
+    if (!hn::AllTrue(d, hn::Lt(hn::Load(d, lanes.left() + k), set(DepthView::kDark))))
+      lit |= 1U << (k / DepthView::kBlock);
+  }
+  return lit;
+}
+
 /// Follows all rays, front to back.
 void Cast(const ViewJob& job, DepthViewLanes lanes) {
   const D d;
   const DU du;
-  const std::size_t n = hn::Lanes(d);
-  constexpr std::size_t rays = DepthViewLanes::kRays;
-  for (std::size_t k = 0; k < rays; k += n) {
-    hn::Store(set(1.0F), d, lanes.left() + k);
+  for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
     hn::Store(set(DepthView::kNothing), d, lanes.depth() + k);
     hn::Store(hn::Zero(d), d, lanes.sum() + k);
     hn::Store(hn::Zero(d), d, lanes.share() + k);
   }
-  constexpr std::size_t kLookEvery = 32;
-  for (std::size_t s = 0; s < lanes.size(); ++s) {
-    const std::size_t i = lanes.order()[s];
-    if (s % kLookEvery == kLookEvery - 1) {
-      V most = hn::Zero(d);
-      for (std::size_t k = 0; k < rays; k += n) most = hn::Max(most, hn::Load(d, lanes.left() + k));
-      if (hn::AllTrue(d, hn::Lt(most, set(DepthView::kDark)))) break;
-    }
-    const V t0 = set(lanes.t0()[i]), tx = set(lanes.tx()[i]), ty = set(lanes.ty()[i]),
-            cx = set(lanes.px()[i]), cy = set(lanes.py()[i]), quu = set(lanes.quu()[i]),
-            quv = set(lanes.quv()[i]), qvv = set(lanes.qvv()[i]), log_alpha = set(lanes.log_alpha()[i]);
-    const auto number = hn::Set(du, lanes.number()[i]);
-    for (std::size_t k = 0; k < rays; k += n) {
+  constexpr std::size_t kLookEvery = 16;
+  std::uint32_t lit = 0;
+  std::size_t count = 0;
+  for (const SplatImage& image : lanes.images()) {
+    if (count++ % kLookEvery == 0) lit = lit_blocks(lanes);
+    if (lit == 0) break;
+    const Drawn splat(image);
+    const auto number = hn::Set(du, image.number);
+    for_rays(lanes.blocks(), image, lit, [&](std::size_t k) HWY_ATTR {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
-      const V dx = hn::Sub(x, cx), dy = hn::Sub(y, cy);
-      const V m2 = hn::MulAdd(dx, hn::MulAdd(dx, quu, hn::Mul(dy, quv)), hn::Mul(hn::Mul(dy, dy), qvv));
-      const V t = hn::MulAdd(x, tx, hn::MulAdd(y, ty, t0));
-      const auto drawn =
-          hn::And(hn::Lt(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd)), hn::Gt(t, set(job.start)));
-      if (hn::AllFalse(d, drawn)) continue;
-      const V alpha =
-          hn::Min(set(DepthViewLanes::kMostAlpha), hn::Exp(d, hn::MulAdd(m2, set(-0.5F), log_alpha)));
+      const V t = splat.depth(x, y), m2 = splat.m2(x, y);
+      const auto drawn = hn::And(is_drawn(lanes, k, t, m2), hn::Gt(t, set(job.start)));
+      if (hn::AllFalse(d, drawn)) return;
       const V before = hn::Load(d, lanes.left() + k);
-      const V after = hn::IfThenElse(drawn, hn::NegMulAdd(before, alpha, before), before);
+      const V after = hn::IfThenElse(drawn, hn::NegMulAdd(before, splat.alpha(m2), before), before);
       hn::Store(after, d, lanes.left() + k);
       const V fall = hn::ZeroIfNegative(
           hn::Sub(hn::Min(before, set(DepthViewLanes::kBright)), hn::Max(after, set(DepthViewLanes::kDim))));
       const V share = hn::Mul(fall, set(1.0F / (DepthViewLanes::kBright - DepthViewLanes::kDim)));
       hn::Store(hn::Add(share, hn::Load(d, lanes.share() + k)), d, lanes.share() + k);
       hn::Store(hn::MulAdd(share, t, hn::Load(d, lanes.sum() + k)), d, lanes.sum() + k);
-      const auto seen =
-          hn::And(hn::Ge(before, set(DepthViewLanes::kHalf)), hn::Lt(after, set(DepthViewLanes::kHalf)));
-      if (hn::AllFalse(d, seen)) continue;
+      const auto seen = hn::And(hn::Ge(before, set(DepthView::kHalf)), hn::Lt(after, set(DepthView::kHalf)));
+      if (hn::AllFalse(d, seen)) return;
       hn::Store(hn::IfThenElse(seen, t, hn::Load(d, lanes.depth() + k)), d, lanes.depth() + k);
       hn::Store(hn::IfThenElse(hn::RebindMask(du, seen), number, hn::Load(du, lanes.splat() + k)), du,
                 lanes.splat() + k);
-    }
+    });
   }
 }
 
@@ -230,15 +342,10 @@ void Clear(const Profile& solid, DepthViewLanes lanes) {
   for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
     const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k),
             z = hn::Load(d, lanes.depth() + k);
-    const V facing = hn::NegMulAdd(hn::Mul(x, x), set(solid.aa),
-                                   hn::NegMulAdd(hn::Mul(hn::Add(x, x), y), set(solid.ab),
-                                                 hn::NegMulAdd(hn::Mul(y, y), set(solid.bb), set(solid.cc))));
-    const V profile = hn::Mul(
-        hn::Sub(hn::Sqrt(hn::ZeroIfNegative(facing)), hn::MulAdd(x, set(solid.d), hn::Mul(y, set(solid.e)))),
-        set(1.0F / solid.cc));
-    const auto counts =
-        hn::And(hn::Gt(facing, set(Profile::kLeastFacing * solid.cc)), hn::Lt(z, set(DepthView::kNothing)));
-    hn::Store(hn::IfThenElse(counts, hn::Sub(z, profile), set(DepthView::kNothing)), d,
+    const Chord chord(solid, x, y);
+    const auto counts = hn::And(hn::Gt(chord.facing, set(Profile::kLeastFacing * solid.cc)),
+                                hn::Lt(z, set(DepthView::kNothing)));
+    hn::Store(hn::IfThenElse(counts, hn::Sub(z, chord.far()), set(DepthView::kNothing)), d,
               lanes.clearance() + k);
   }
 }
@@ -308,25 +415,19 @@ namespace palpate {
 namespace {
 
 HWY_EXPORT(Project);
+HWY_EXPORT(Bound);
+HWY_EXPORT(Shade);
 HWY_EXPORT(Cast);
 HWY_EXPORT(Clear);
 HWY_EXPORT(Moments);
 
 using Eigen::Vector3d;
 
-/// A sunflower: points of equal share of the unit disc, from the middle outwards.
-std::array<Eigen::Vector2d, DepthView::kRegular> make_sunflower() {
-  constexpr double kGoldenAngle = 2.39996322972865332;
-  std::array<Eigen::Vector2d, DepthView::kRegular> points;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const double r = std::sqrt((static_cast<double>(k) + 0.5) / static_cast<double>(points.size()));
-    const double angle = static_cast<double>(k) * kGoldenAngle;
-    points[k] = {r * std::cos(angle), r * std::sin(angle)};
-  }
-  return points;
-}
-
-const std::array<Eigen::Vector2d, DepthView::kRegular> kSunflower = make_sunflower();
+/// Rows of a triangular lattice whose neighbours are 1 apart.
+constexpr double kRow = 0.86602540378443865;
+/// Neighbours of a pattern, of its radius: pi / (kRow 0.26^2) = 54 points on average, and never as many as
+/// there is room for.
+constexpr double kSpacing = 0.26;
 
 }  // namespace
 
@@ -359,52 +460,54 @@ float Profile::depth(float x, float y) const {
   return (std::sqrt(std::max(0.0F, facing)) - x * d - y * e) / cc;
 }
 
+RayPattern::RayPattern(const Eigen::Matrix2d& shape, const Eigen::Vector2d& center_,
+                       const Eigen::Vector2d& anchor_)
+    : center(center_),
+      aim(center_),
+      reach(shape.norm()),
+      anchor(anchor_),
+      to_cell(shape.inverse() / kSpacing) {
+  const Eigen::Vector2d from = to_cell * (anchor - center);
+  constexpr int kRows = 6;  // more than 1 / (kRow kSpacing), and half a cell
+  for (int b = -kRows; b <= kRows; ++b) {
+    for (int a = -kRows - (b - 1) / 2; a <= kRows - (b - 1) / 2 && size < kMost; ++a) {
+      const Eigen::Vector2d place(a + 0.5 * b, kRow * b);
+      if ((from + place).squaredNorm() < 1.0 / (kSpacing * kSpacing))
+        places[size++] = (anchor + kSpacing * (shape * place)).cast<float>();
+    }
+  }
+}
+
 RayPattern RayPattern::over_ellipse(const Eigen::Matrix2d& shape) {
-  RayPattern pattern;
-  pattern.reach = shape.norm();  // not less than the largest singular value
-  pattern.size = kMost;
-  for (std::size_t k = 0; k < kMost; ++k) pattern.places[k] = (shape * kSunflower[k]).cast<float>();
-  return pattern;
+  return {shape, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 }
 
 RayPattern RayPattern::on_lattice(const Eigen::Vector2d& center, double radius, Eigen::Vector2d& anchor) {
-  // Of the radius: pi / (sqrt(3) / 2 0.26^2) = 54 points on average, and never as many as there is room for.
-  constexpr double kSpacing = 0.26;
-  const double s = kSpacing * radius, row = 0.5 * std::sqrt(3.0) * s;
   // The lattice point nearest to the centre, but for a cell.
-  const Eigen::Vector2d away = center - anchor;
-  const double j = std::round(away.y() / row), i = std::round((away.x() - 0.5 * s * j) / s);
-  anchor += Eigen::Vector2d(s * (i + 0.5 * j), row * j);
-  RayPattern pattern;
-  pattern.center = center;
-  pattern.reach = radius;
-  constexpr int kRows = 6;  // more than radius / row, and half a cell
-  for (int b = -kRows; b <= kRows; ++b) {
-    for (int a = -kRows - (b - 1) / 2; a <= kRows - (b - 1) / 2 && pattern.size < kMost; ++a) {
-      const Eigen::Vector2d place = anchor + Eigen::Vector2d(s * (a + 0.5 * b), row * b);
-      if ((place - center).squaredNorm() < radius * radius)
-        pattern.places[pattern.size++] = place.cast<float>();
-    }
-  }
-  return pattern;
+  const double spacing = kSpacing * radius;
+  const Eigen::Vector2d away = (center - anchor) / spacing;
+  const double j = std::round(away.y() / kRow), i = std::round(away.x() - 0.5 * j);
+  anchor += spacing * Eigen::Vector2d(i + 0.5 * j, kRow * j);
+  return {radius * Eigen::Matrix2d::Identity(), center, anchor};
 }
 
 void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile,
-                     const Ellipsoid& larger, const RayPattern& pattern, double start, double detail) {
+                     const Ellipsoid& larger, const RayPattern& pattern, double start, RayLight& light) {
   ViewJob job{view.u.cast<float>(),
               view.v.cast<float>(),
               view.w.cast<float>(),
               pattern.center.cast<float>(),
               static_cast<float>(pattern.reach),
+              static_cast<float>(std::min(start, light.since)),
               static_cast<float>(start),
-              static_cast<float>(detail),
-              {}};
-  for (Eigen::Index k = 0; k < 3; ++k)
-    job.larger.row(k) = (larger.axes.col(k) / larger.axes.col(k).squaredNorm()).cast<float>().transpose();
+              static_cast<float>((larger.axes.transpose() * view.w).norm()),
+              pattern.anchor.cast<float>(),
+              pattern.to_cell.cast<float>()};
   constexpr float kFarAway = 1e6F;  // where no ray meets anything
   for (std::size_t k = 0; k < kRegular; ++k) {
     x_[k] = k < pattern.size ? pattern.places[k].x() : kFarAway;
     y_[k] = k < pattern.size ? pattern.places[k].y() : kFarAway;
+    left_[k] = light.left[k];
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const double from = view.origin[static_cast<Eigen::Index>(k)];
@@ -412,16 +515,27 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
       from_[k][i] = static_cast<float>(splats.center[k][i] - from);
   }
   const DepthViewLanes lanes{*this};
-  HWY_DYNAMIC_DISPATCH(Project)(splats, job, profile, lanes);
-  aim_extra_rays(pattern.center);
-  order();
+  const Profile larger_profile(larger, view);
+  HWY_DYNAMIC_DISPATCH(Project)(splats, job, profile, larger_profile, lanes);
+  aim_extra_rays(pattern, light);
+  HWY_DYNAMIC_DISPATCH(Bound)(larger_profile, lanes);
+  bound_blocks();
+  order(job.since, job.end);
+  if (job.since < job.start) HWY_DYNAMIC_DISPATCH(Shade)(job, lanes);
+  for (std::size_t k = 0; k < kRays; ++k) {
+    left_[k] = std::max(left_[k], kHalf);
+    if (k < kRegular) light.left[k] = left_[k];
+    if (!(near_[k] < far_[k])) left_[k] = 0.0F;  // has nothing to look at
+  }
+  light.since = start;
+  incoming_ = left_;
   HWY_DYNAMIC_DISPATCH(Cast)(job, lanes);
   HWY_DYNAMIC_DISPATCH(Clear)(profile, lanes);
 }
 
-/// In the middle, and through what is nearest below the solid.
-void DepthView::aim_extra_rays(const Eigen::Vector2d& center) {
-  constexpr std::size_t kSought = kExtra - 1;
+/// In the middle, where it is asked for, and through what is nearest below the solid.
+void DepthView::aim_extra_rays(const RayPattern& pattern, const RayLight& light) {
+  constexpr std::size_t kFixed = 2, kSought = kExtra - kFixed;
   std::array<std::uint16_t, kSought> found;
   std::size_t count = 0;
   for (std::size_t i = 0; i < size_; ++i) {
@@ -432,29 +546,63 @@ void DepthView::aim_extra_rays(const Eigen::Vector2d& center) {
     found[at] = static_cast<std::uint16_t>(i);
   }
   for (std::size_t k = 0; k < kExtra; ++k) {
-    const bool aimed = k > 0 && k <= count;
-    x_[kRegular + k] = aimed ? px_[found[k - 1]] : static_cast<float>(center.x());
-    y_[kRegular + k] = aimed ? py_[found[k - 1]] : static_cast<float>(center.y());
+    const Eigen::Vector2f place = k == 0 ? Eigen::Vector2f(pattern.center.cast<float>())
+                                  : k < kFixed + count && k >= kFixed
+                                      ? Eigen::Vector2f(px_[found[k - kFixed]], py_[found[k - kFixed]])
+                                      : Eigen::Vector2f(pattern.aim.cast<float>());
+    x_[kRegular + k] = place.x();
+    y_[kRegular + k] = place.y();
+    left_[kRegular + k] = light.left[nearest_regular(place.x(), place.y())];
   }
 }
 
-/// By depth, to a part of the whole range that is finer than what is felt.
-void DepthView::order() {
-  constexpr std::size_t kBins = 512;
-  std::array<std::uint16_t, kBins + 1> first{};
-  float least = kNothing, most = -kNothing;
-  for (std::size_t i = 0; i < size_; ++i) {
-    least = std::min(least, key_[i]);
-    most = std::max(most, key_[i]);
+std::size_t DepthView::nearest_regular(float x, float y) const {
+  std::size_t nearest = 0;
+  float least = kNothing;
+  for (std::size_t k = 0; k < kRegular; ++k) {
+    const float away = (x_[k] - x) * (x_[k] - x) + (y_[k] - y) * (y_[k] - y);
+    if (away >= least) continue;
+    least = away;
+    nearest = k;
   }
-  const float per_bin = most > least ? (static_cast<float>(kBins) - 0.5F) / (most - least) : 0.0F;
-  const auto bin_of = [&](std::size_t i) {
+  return nearest;
+}
+
+void DepthView::bound_blocks() {
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    float low_x = kNothing, high_x = -kNothing, low_y = kNothing, high_y = -kNothing;
+    for (std::size_t k = kBlock * b; k < kBlock * (b + 1); ++k) {
+      if (!(near_[k] < far_[k])) continue;
+      low_x = std::min(low_x, x_[k]);
+      high_x = std::max(high_x, x_[k]);
+      low_y = std::min(low_y, y_[k]);
+      high_y = std::max(high_y, y_[k]);
+    }
+    blocks_.low_x[b] = low_x;
+    blocks_.high_x[b] = high_x;
+    blocks_.low_y[b] = low_y;
+    blocks_.high_y[b] = high_y;
+  }
+}
+
+/// Those that a ray may meet, by depth, to a part of the whole range that is finer than what is felt.
+void DepthView::order(float least, float most) {
+  constexpr std::size_t kBins = 512;
+  constexpr std::uint32_t kExtraBlocks = ~0U << (kRegular / kBlock);
+  std::array<std::uint16_t, kBins + 1> first{};
+  const float per_bin = most > least ? static_cast<float>(kBins) / (most - least) : 0.0F;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (regular_[i] == 0.0F && (blocks_.near(image(i)) & kExtraBlocks) == 0) continue;
     const float bin = (key_[i] - least) * per_bin;
-    return bin > 0.0F ? static_cast<std::size_t>(std::min(bin, static_cast<float>(kBins - 1))) : 0;
-  };
-  for (std::size_t i = 0; i < size_; ++i) ++first[bin_of(i) + 1];
+    bin_[count] = bin > 0.0F ? static_cast<std::uint16_t>(std::min(bin, static_cast<float>(kBins - 1)))
+                             : std::uint16_t{0};
+    ++first[bin_[count] + 1];
+    chosen_[count++] = static_cast<std::uint16_t>(i);
+  }
   for (std::size_t b = 0; b < kBins; ++b) first[b + 1] = static_cast<std::uint16_t>(first[b + 1] + first[b]);
-  for (std::size_t i = 0; i < size_; ++i) order_[first[bin_of(i)]++] = static_cast<std::uint16_t>(i);
+  for (std::size_t n = 0; n < count; ++n) images_[first[bin_[n]]++] = image(chosen_[n]);
+  image_count_ = count;
 }
 
 std::size_t DepthView::nearest() const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -48,8 +49,15 @@ struct Profile {
 struct RayPattern {
   static constexpr std::size_t kMost = 64;
 
-  Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< in the image. Unit: [m].
-  double reach = 0.0;                                ///< of the rays from there. Unit: [m].
+  /// The points of a triangular lattice, one of which is `anchor`, in an ellipse about `center`. \param shape
+  /// the unit disc to the ellipse; the lattice is regular in that disc. Unit: [m].
+  RayPattern(const Eigen::Matrix2d& shape, const Eigen::Vector2d& center, const Eigen::Vector2d& anchor);
+
+  Eigen::Vector2d center;   ///< in the image. Unit: [m].
+  Eigen::Vector2d aim;      ///< of one more ray. Unit: [m].
+  double reach;             ///< of the rays from the centre, at most. Unit: [m].
+  Eigen::Vector2d anchor;   ///< Unit: [m].
+  Eigen::Matrix2d to_cell;  ///< the image to where neighbours are 1 apart
   std::size_t size = 0;
   std::array<Eigen::Vector2f, kMost> places;  ///< in the image. Unit: [m].
 
@@ -59,6 +67,15 @@ struct RayPattern {
   /// rays come and go at its rim, and look at the same places meanwhile. `anchor` becomes one that is near
   /// the centre.
   static RayPattern on_lattice(const Eigen::Vector2d& center, double radius, Eigen::Vector2d& anchor);
+};
+
+/// What is left of the light of each regular ray where a look begins.
+struct RayLight {
+  explicit RayLight(float all = 1.0F) { left.fill(all); }
+
+  double since =
+      std::numeric_limits<double>::infinity();  ///< at this depth, or where the look begins. Unit: [m].
+  std::array<float, RayPattern::kMost> left;    ///< in [0.5, 1]
 };
 
 /// Sums over the regular rays that hit something, with b = (1, x, y, x^2 + y^2), x and y from the kernel's
@@ -83,11 +100,21 @@ struct DepthKernel {
   float spread = 1.0F;
 };
 
+/// A splat in a view: what is drawn of it is in a rectangle about (px, py), m^2 = quu dx^2 + quv dx dy + qvv
+/// dy^2 of the way from there, and a ray at (x, y) meets it at the depth t0 + x tx + y ty. Unit: [m].
+struct SplatImage {
+  float px, py, half_width, half_height;
+  float t0, tx, ty;
+  float quu, quv, qvv;
+  float log_alpha;
+  std::uint32_t number;
+};
+
 /// Splatting for touch (Kerbl et al. 2023, for a handful of rays instead of pixels). A Gaussian is met where
 /// the ray is nearest to it by its own measure, with alpha exp(-m^2 / 2), at most 0.99, front to back by the
 /// depth of its centre; what a ray meets when its transmittance falls below one half is what is seen there.
-/// Regular rays fill a window evenly; besides, there is one in its middle, and some through the centres of
-/// what is nearest below the solid.
+/// Regular rays fill a window evenly; besides, there is one in its middle, one that is aimed
+/// (RayPattern::aim), and some through the centres of what is nearest below the solid.
 ///
 /// What is fitted to (moments()) is not that depth but the mean depth of where the light falls from three
 /// quarters to one quarter, which does not jump from one Gaussian to the next.
@@ -98,10 +125,11 @@ class DepthView {
   static constexpr std::size_t kRegular = RayPattern::kMost, kExtra = 16, kRays = kRegular + kExtra;
 
   /// Looks at those of `splats` that reach into `larger`, below the solid of `profile`; both solids' centre
-  /// is the view's origin. What is nearer than the depth `start` is not there. \param detail a Gaussian that
-  /// is thicker along the ray than this is met where it begins, a thinner one in its middle. Unit: [m].
+  /// is the view's origin. Nothing is seen that is nearer than the depth `start`, but from `light.since` on
+  /// it takes light away: half of it at most, since what has not been felt there will not be. `light` is then
+  /// what is left at `start`. Unit: [m].
   void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
-            const RayPattern& pattern, double start, double detail);
+            const RayPattern& pattern, double start, RayLight& light);
 
   /// \name Of ray k: regular ones first.
   /// @{
@@ -110,6 +138,7 @@ class DepthView {
   float depth(std::size_t k) const { return depth_[k]; }  ///< infinite where nothing is seen. Unit: [m].
   bool hits(std::size_t k) const { return depth_[k] < kNothing; }
   std::uint32_t splat(std::size_t k) const { return splat_[k]; }  ///< what is seen, by number in the splats
+  float incoming(std::size_t k) const { return incoming_[k]; }    ///< its light at `start`
   /// @}
 
   /// From the far side of the solid to what ray k sees, along the view; infinite where that sees nothing or
@@ -121,9 +150,31 @@ class DepthView {
   DepthMoments moments(const DepthKernel& kernel) const;
 
   static constexpr float kNothing = 1e30F;
+  /// What is left of the light where something is seen.
+  static constexpr float kHalf = 0.5F;
 
   /// What is left of the light where a ray is not followed further.
   static constexpr float kDark = 0.1F;
+
+  /// Rays that are near each other, and are asked together.
+  static constexpr std::size_t kBlock = 16, kBlocks = kRays / kBlock;
+
+  /// The rectangles that they are in.
+  struct RayBlocks {
+    std::array<float, kBlocks> low_x, high_x, low_y, high_y;
+
+    /// A bit for each that some of the splat is drawn in.
+    std::uint32_t near(const SplatImage& image) const {
+      std::uint32_t bits = 0;
+      for (std::size_t b = 0; b < kBlocks; ++b) {
+        const bool meets =
+            (low_x[b] <= image.px + image.half_width) & (high_x[b] >= image.px - image.half_width) &
+            (low_y[b] <= image.py + image.half_height) & (high_y[b] >= image.py - image.half_height);
+        bits |= static_cast<std::uint32_t>(meets) << b;
+      }
+      return bits;
+    }
+  };
 
  private:
   friend struct DepthViewLanes;
@@ -133,19 +184,30 @@ class DepthView {
   template <typename T>
   using PerRay = std::array<T, kRays>;
 
-  void aim_extra_rays(const Eigen::Vector2d& center);
-  void order();
+  void aim_extra_rays(const RayPattern& pattern, const RayLight& light);
+  std::size_t nearest_regular(float x, float y) const;
+  void bound_blocks();
+  void order(float least, float most);
+  SplatImage image(std::size_t i) const {
+    return {px_[i], py_[i],  half_width_[i], half_height_[i], t0_[i],        tx_[i],
+            ty_[i], quu_[i], quv_[i],        qvv_[i],         log_alpha_[i], number_[i]};
+  }
 
-  alignas(64) PerRay<float> x_{}, y_{}, depth_{}, sum_{}, share_{}, left_{}, clearance_{};
+  alignas(64) PerRay<float> x_{}, y_{}, depth_{}, sum_{}, share_{}, left_{}, incoming_{}, near_{}, far_{},
+      clearance_{};
   alignas(64) PerRay<std::uint32_t> splat_{};
   alignas(64) std::array<PerSplat<float>, 3> from_;  ///< the view's origin to each splat. Unit: [m].
   // Of the splats that are in the window, in no order: depth t0 + x tx + y ty, and m^2 as a quadratic form
   // of the way from (px, py).
   std::size_t size_ = 0;
   alignas(64) PerSplat<float> t0_, tx_, ty_, px_, py_, quu_, quv_, qvv_, log_alpha_;
-  alignas(64) PerSplat<float> key_, below_;
+  alignas(64) PerSplat<float> key_, below_, regular_, half_width_, half_height_;
   alignas(64) PerSplat<std::uint32_t> number_;
-  std::array<std::uint16_t, kMost> order_;
+  // Of those that rays may meet, front to back.
+  std::size_t image_count_ = 0;
+  std::array<SplatImage, kMost> images_;
+  std::array<std::uint16_t, kMost> chosen_, bin_;
+  RayBlocks blocks_;
 };
 
 }  // namespace palpate

@@ -117,7 +117,7 @@ void ProxyForce::start_patches(Part& part) {
     part.patches.add_at(splats, solid, contact.normal, contact.point);
 }
 
-void ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& target) {
+void ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest) {
   const Ellipsoid solid = part.solid.at(proxy_), there = part.solid.at(target);
   const Eigen::Vector3d wanted = there.center - solid.center;
   const double length = wanted.norm(), detail = part.patches.detail();
@@ -125,7 +125,7 @@ void ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& t
   Eigen::Vector3d along = wanted / length;
   const double heading = part.heading.norm();
   if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
-  const double way = std::min(length, step_) + kAhead * detail;
+  const double way = std::min({length, step_, longest}) + kAhead * detail;
   const double moved =
       (solid.center - part.looked_from.center).norm() + (solid.axes - part.looked_from.axes).norm();
   if (moved + way <= part.clear && along.dot(part.looked_along) > kSameLook) return;
@@ -137,17 +137,17 @@ void ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& t
   part.looked_along = along;
 }
 
-void ProxyForce::find_obstacles(const Pose& target) {
+void ProxyForce::find_obstacles(const Pose& target, double longest) {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
   for (Part& part : parts_) {
     const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
     part.patches.follow(splats, part.solid.at(proxy_));
-    look_ahead(part, splats, target);
+    look_ahead(part, splats, target, longest);
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const double c = std::max(kLeastConfidence, patches[i].confidence);
-      const Properties properties = properties_of(part.patches, i, splats);
+      const Properties properties = properties_of(part.patches, i);
       obstacles_.planes.push_back({patches[i].normal, patches[i].foot - proxy_.position, patches[i].gap,
                                    (1.0 - c) / c, properties.friction});
       obstacles_.properties.push_back(properties);
@@ -155,15 +155,13 @@ void ProxyForce::find_obstacles(const Pose& target) {
   }
 }
 
-ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i,
-                                                 const LocalSplats& splats) const {
+ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i) const {
   const Properties usual{parameters_.stiffness, parameters_.friction, 0.0};
   const std::span<const PatchWitness> witnesses = patches.witnesses(i);
   if (!parameters_.materials || parameters_.materials->empty() || witnesses.empty()) return usual;
   Properties sum{};
   for (const PatchWitness& witness : witnesses) {
-    const Material material =
-        parameters_.materials->of(splats.id[witness.splat], splats.position(witness.splat));
+    const Material material = parameters_.materials->of(witness.id, witness.position);
     sum.stiffness += witness.weight * material.stiffness.value_or(usual.stiffness);
     sum.friction += witness.weight * material.friction.value_or(usual.friction);
     sum.damping += witness.weight * material.damping.value_or(usual.damping);
@@ -216,7 +214,7 @@ Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double
 }
 
 double ProxyForce::step(const Pose& target, double longest, double stretch) {
-  find_obstacles(target);
+  find_obstacles(target, longest);
   const Motion wanted = motion_between(proxy_, target);
   Motion motion = constrained_motion(wanted, obstacles_.planes, gyration_);
   const Hold held = hold();

@@ -154,15 +154,16 @@ class ProxyForce final : public ForceModel {
   /// `stretch` long. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
-  /// The patches of all parts as obstacles, on the way to `target`.
-  void find_obstacles(const Pose& target);
+  /// The patches of all parts as obstacles, on the way to `target`, of which the proxy goes `longest` at
+  /// most.
+  void find_obstacles(const Pose& target, double longest);
   /// Looks where `part` is about to go.
-  void look_ahead(Part& part, const LocalSplats& splats, const Pose& target);
+  void look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest);
   /// True if `part` touches an ellipsoid there.
   bool touches(Part& part, const Ellipsoid& solid);
   /// Patches of what the tool is in where it starts.
   void start_patches(Part& part);
-  Properties properties_of(const SurfacePatches& patches, std::size_t i, const LocalSplats& splats) const;
+  Properties properties_of(const SurfacePatches& patches, std::size_t i) const;
   Hold hold() const;
   /// How much faster than the tool the proxy may move now. Unit: [m/s].
   double catch_up() const;

@@ -40,11 +40,27 @@ constexpr double kCovered = 0.25;
 /// What lets less than a tenth of the light through is as hard as what lets none through; what lets half of
 /// it through is not there.
 constexpr double kOpaque = 0.9, kHalf = 0.5;
+/// What is seen at all is as confident as this: it is felt, softly.
+constexpr double kSeen = 0.5;
+
+/// A surface is as flat as it was taken for where the solid has moved no farther than this since it was
+/// looked at, in details.
+constexpr double kStill = 0.005;
+/// What was seen and is not any more stays where it was until the foot is so far from there, in details: else
+/// what takes just half of the light would come and go.
+constexpr double kLinger = 0.5;
+/// A ray is the same one if the cosine between both ways is this.
+constexpr double kSameRay = 0.95;
 
 /// The point of the solid's surface that is farthest along -n.
 Vector3d support_point(const Ellipsoid& solid, const Vector3d& n) {
   const Vector3d along = solid.axes.transpose() * n;
   return solid.center - solid.axes * (along / along.norm());
+}
+
+/// How far a point of a solid moves from one place to the other, at most.
+double way_between(const Ellipsoid& from, const Ellipsoid& to) {
+  return (to.center - from.center).norm() + (to.axes - from.axes).norm();
 }
 
 /// With semi-axes longer by `reach`.
@@ -149,11 +165,13 @@ double smooth_step(double x) {
 
 }  // namespace
 
-double confidence_of(const DepthMoments& moments) {
-  if (!(moments.hit > 0.0F)) return 0.0;
+double confidence_of(const DepthMoments& moments, bool seen) {
+  const double least = seen ? kSeen : 0.0;
+  if (!(moments.hit > 0.0F)) return least;
   const double covered = static_cast<double>(moments.hit / moments.aimed);
   const double hidden = 1.0 - static_cast<double>(moments.seen_through / moments.hit);
-  return smooth_step(covered / kCovered) * std::clamp((hidden - kHalf) / (kOpaque - kHalf), 0.0, 1.0);
+  const double whole = smooth_step(covered / kCovered);
+  return least + (1.0 - least) * whole * std::clamp((hidden - kHalf) / (kOpaque - kHalf), 0.0, 1.0);
 }
 
 bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch,
@@ -164,8 +182,10 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const Vector2d place = towards(image_of(view, patch.on_surface()), lowest, detail_);
   if (!is_below(profile, place)) return false;
   Vector2d anchor = image_of(view, patch.anchor);
-  const RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
-  view_->look(splats, view, profile, enlarged(solid, reach_), pattern, start_of(profile, place), detail_);
+  RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
+  pattern.aim = image_of(view, patch.sight);
+  RayLight light(patch.light);
+  view_->look(splats, view, profile, enlarged(solid, reach_), pattern, start_of(profile, place), light);
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
   const double clearance = view_->clearance(nearest);
@@ -179,19 +199,20 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const double depth = depth_of(profile, foot);
   look.fitted = facing * (fit.depth(foot) - depth);
   look.least = facing * clearance;
+  patch.sight = view.at(view_->x(nearest), view_->y(nearest), view_->depth(nearest));
   patch.tangent = view.u;
   patch.anchor = view.at(anchor.x(), anchor.y(), fit.depth(anchor));
   patch.normal = normal;
   patch.foot = view.at(foot.x(), foot.y(), depth);
   patch.roughness = fit.roughness();
-  patch.confidence = confidence_of(fit.moments);
+  patch.confidence = confidence_of(fit.moments, true);
   seen_count_ = 0;
   double sum = 0.0;
   for (std::size_t k = 0; k < DepthView::kRegular; ++k) {
     if (!view_->hits(k)) continue;
     const Vector2d u = (Vector2d(view_->x(k), view_->y(k)) - foot) / detail_;
     const double weight = std::exp(-0.5 * u.squaredNorm());
-    seen_[seen_count_++] = {view_->splat(k), weight};
+    seen_[seen_count_++] = {splats.id[view_->splat(k)], splats.position(view_->splat(k)), weight};
     sum += weight;
   }
   for (std::size_t k = 0; k < seen_count_; ++k) seen_[k].weight /= sum;
@@ -220,20 +241,40 @@ void SurfacePatches::remember_witnesses(std::size_t i) {
   witness_count_[i] = seen_count_;
 }
 
+bool SurfacePatches::stay(const Ellipsoid& solid, SurfacePatch& patch) const {
+  const Vector3d surface = patch.on_surface();
+  patch.foot = support_point(solid, patch.normal);
+  patch.gap = (patch.foot - surface).dot(patch.normal);
+  const Vector3d way = patch.foot - patch.seen_at;
+  const double aside = (way - way.dot(patch.normal) * patch.normal).norm();
+  return patch.gap <= kGone * detail_ && aside < kLinger * detail_;
+}
+
+bool SurfacePatches::see_again(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch) {
+  const Vector3d from = patch.seen_at;
+  Look seen;
+  if (!look(splats, solid, patch, seen)) return false;
+  const Vector3d way = patch.foot - from;
+  const double along = (way - way.dot(patch.normal) * patch.normal).norm();
+  const double wanted = seen.least - seen.fitted, band = kSlack * patch.roughness;
+  patch.offset -= std::expm1(-along / (kMemory * detail_)) * (wanted - patch.offset);
+  patch.offset = std::clamp(patch.offset, wanted - band, wanted + band);
+  patch.gap = seen.fitted + patch.offset;
+  patch.seen_at = patch.foot;
+  patch.seen_by = solid;
+  return true;
+}
+
 void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   const std::size_t before = size_;
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
-    const Vector3d from = patch.foot;
-    Look seen;
-    if (!look(splats, solid, patch, seen)) continue;
-    const Vector3d way = patch.foot - from;
-    const double along = (way - way.dot(patch.normal) * patch.normal).norm();
-    const double wanted = seen.least - seen.fitted, band = kSlack * patch.roughness;
-    patch.offset -= std::expm1(-along / (kMemory * detail_)) * (wanted - patch.offset);
-    patch.offset = std::clamp(patch.offset, wanted - band, wanted + band);
-    patch.gap = seen.fitted + patch.offset;
+    if (way_between(patch.seen_by, solid) < kStill * detail_ || !see_again(splats, solid, patch)) {
+      if (!stay(solid, patch)) continue;
+      seen_count_ = witness_count_[i];
+      std::copy_n(witnesses_[i].begin(), seen_count_, seen_.begin());
+    }
     if (patch.gap <= kGone * detail_) keep(patch);
   }
 }
@@ -254,6 +295,14 @@ bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point) co
   return false;
 }
 
+void SurfacePatches::carry_light(const Ellipsoid& solid, const Vector3d& along) {
+  // In contact, what is beside the tool is no haze that it has come through.
+  if (size_ > 0 || along.dot(light_along_) < kSameRay) light_ = RayLight();
+  light_.since -= (solid.center - light_from_).dot(along);
+  light_from_ = solid.center;
+  light_along_ = along;
+}
+
 double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& along,
                             double way, Meeting& meeting) {
   const ViewFrame view = ViewFrame::along(along, solid.center, solid.axes.col(0));
@@ -262,17 +311,18 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   Eigen::Matrix<double, 2, 3> image;
   image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
   const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
+  carry_light(solid, along);
   view_->look(splats, view, profile, enlarged(solid, reach_), RayPattern::over_ellipse(root),
-              start_of(profile, Vector2d::Zero()), detail_);
+              start_of(profile, Vector2d::Zero()), light_);
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);
     if (clearance >= first || clearance >= DepthView::kNothing) continue;
     const Vector3d point = view.at(view_->x(k), view_->y(k), view_->depth(k));
-    // Far ahead, patches need not be asked.
-    if (clearance <= way && explained(solid, point)) continue;
+    // Far ahead, patches cannot tell.
+    if (clearance <= std::max(way, kFlat * detail_) && explained(solid, point)) continue;
     first = clearance;
-    meeting = {along, point, clearance};
+    meeting = {along, point, clearance, view_->incoming(k)};
   }
   return first;
 }
@@ -281,9 +331,10 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   SurfacePatch patch;
   patch.normal = -meeting.along;
   patch.tangent = meeting.along.unitOrthogonal();
-  patch.anchor = meeting.point;
+  patch.anchor = patch.sight = meeting.point;
   patch.foot = meeting.point - meeting.clearance * meeting.along;
   patch.gap = meeting.clearance;
+  patch.light = meeting.light;
   SurfacePatch best = patch;
   seen_count_ = 0;
   for (int k = 0; k < kFirstLooks; ++k) {
@@ -294,6 +345,8 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
     patch.offset = patch.gap - seen.fitted;
     best = patch;
   }
+  best.seen_at = best.foot;
+  best.seen_by = solid;
   return keep(best);
 }
 
@@ -303,7 +356,7 @@ bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, c
   SurfacePatch patch;
   patch.normal = normal;
   patch.tangent = normal.unitOrthogonal();
-  patch.foot = patch.anchor = point;
+  patch.foot = patch.anchor = patch.sight = point;
   bool found = false;
   for (int k = 0; k < kFirstLooks; ++k) {
     Look seen;
@@ -312,6 +365,8 @@ bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, c
     patch.gap = seen.least;
     found = true;
   }
+  patch.seen_at = patch.foot;
+  patch.seen_by = solid;
   return found && keep(patch);
 }
 

@@ -28,19 +28,25 @@ struct SurfacePatch {
   // What is remembered from one look to the next.
   Eigen::Vector3d tangent;  ///< of the views
   Eigen::Vector3d anchor;   ///< of the lattice of rays
+  Eigen::Vector3d sight;    ///< what the nearest ray saw: one looks there again
+  Eigen::Vector3d seen_at;  ///< the foot when it was seen last
+  Ellipsoid seen_by;        ///< the solid then
   double offset = 0.0;      ///< of the felt surface over the fit, along the normal. Unit: [m].
+  float light = 1.0F;       ///< that came there along the motion, through what is before it
 
   Eigen::Vector3d on_surface() const { return foot - gap * normal; }
 };
 
 /// What a patch is made of: a Gaussian that is seen in it.
 struct PatchWitness {
-  std::uint32_t splat;  ///< by number in the LocalSplats
+  std::uint32_t id;
+  Eigen::Vector3d position;  ///< of its centre, world frame. Unit: [m].
   double weight;
 };
 
 /// How much of a surface there is where the moments were taken; see SurfacePatch::confidence.
-double confidence_of(const DepthMoments& moments);
+/// \param seen that a ray lost half of its light there.
+double confidence_of(const DepthMoments& moments, bool seen);
 
 /// The patches that one solid of a tool touches, kept from one instant to the next. Takes nothing from the
 /// heap after construction.
@@ -71,7 +77,10 @@ class SurfacePatches {
   static constexpr double kWindow = 2.6;
 
   double detail() const { return detail_; }
-  void clear() { size_ = 0; }
+  void clear() {
+    size_ = 0;
+    light_ = RayLight();
+  }
 
   /// Fits the patches anew where `solid` is now, and drops those that are not there any more.
   void follow(const LocalSplats& splats, const Ellipsoid& solid);
@@ -109,6 +118,7 @@ class SurfacePatches {
   struct Meeting {
     Eigen::Vector3d along, point;
     double clearance = 0.0;
+    float light = 1.0F;  ///< that was left on the way there
   };
   /// What a patch sees.
   struct Look {
@@ -120,12 +130,20 @@ class SurfacePatches {
               Meeting& meeting);
   bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting);
   bool look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, Look& look);
+  /// Light that the rays of a free motion still have, for a look from `solid` along `along`.
+  void carry_light(const Ellipsoid& solid, const Eigen::Vector3d& along);
   bool explained(const Ellipsoid& solid, const Eigen::Vector3d& point) const;
+  /// Fits a patch anew. \returns false if nothing is seen there.
+  bool see_again(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch);
+  /// Leaves a patch where it was. \returns false if the tool is not there any more.
+  bool stay(const Ellipsoid& solid, SurfacePatch& patch) const;
   bool keep(const SurfacePatch& patch);
   void remember_witnesses(std::size_t i);
 
   double detail_, reach_;
   std::unique_ptr<DepthView> view_;
+  RayLight light_;  ///< of the last look along a free motion
+  Eigen::Vector3d light_from_ = Eigen::Vector3d::Zero(), light_along_ = Eigen::Vector3d::Zero();
   std::size_t size_ = 0;
   std::array<SurfacePatch, kMost> patches_;
   std::array<std::array<PatchWitness, DepthView::kRegular>, kMost> witnesses_;
