@@ -155,7 +155,7 @@ struct MiddleRay {
     const Vector3d center(0, 0, z);
     const Ellipsoid solid = ball(center, kRadius), larger = ball(center, kRadius + kReach);
     const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), center, Vector3d::UnitX());
-    const RayPattern pattern = RayPattern::over_ellipse(kRadius * Eigen::Matrix2d::Identity());
+    const RayPattern pattern = RayPattern::over_ellipse(kRadius * Eigen::Matrix2d::Identity(), {0, 0});
     image->look(tracker.around(larger), view, Profile(solid, view), larger, pattern, 0.0, light);
     return z - image->depth(DepthView::kRegular);
   }

@@ -428,6 +428,8 @@ constexpr double kRow = 0.86602540378443865;
 /// Neighbours of a pattern, of its radius: pi / (kRow 0.26^2) = 54 points on average, and never as many as
 /// there is room for.
 constexpr double kSpacing = 0.26;
+/// Where a ray that is not wanted meets nothing. Unit: [m].
+constexpr float kFarAway = 1e6F;
 
 }  // namespace
 
@@ -478,8 +480,22 @@ RayPattern::RayPattern(const Eigen::Matrix2d& shape, const Eigen::Vector2d& cent
   }
 }
 
-RayPattern RayPattern::over_ellipse(const Eigen::Matrix2d& shape) {
-  return {shape, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+RayPattern RayPattern::over_ellipse(const Eigen::Matrix2d& shape, const Eigen::Vector2d& lowest) {
+  constexpr double kAside = 0.1, kRim = 0.99, kReach = 0.25, kGoldenAngle = 2.39996322972865332;
+  RayPattern pattern(shape, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero());
+  const auto inside = [&](const Eigen::Vector2d& place) {
+    return Eigen::Vector2d(shape * (place * std::min(1.0, kRim / std::max(kRim, place.norm()))));
+  };
+  const Eigen::Vector2d middle = shape.inverse() * lowest;
+  pattern.aim = inside(middle);
+  if (middle.norm() < kAside) return pattern;
+  for (std::size_t k = 0; k < kAround; ++k) {
+    const double r = kReach * std::sqrt((static_cast<double>(k) + 0.5) / kAround);
+    const double angle = static_cast<double>(k) * kGoldenAngle;
+    const Eigen::Vector2d place = middle + r * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    pattern.around[pattern.around_size++] = inside(place).cast<float>();
+  }
+  return pattern;
 }
 
 RayPattern RayPattern::on_lattice(const Eigen::Vector2d& center, double radius, Eigen::Vector2d& anchor) {
@@ -503,7 +519,6 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
               static_cast<float>((larger.axes.transpose() * view.w).norm()),
               pattern.anchor.cast<float>(),
               pattern.to_cell.cast<float>()};
-  constexpr float kFarAway = 1e6F;  // where no ray meets anything
   for (std::size_t k = 0; k < kRegular; ++k) {
     x_[k] = k < pattern.size ? pattern.places[k].x() : kFarAway;
     y_[k] = k < pattern.size ? pattern.places[k].y() : kFarAway;
@@ -533,26 +548,29 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   HWY_DYNAMIC_DISPATCH(Clear)(profile, lanes);
 }
 
-/// In the middle, where it is asked for, and through what is nearest below the solid.
+/// In the middle, where it is asked for, through what is nearest below the solid, and about where it is asked
+/// for.
 void DepthView::aim_extra_rays(const RayPattern& pattern, const RayLight& light) {
-  constexpr std::size_t kFixed = 2, kSought = kExtra - kFixed;
-  std::array<std::uint16_t, kSought> found;
+  constexpr std::size_t kFixed = 2, kMostFound = kSought - kFixed;
+  std::array<std::uint16_t, kMostFound> found;
   std::size_t count = 0;
   for (std::size_t i = 0; i < size_; ++i) {
     const float below = below_[i];
-    if (!(below < kNothing) || (count == kSought && below >= below_[found[kSought - 1]])) continue;
-    std::size_t at = count < kSought ? count++ : kSought - 1;
+    if (!(below < kNothing) || (count == kMostFound && below >= below_[found[kMostFound - 1]])) continue;
+    std::size_t at = count < kMostFound ? count++ : kMostFound - 1;
     for (; at > 0 && below_[found[at - 1]] > below; --at) found[at] = found[at - 1];
     found[at] = static_cast<std::uint16_t>(i);
   }
+  std::array<Eigen::Vector2f, kExtra> places;
+  places.fill(Eigen::Vector2f::Constant(kFarAway));
+  places[0] = pattern.center.cast<float>();
+  places[1] = pattern.aim.cast<float>();
+  for (std::size_t k = 0; k < count; ++k) places[kFixed + k] = {px_[found[k]], py_[found[k]]};
+  std::copy_n(pattern.around.begin(), pattern.around_size, &places[kSought]);
   for (std::size_t k = 0; k < kExtra; ++k) {
-    const Eigen::Vector2f place = k == 0 ? Eigen::Vector2f(pattern.center.cast<float>())
-                                  : k < kFixed + count && k >= kFixed
-                                      ? Eigen::Vector2f(px_[found[k - kFixed]], py_[found[k - kFixed]])
-                                      : Eigen::Vector2f(pattern.aim.cast<float>());
-    x_[kRegular + k] = place.x();
-    y_[kRegular + k] = place.y();
-    left_[kRegular + k] = light.left[nearest_regular(place.x(), place.y())];
+    x_[kRegular + k] = places[k].x();
+    y_[kRegular + k] = places[k].y();
+    left_[kRegular + k] = light.left[nearest_regular(places[k].x(), places[k].y())];
   }
 }
 

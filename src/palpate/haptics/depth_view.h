@@ -38,7 +38,7 @@ struct Profile {
 
   /// Of c . c, what must be left of it for a place to count as below the solid: nearer to the silhouette, the
   /// solid's side is steeper than a depth image can tell.
-  static constexpr float kLeastFacing = 0.04F;
+  static constexpr float kLeastFacing = 4e-4F;
 
   /// True if (x, y) is below the solid and not at its very side.
   bool below(float x, float y) const;
@@ -61,8 +61,15 @@ struct RayPattern {
   std::size_t size = 0;
   std::array<Eigen::Vector2f, kMost> places;  ///< in the image. Unit: [m].
 
-  /// Evenly spread over an ellipse about the origin. \param shape the unit disc to it. Unit: [m].
-  static RayPattern over_ellipse(const Eigen::Matrix2d& shape);
+  /// More rays, about `aim`.
+  static constexpr std::size_t kAround = 16;
+  std::size_t around_size = 0;
+  std::array<Eigen::Vector2f, kAround> around;  ///< in the image. Unit: [m].
+
+  /// Evenly spread over an ellipse about the origin, which a solid covers that is deepest at `lowest`: where
+  /// that is not in the middle, as under a rod that stands aslant, more of them are about it. \param shape
+  /// the unit disc to the ellipse. Unit: [m].
+  static RayPattern over_ellipse(const Eigen::Matrix2d& shape, const Eigen::Vector2d& lowest);
   /// The points of a triangular lattice, one of which is `anchor`, that are in a disc: as the disc moves on,
   /// rays come and go at its rim, and look at the same places meanwhile. `anchor` becomes one that is near
   /// the centre.
@@ -122,7 +129,8 @@ struct SplatImage {
 /// Belongs to one thread. Takes nothing from the heap after construction.
 class DepthView {
  public:
-  static constexpr std::size_t kRegular = RayPattern::kMost, kExtra = 16, kRays = kRegular + kExtra;
+  static constexpr std::size_t kRegular = RayPattern::kMost, kSought = 16,
+                               kExtra = kSought + RayPattern::kAround, kRays = kRegular + kExtra;
 
   /// Looks at those of `splats` that reach into `larger`, below the solid of `profile`; both solids' centre
   /// is the view's origin. Nothing is seen that is nearer than the depth `start`, but from `light.since` on

@@ -312,7 +312,8 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
   const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
   carry_light(solid, along);
-  view_->look(splats, view, profile, enlarged(solid, reach_), RayPattern::over_ellipse(root),
+  view_->look(splats, view, profile, enlarged(solid, reach_),
+              RayPattern::over_ellipse(root, image_of(view, support_point(solid, -along))),
               start_of(profile, Vector2d::Zero()), light_);
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
