@@ -349,6 +349,59 @@ TEST(ProxyForce, TurnsALongToolAlongAWall) {
   EXPECT_NEAR(felt.wrench.torque.x(), 0.0, 0.1 * std::abs(felt.wrench.torque.y()));
 }
 
+/// The bench's tool pressed straight down at (x, y), to where its handle is at height `z`.
+ForceOutput press(Bench& bench, double x, double y, double z) {
+  ForceOutput felt;
+  const double start = z + 0.02;
+  constexpr int kTicks = 200;
+  for (int tick = 0; tick <= kTicks; ++tick) felt = bench.at({x, y, start + (z - start) * tick / kTicks});
+  return felt;
+}
+
+/// How far a part is below z = 0; negative above.
+double below_the_plane(const ToolPart& part, const Pose& tool) {
+  const Ellipsoid solid = part.at(tool);
+  return solid.support(Vector3d::UnitZ()) - solid.center.z();
+}
+
+// Its centre does not move at all, and its ends go opposite ways.
+TEST(ProxyForce, ATurnAloneMeetsASurface) {
+  const Tool rod({0.1, 0.005, 0.005});
+  for (const double sense : {1.0, -1.0}) {
+    Bench bench("plane", even(0.004), {}, rod);
+    ForceInput input;
+    input.dt = 1e-3;
+    input.tool.position = {0, 0, 0.03};
+    ForceOutput felt;
+    for (double angle = 0.0; angle < 1.0; angle += 2e-3) {
+      input.tool.orientation = Eigen::AngleAxisd(sense * angle, Vector3d::UnitY());
+      felt = bench.model->evaluate(input);
+      ASSERT_LT(below_the_plane(rod.parts()[0], felt.proxy), 0.0005) << angle;
+    }
+    EXPECT_GT(below_the_plane(rod.parts()[0], input.tool), 0.05);
+    EXPECT_GT(felt.wrench.force.z(), 1.0);
+    EXPECT_LT(sense * felt.wrench.torque.y(), -0.05) << "it is turned back";
+  }
+}
+
+// More parts on more splats than a tick may look at: the proxy waits for what it has not seen, and gets
+// there.
+TEST(ProxyForce, HoldsAToolOfManyPartsOnADenseScene) {
+  constexpr double kSmall = 0.008;
+  std::vector<ToolPart> balls;
+  for (int i = 0; i < 8; ++i)
+    for (int k = 0; k < 6; ++k)
+      balls.push_back(
+          {"ball", Vector3d::Constant(kSmall), {{0.016 * (i - 3.5), 0.016 * (k - 2.5), 0.0}, {}}});
+  for (ToolPart& ball : balls) ball.pose.orientation.setIdentity();
+  const Tool tool(balls);
+  Bench bench("plane", even(0.0015), {}, tool);
+  constexpr double kDepth = 0.006;
+  const ForceOutput felt = press(bench, 0.0, 0.0, kSmall - kDepth);
+  for (const ToolPart& part : tool.parts()) EXPECT_LT(below_the_plane(part, felt.proxy), 0.001);
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
+}
+
 TEST(ProxyForce, ComesOutOfWhatItStartsIn) {
   Bench bench("plane", noisy(933));
   const ForceOutput felt = bench.at({0, 0, 0.5 * kRadius});
@@ -365,15 +418,6 @@ TEST(ProxyForce, ForgetsAllWhenReset) {
   Bench other("plane", noisy(934));
   bench.model->reset();
   EXPECT_EQ(bench.at({0, 0, 0.015}).wrench.force, other.at({0, 0, 0.015}).wrench.force);
-}
-
-/// The bench's tool pressed straight down at (x, y), to where its handle is at height `z`.
-ForceOutput press(Bench& bench, double x, double y, double z) {
-  ForceOutput felt;
-  const double start = z + 0.02;
-  constexpr int kTicks = 200;
-  for (int tick = 0; tick <= kTicks; ++tick) felt = bench.at({x, y, start + (z - start) * tick / kTicks});
-  return felt;
 }
 
 constexpr double kArm = 0.06;
@@ -421,9 +465,8 @@ TEST(ProxyForce, AnOpenHandRestsOnAPlane) {
   EXPECT_GT(felt.wrench.force.z(), 0.1 * kStiffness * kDepth);
   EXPECT_LE(degrees_between(felt.wrench.force, Vector3d::UnitZ()), 10.0);
   for (const ToolPart& part : hand.parts()) {
-    const Ellipsoid solid = part.at(felt.proxy);
-    const double below = solid.support(Vector3d::UnitZ()) - solid.center.z();
-    EXPECT_LE(below, ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff()) << part.name;
+    EXPECT_LE(below_the_plane(part, felt.proxy), ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff())
+        << part.name;
   }
 }
 

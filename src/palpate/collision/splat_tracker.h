@@ -30,6 +30,7 @@ class SplatTracker {
   const SceneIndex& index_;
   Lookahead::Line* ahead_;
   Neighbourhood near_;
+  double share_ = 1.0;  ///< of the solid that is looked at; less where that has too many
   const Neighbourhood* filled_from_ = nullptr;
   std::uint64_t filled_at_ = 0;  ///< Neighbourhood::searches() then
   std::unique_ptr<LocalSplats> splats_;

@@ -52,6 +52,7 @@ struct DepthViewLanes {
   float* left() { return view.left_.data(); }
   float* near() { return view.near_.data(); }
   float* far() { return view.far_.data(); }
+  float* begin() { return view.begin_.data(); }
   float* clearance() { return view.clearance_.data(); }
   std::uint32_t* splat() { return view.splat_.data(); }
   float* t0() { return view.t0_.data(); }
@@ -249,14 +250,19 @@ HWY_INLINE auto is_drawn(DepthViewLanes& lanes, std::size_t k, V t, V m2) {
   return hn::And(inside, hn::Lt(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd)));
 }
 
-/// Where the rays are in the larger solid.
-void Bound(const Profile& larger, DepthViewLanes lanes) {
+/// Where the rays are in the larger solid, and where they begin: a quarter of their way through the solid, so
+/// that what is behind it is not taken for what is in front.
+void Bound(const ViewJob& job, const Profile& solid, const Profile& larger, DepthViewLanes lanes) {
   const D d;
   for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
     const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
     const Chord chord(larger, x, y);
     hn::Store(chord.near(), d, lanes.near() + k);
     hn::Store(chord.far(), d, lanes.far() + k);
+    const Chord own(solid, x, y);
+    const V quarter = hn::MulAdd(set(0.25F), own.far(), hn::Mul(set(0.75F), own.near()));
+    const V begin = hn::IfThenElse(hn::Gt(own.facing, hn::Zero(d)), quarter, set(job.start));
+    hn::Store(hn::Max(begin, set(job.start)), d, lanes.begin() + k);
   }
 }
 
@@ -299,7 +305,7 @@ HWY_INLINE std::uint32_t lit_blocks(DepthViewLanes& lanes) {
 }
 
 /// Follows all rays, front to back.
-void Cast(const ViewJob& job, DepthViewLanes lanes) {
+void Cast(DepthViewLanes lanes) {
   const D d;
   const DU du;
   for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
@@ -318,7 +324,7 @@ void Cast(const ViewJob& job, DepthViewLanes lanes) {
     for_rays(lanes.blocks(), image, lit, [&](std::size_t k) HWY_ATTR {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
       const V t = splat.depth(x, y), m2 = splat.m2(x, y);
-      const auto drawn = hn::And(is_drawn(lanes, k, t, m2), hn::Gt(t, set(job.start)));
+      const auto drawn = hn::And(is_drawn(lanes, k, t, m2), hn::Gt(t, hn::Load(d, lanes.begin() + k)));
       if (hn::AllFalse(d, drawn)) return;
       const V before = hn::Load(d, lanes.left() + k);
       const V after = hn::IfThenElse(drawn, hn::NegMulAdd(before, splat.alpha(m2), before), before);
@@ -533,7 +539,7 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   const Profile larger_profile(larger, view);
   HWY_DYNAMIC_DISPATCH(Project)(splats, job, profile, larger_profile, lanes);
   aim_extra_rays(pattern, light);
-  HWY_DYNAMIC_DISPATCH(Bound)(larger_profile, lanes);
+  HWY_DYNAMIC_DISPATCH(Bound)(job, profile, larger_profile, lanes);
   bound_blocks();
   order(job.since, job.end);
   if (job.since < job.start) HWY_DYNAMIC_DISPATCH(Shade)(job, lanes);
@@ -544,7 +550,7 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   }
   light.since = start;
   incoming_ = left_;
-  HWY_DYNAMIC_DISPATCH(Cast)(job, lanes);
+  HWY_DYNAMIC_DISPATCH(Cast)(lanes);
   HWY_DYNAMIC_DISPATCH(Clear)(profile, lanes);
 }
 

@@ -202,7 +202,7 @@ class DepthView {
   }
 
   alignas(64) PerRay<float> x_{}, y_{}, depth_{}, sum_{}, share_{}, left_{}, incoming_{}, near_{}, far_{},
-      clearance_{};
+      begin_{}, clearance_{};
   alignas(64) PerRay<std::uint32_t> splat_{};
   alignas(64) std::array<PerSplat<float>, 3> from_;  ///< the view's origin to each splat. Unit: [m].
   // Of the splats that are in the window, in no order: depth t0 + x tx + y ty, and m^2 as a quadratic form

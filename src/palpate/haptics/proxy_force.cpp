@@ -49,9 +49,19 @@ constexpr double kStraight = 0.3, kSameWay = 0.5;
 /// ways is less.
 constexpr double kAhead = 0.01, kSameLook = 0.95;
 
+/// A part whose longest semi-axis is no longer than this many of its shortest sweeps over nothing where it
+/// turns, and one whose ends hardly move, in details, over next to nothing.
+constexpr double kRound = 1.05, kLeastSweep = 1e-3;
+
 /// Time constant of the velocity that damping goes by: a tenth of the shortest time that a hand takes to turn
 /// round. Unit: [s].
 constexpr double kVelocityFilter = 0.005;
+
+/// The point of a solid that is farthest along a unit vector.
+Eigen::Vector3d farthest_point(const Ellipsoid& solid, const Eigen::Vector3d& along) {
+  const Eigen::Vector3d seen = solid.axes.transpose() * along;
+  return solid.center + solid.axes * (seen / seen.norm());
+}
 
 }  // namespace
 
@@ -81,7 +91,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
       step_(std::numeric_limits<double>::infinity()) {
   const double extent = index.usual_extent();
   for (const ToolPart& part : tool.parts()) {
-    parts_.emplace_back(index, part, parameters, extent, lookahead);
+    parts_.emplace_back(index, part, parameters, extent, lookahead, budget_);
     step_ = std::min(step_, 0.5 * parts_.back().reach);
   }
   contacts_.contacts.reserve(kRoom);
@@ -98,7 +108,8 @@ void ProxyForce::reset() {
   for (Part& part : parts_) {
     part.patches.clear();
     part.heading.setZero();
-    part.clear = 0.0;
+    part.ahead = part.one_end = part.other_end = {};
+    part.done = false;
   }
 }
 
@@ -117,33 +128,63 @@ void ProxyForce::start_patches(Part& part) {
     part.patches.add_at(splats, solid, contact.normal, contact.point);
 }
 
-void ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest) {
-  const Ellipsoid solid = part.solid.at(proxy_), there = part.solid.at(target);
-  const Eigen::Vector3d wanted = there.center - solid.center;
-  const double length = wanted.norm(), detail = part.patches.detail();
-  if (length == 0.0 || splats.size == 0) return;
-  Eigen::Vector3d along = wanted / length;
-  const double heading = part.heading.norm();
-  if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
-  const double way = std::min({length, step_, longest}) + kAhead * detail;
-  const double moved =
-      (solid.center - part.looked_from.center).norm() + (solid.axes - part.looked_from.axes).norm();
-  if (moved + way <= part.clear && along.dot(part.looked_along) > kSameLook) return;
-  const Ellipsoid next{solid.center + way * along, solid.axes};
-  const double clear = part.patches.look_ahead(splats, solid, along, way,
+bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
+                            const Eigen::Vector3d& about, double way, const Pose& target) {
+  const Ellipsoid solid = part.solid.at(proxy_);
+  const double moved = (solid.center - sight.from.center).norm() + (solid.axes - sight.from.axes).norm();
+  if (moved + way <= sight.clear && along.dot(sight.along) > kSameLook) return true;
+  const double detail = part.patches.detail();
+  const Ellipsoid next{solid.center + way * along, solid.axes}, there = part.solid.at(target);
+  const double clear = part.patches.look_ahead(splats, solid, along, about, way,
                                                [&] { return touches(part, next) || touches(part, there); });
-  part.clear = std::min({clear, 0.5 * part.reach, 0.5 * detail});
-  part.looked_from = solid;
-  part.looked_along = along;
+  sight = {solid, along, std::min({clear, 0.5 * part.reach, 0.5 * detail})};
+  return !budget_.is_spent() || clear > way;
 }
 
-void ProxyForce::find_obstacles(const Pose& target, double longest) {
+bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest) {
+  if (splats.size == 0) return true;
+  const Ellipsoid solid = part.solid.at(proxy_);
+  const Eigen::Vector3d wanted = part.solid.at(target).center - solid.center;
+  const double farthest = std::min(step_, longest), ahead = kAhead * part.patches.detail(),
+               length = wanted.norm();
+  bool sees = true;
+  if (length > 0.0) {
+    Eigen::Vector3d along = wanted / length;
+    const double heading = part.heading.norm();
+    if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
+    sees = look_along(part, part.ahead, splats, along, farthest_point(solid, along),
+                      std::min(length, farthest) + ahead, target);
+  }
+  // Where it turns, its ends go opposite ways.
+  Eigen::Index longest_axis = 0;
+  const double radius = part.solid.semi_axes.maxCoeff(&longest_axis);
+  if (radius <= kRound * part.solid.semi_axes.minCoeff()) return sees;
+  const Eigen::Vector3d sweep =
+      turn_between(proxy_.orientation, target.orientation).cross(solid.axes.col(longest_axis));
+  const double swept = sweep.norm();
+  if (swept < kLeastSweep * part.patches.detail()) return sees;
+  for (const double end : {1.0, -1.0}) {
+    Sight& sight = end > 0.0 ? part.one_end : part.other_end;
+    const Eigen::Vector3d tip = solid.center + end * solid.axes.col(longest_axis);
+    sees = look_along(part, sight, splats, end / swept * sweep, tip, std::min(swept, farthest) + ahead,
+                      target) &&
+           sees;
+  }
+  return sees;
+}
+
+bool ProxyForce::find_obstacles(const Pose& target, double longest) {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
+  bool sees = true;
   for (Part& part : parts_) {
     const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
-    part.patches.follow(splats, part.solid.at(proxy_));
-    look_ahead(part, splats, target, longest);
+    // Of what the budget did not allow for all parts, some have been looked at where the proxy still is.
+    if (!part.done) {
+      part.patches.follow(splats, part.solid.at(proxy_));
+      part.done = look_ahead(part, splats, target, longest);
+      sees = sees && part.done;
+    }
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const double c = std::max(kLeastConfidence, patches[i].confidence);
@@ -153,6 +194,10 @@ void ProxyForce::find_obstacles(const Pose& target, double longest) {
       obstacles_.properties.push_back(properties);
     }
   }
+  if (sees) {
+    for (Part& part : parts_) part.done = false;
+  }
+  return sees;
 }
 
 ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i) const {
@@ -214,7 +259,7 @@ Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double
 }
 
 double ProxyForce::step(const Pose& target, double longest, double stretch) {
-  find_obstacles(target, longest);
+  if (!find_obstacles(target, longest)) return 0.0;  // not where it has not looked
   const Motion wanted = motion_between(proxy_, target);
   Motion motion = constrained_motion(wanted, obstacles_.planes, gyration_);
   const Hold held = hold();
@@ -279,6 +324,7 @@ void ProxyForce::head(Part& part, const Eigen::Vector3d& moved) {
 }
 
 ForceOutput ProxyForce::evaluate(const ForceInput& input) {
+  budget_.refill();
   const bool jumped =
       !trails_ && (input.tool.position - tool_.position).norm() > kJump * parameters_.hand_scale;
   const bool first = !started_ || jumped;

@@ -107,15 +107,22 @@ class ProxyForce final : public ForceModel {
   static constexpr std::size_t kRoom = 4096;
 
  private:
+  /// A look ahead.
+  struct Sight {
+    Ellipsoid from;
+    Eigen::Vector3d along = Eigen::Vector3d::Zero();
+    double clear = 0.0;  ///< how far the solid may go that way. Unit: [m].
+  };
+
   struct Part {
     Part(const SceneIndex& index, const ToolPart& part, const ProxyParameters& parameters, double extent,
-         Lookahead* lookahead)
+         Lookahead* lookahead, LookBudget& budget)
         : solid(part),
           reach(reach_of(part, detail_of(part, parameters), extent)),
           larger(enlarged(part, reach)),
           splats(index, lookahead),
           touched(index, Precision::kDouble, lookahead),
-          patches(detail_of(part, parameters), reach) {}
+          patches(detail_of(part, parameters), reach, budget) {}
 
     ToolPart solid;
     double reach;     ///< Unit: [m].
@@ -126,10 +133,9 @@ class ProxyForce final : public ForceModel {
     /// Mean direction of the last way of the centre, over a quarter of the thinnest semi-axis; a unit vector
     /// if that was straight.
     Eigen::Vector3d heading = Eigen::Vector3d::Zero();
-    // The last look ahead.
-    Ellipsoid looked_from;
-    Eigen::Vector3d looked_along = Eigen::Vector3d::Zero();
-    double clear = 0.0;  ///< how far it may go that way. Unit: [m].
+    Sight ahead;               ///< the way that the centre goes
+    Sight one_end, other_end;  ///< and the ends, where it turns
+    bool done = false;  ///< looked at, where the proxy is, in a tick before that had no time for all parts
   };
 
   /// What something is made of, nothing left open.
@@ -156,9 +162,13 @@ class ProxyForce final : public ForceModel {
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
   /// The patches of all parts as obstacles, on the way to `target`, of which the proxy goes `longest` at
   /// most.
-  void find_obstacles(const Pose& target, double longest);
-  /// Looks where `part` is about to go.
-  void look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest);
+  /// \returns false if the budget did not allow to look at all of it.
+  bool find_obstacles(const Pose& target, double longest);
+  /// Looks where `part` is about to go. \returns false if the budget was spent before.
+  bool look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest);
+  /// The same for one direction.
+  bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
+                  const Eigen::Vector3d& about, double way, const Pose& target);
   /// True if `part` touches an ellipsoid there.
   bool touches(Part& part, const Ellipsoid& solid);
   /// Patches of what the tool is in where it starts.
@@ -177,9 +187,10 @@ class ProxyForce final : public ForceModel {
   double damped(const Eigen::Vector3d& push) const;
 
   ProxyParameters parameters_;
-  double gyration_;         ///< Unit: [m].
-  double radius_;           ///< of the tool about its handle. Unit: [m].
-  double step_;             ///< the farthest that a point moves at once. Unit: [m].
+  double gyration_;  ///< Unit: [m].
+  double radius_;    ///< of the tool about its handle. Unit: [m].
+  double step_;      ///< the farthest that a point moves at once. Unit: [m].
+  LookBudget budget_;
   std::deque<Part> parts_;  ///< that cannot be moved
   ContactSet contacts_;
   Obstacles obstacles_;

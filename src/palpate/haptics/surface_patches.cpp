@@ -184,6 +184,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   Vector2d anchor = image_of(view, patch.anchor);
   RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
   pattern.aim = image_of(view, patch.sight);
+  budget_.spend(splats.size);
   RayLight light(patch.light);
   view_->look(splats, view, profile, enlarged(solid, reach_), pattern, start_of(profile, place), light);
   const std::size_t nearest = view_->nearest();
@@ -270,7 +271,8 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
-    if (way_between(patch.seen_by, solid) < kStill * detail_ || !see_again(splats, solid, patch)) {
+    const bool as_it_was = way_between(patch.seen_by, solid) < kStill * detail_ || budget_.is_spent();
+    if (as_it_was || !see_again(splats, solid, patch)) {
       if (!stay(solid, patch)) continue;
       seen_count_ = witness_count_[i];
       std::copy_n(witnesses_[i].begin(), seen_count_, seen_.begin());
@@ -304,17 +306,18 @@ void SurfacePatches::carry_light(const Ellipsoid& solid, const Vector3d& along) 
 }
 
 double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& along,
-                            double way, Meeting& meeting) {
+                            const Vector3d& about, double way, Meeting& meeting) {
   const ViewFrame view = ViewFrame::along(along, solid.center, solid.axes.col(0));
   const Profile profile(solid, view);
   // The silhouette: the image of the unit sphere.
   Eigen::Matrix<double, 2, 3> image;
   image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
   const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
+  budget_.spend(splats.size);
   carry_light(solid, along);
   view_->look(splats, view, profile, enlarged(solid, reach_),
-              RayPattern::over_ellipse(root, image_of(view, support_point(solid, -along))),
-              start_of(profile, Vector2d::Zero()), light_);
+              RayPattern::over_ellipse(root, image_of(view, about)), start_of(profile, Vector2d::Zero()),
+              light_);
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);
@@ -353,7 +356,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
 
 bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& normal,
                             const Vector3d& point) {
-  if (size_ == kMost || explained(solid, point)) return false;
+  if (size_ == kMost || budget_.is_spent() || explained(solid, point)) return false;
   SurfacePatch patch;
   patch.normal = normal;
   patch.tangent = normal.unitOrthogonal();

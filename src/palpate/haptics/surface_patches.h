@@ -48,6 +48,22 @@ struct PatchWitness {
 /// \param seen that a ray lost half of its light there.
 double confidence_of(const DepthMoments& moments, bool seen);
 
+/// What looking may cost in a tick. A look costs what there is to look at, so that no tick takes for ever,
+/// however dense the scene and however many parts the tool has.
+class LookBudget {
+ public:
+  /// In Gaussians looked at, about 30 ns each. The last look may go beyond it.
+  static constexpr double kTick = 16000.0;
+
+  void refill() { left_ = kTick; }
+  bool is_spent() const { return left_ <= 0.0; }
+  void spend(std::size_t splats) { left_ -= kPerLook + static_cast<double>(splats); }
+
+ private:
+  static constexpr double kPerLook = 100.0;
+  double left_ = kTick;
+};
+
 /// The patches that one solid of a tool touches, kept from one instant to the next. Takes nothing from the
 /// heap after construction.
 ///
@@ -69,8 +85,9 @@ class SurfacePatches {
 
   /// \param detail the scale of the fit \param reach how far around the solid the scene is
   /// looked at. Unit: [m]. > 0
-  SurfacePatches(double detail, double reach)
-      : detail_(detail), reach_(reach), view_(std::make_unique<DepthView>()) {}
+  /// \param budget of all parts of a tool, which must outlive it
+  SurfacePatches(double detail, double reach, LookBudget& budget)
+      : detail_(detail), reach_(reach), budget_(budget), view_(std::make_unique<DepthView>()) {}
 
   /// Radius of the window of a patch, in details: its kernel, of the form (1 - r^2)^3, has a deviation of
   /// 0.32 of that.
@@ -82,19 +99,21 @@ class SurfacePatches {
     light_ = RayLight();
   }
 
-  /// Fits the patches anew where `solid` is now, and drops those that are not there any more.
+  /// Fits the patches anew where `solid` is now, and drops those that are not there any more. Where the
+  /// budget is spent, they stay.
   void follow(const LocalSplats& splats, const Ellipsoid& solid);
 
   /// Looks along the unit vector `along` for what the solid, moved that way by `way`, would touch and no
-  /// patch explains; each such place becomes a patch if `admit()` lets it. \returns how far it may go without
-  /// another look. Unit: [m].
+  /// patch explains, most closely about the point `about`; each such place becomes a patch if `admit()` lets
+  /// it. \returns how far it may go without another look; nowhere, once the budget is spent. Unit: [m].
   template <class Admit>
   double look_ahead(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
-                    double way, const Admit& admit) {
+                    const Eigen::Vector3d& about, double way, const Admit& admit) {
     double clear = 0.0;
     while (size_ < kMost) {
+      if (budget_.is_spent()) return 0.0;
       Meeting meeting;
-      clear = meet(splats, solid, along, way, meeting);
+      clear = meet(splats, solid, along, about, way, meeting);
       if (clear > way || !admit()) break;
       if (!add(splats, solid, meeting)) break;
     }
@@ -126,8 +145,8 @@ class SurfacePatches {
     double least = 0.0;   ///< gap by the nearest ray. Unit: [m].
   };
 
-  double meet(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along, double way,
-              Meeting& meeting);
+  double meet(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
+              const Eigen::Vector3d& about, double way, Meeting& meeting);
   bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting);
   bool look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, Look& look);
   /// Light that the rays of a free motion still have, for a look from `solid` along `along`.
@@ -141,6 +160,7 @@ class SurfacePatches {
   void remember_witnesses(std::size_t i);
 
   double detail_, reach_;
+  LookBudget& budget_;
   std::unique_ptr<DepthView> view_;
   RayLight light_;  ///< of the last look along a free motion
   Eigen::Vector3d light_from_ = Eigen::Vector3d::Zero(), light_along_ = Eigen::Vector3d::Zero();
