@@ -285,8 +285,9 @@ class ClosedLoopTest : public testing::TestWithParam<Trial> {
   Outcome ours_, theirs_;
 };
 
-// The worst that was seen: 1.3 um on the way down; at rest 0.1 um, 22 uN and 1e-7 J with the proxy, which
-// looks at the surface in single precision and remembers the way, 2 nm and 0.2 uN with the potential.
+// The worst that was seen: 1.3 um on the way down; at rest 0.25 um, 0.1 mN and 1e-7 J with the proxy, which
+// looks at the surface in single precision, anew where it has moved a little, and remembers the way; 2 nm and
+// 0.2 uN with the potential.
 TEST_P(ClosedLoopTest, IsTheSameWithoutFrictionAndEncoders) {
   run(without_friction_and_encoders(device_profile(GetParam().profile).plant));
   EXPECT_LE(ours_.limit_cycle, kLimitCycleMax);
@@ -296,8 +297,8 @@ TEST_P(ClosedLoopTest, IsTheSameWithoutFrictionAndEncoders) {
   EXPECT_LT(apart.position, 3e-6);
   EXPECT_LT(apart.turn, 1e-6);
   const bool proxy = GetParam().model == "proxy";
-  EXPECT_LT((ours_.rest - theirs_.rest).norm(), proxy ? 2e-7 : 1e-8);
-  EXPECT_LT((ours_.force - theirs_.force).norm(), proxy ? 5e-5 : 1e-6);
+  EXPECT_LT((ours_.rest - theirs_.rest).norm(), proxy ? 6e-7 : 1e-8);
+  EXPECT_LT((ours_.force - theirs_.force).norm(), proxy ? 3e-4 : 1e-6);
   EXPECT_NEAR(ours_.last.energy, theirs_.last.energy, 1e-6);
 }
 
