@@ -65,15 +65,16 @@ TEST(Confidence, OfAFloaterIsSmallAndItDoesNotHideTheSurface) {
   EXPECT_NEAR(through.wrench.force.z(), kStiffness * 0.005, 0.05 * kStiffness * 0.005);
 }
 
-TEST(Confidence, IsLessOverAHole) {
-  const ForceOutput whole = press(sheet(0.8), 0.0, 0.004);
-  double last = whole.confidence;
+// A ball of 20 mm sinks into a hole of radius h by 20 - sqrt(20^2 - h^2), and rests on its rim, which splats
+// make out to half of their distance.
+TEST(SurfacePatches, ABallRestsOnTheRimOfAHole) {
   for (const double hole : {0.010, 0.015, 0.018}) {
-    const ForceOutput felt = press(sheet(0.8, hole), 0.0, 0.012);  // on its rim
-    EXPECT_LE(felt.confidence, last + 0.05);
-    last = felt.confidence;
+    const double sag = kRadius - std::sqrt(kRadius * kRadius - hole * hole);
+    for (const double deeper : {0.004, 0.008}) {
+      const ForceOutput felt = press(sheet(0.8, hole), 0.0, sag + deeper);
+      EXPECT_NEAR(felt.wrench.force.z(), kStiffness * deeper, 0.8) << hole << " " << deeper;
+    }
   }
-  EXPECT_LT(last, 0.95);
 }
 
 // Paper eq. 9 with the opacity that is seen. 2 pi 0.65^2 = 2.65 splats lie over each other: of opacity 0.2

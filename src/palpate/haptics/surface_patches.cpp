@@ -49,6 +49,10 @@ constexpr double kStill = 0.005;
 /// What was seen and is not any more stays where it was until the foot is so far from there, in details: else
 /// what takes just half of the light would come and go.
 constexpr double kLinger = 0.5;
+/// A patch is whole where it covers this much of its window, and an edge where it covers no more than that.
+constexpr double kWhole = 0.5, kEdge = 0.2;
+/// The cosine of the most that a patch may turn in a look.
+constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
 constexpr double kSameRay = 0.95;
 
@@ -163,6 +167,29 @@ double smooth_step(double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+/// The unit normal of the solid at a point of its surface, into it.
+Vector3d inward_normal(const Ellipsoid& solid, const Vector3d& point) {
+  const Vector3d from = solid.center - point;
+  Vector3d normal = Vector3d::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double squared = solid.axes.col(k).squaredNorm();
+    normal += solid.axes.col(k) * (solid.axes.col(k).dot(from) / (squared * squared));
+  }
+  return normal.normalized();
+}
+
+/// Which way a patch faces. Where it covers what is below the tool, as the fit does; where only the tool's
+/// flank meets something, an edge or a thing that is thin, as the tool does where it touches: a plane would
+/// go on below the tool where nothing is.
+Vector3d towards_contact(const Fit& fit, const ViewFrame& view, const Vector3d& contact) {
+  const double covered = static_cast<double>(fit.moments.hit / fit.moments.aimed);
+  const double whole = smooth_step((covered - kEdge) / (kWhole - kEdge));
+  Vector3d normal = (whole * fit.normal(view) + (1.0 - whole) * contact).normalized();
+  // No farther than can be seen in one look.
+  while (-normal.dot(view.w) < kTurned) normal = (normal - 0.3 * view.w).normalized();
+  return normal;
+}
+
 }  // namespace
 
 double confidence_of(const DepthMoments& moments, bool seen) {
@@ -192,7 +219,8 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const double clearance = view_->clearance(nearest);
   Fit fit;
   if (!fit_image(*view_, place, detail_, clearance + depth_of(profile, place), fit)) return false;
-  const Vector3d normal = fit.normal(view);
+  const Vector3d touching = view.at(view_->x(nearest), view_->y(nearest), view_->depth(nearest) - clearance);
+  const Vector3d normal = towards_contact(fit, view, inward_normal(solid, touching));
   const double facing = normal.dot(patch.normal);
   if (facing < kLeastFacing) return false;
   Vector2d foot = towards(place, image_of(view, support_point(solid, normal)), detail_);
