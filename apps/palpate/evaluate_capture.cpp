@@ -177,7 +177,9 @@ std::vector<std::size_t> worst_of(const std::vector<CapturePush>& pushes) {
 }
 
 std::string onset_text(const CapturePush& push) {
-  return push.onset ? fmt::format("{:.1f} mm deep", kToMm * *push.onset) : "never";
+  if (!push.onset) return "never";
+  return fmt::format("{:.1f} mm {} the seen surface", kToMm * std::abs(*push.onset),
+                     *push.onset < 0.0 ? "before" : "behind");
 }
 
 /// Seen surface, tool and proxy in the plane of the push that has most of what is aside in it.

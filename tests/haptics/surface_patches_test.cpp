@@ -1,6 +1,7 @@
 // How far there is a surface: where splats cover what the tool touches, in holes, at floaters, where light
 // comes through.
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -75,6 +76,25 @@ TEST(SurfacePatches, ABallRestsOnTheRimOfAHole) {
       EXPECT_NEAR(felt.wrench.force.z(), kStiffness * deeper, 0.8) << hole << " " << deeper;
     }
   }
+}
+
+// Past the edge of half a sheet, which reaches a millimetre into the ball's flank, and back: it goes round
+// the edge, and hangs on it in neither direction.
+TEST(SurfacePatches, ABallSlipsPastAnEdge) {
+  auto half = sheet(0.8);
+  std::erase_if(half, [](const test::Splat& splat) { return splat.position.x() > 0.0; });
+  const SceneIndex index(test::scene_of(half), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  const double edge = 0.65 * kSpacing;  // what is drawn goes on a little
+  double most = 0.0;
+  for (int tick = 0; tick <= 1600; ++tick) {
+    const double z = tick <= 800 ? 0.04 - 1e-4 * tick : -0.12 + 1e-4 * tick;
+    input.tool.position = {edge + kRadius - 0.001, 0.0003, z};
+    most = std::max(most, model.evaluate(input).wrench.force.norm());
+  }
+  EXPECT_LT(most, kStiffness * 0.006);
 }
 
 // Paper eq. 9 with the opacity that is seen. 2 pi 0.65^2 = 2.65 splats lie over each other: of opacity 0.2
