@@ -51,14 +51,16 @@ ToolPart enlarged(const ToolPart& part, double reach);
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
 /// points):
 ///
-///  1. every part of the proxy looks along its motion for what it would touch first, and follows the patches
-///  of
-///     surface that it has met (SurfacePatches). A patch begins only where an ellipsoid is touched;
+///  1. every part of the proxy looks along its motion, and along those of its ends where it turns, for what
+///  it
+///     would touch first, and follows the patches of surface that it has met (SurfacePatches). A patch begins
+///     only where an ellipsoid is touched;
 ///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion(), with friction),
-///  at most
-///     half of the reach at once and never farther than it has looked, so that nothing is passed unseen
-///     however fast the tool is; what a tick leaves undone, the next does. A patch of confidence c gives way,
-///     so that it is felt with c times the stiffness and does not hide what is behind;
+///  at
+///     most half of the reach at once and never farther than it has looked, so that nothing is passed unseen
+///     (tested up to 2 m/s); what a tick leaves undone, or has no budget to look at (LookBudget), the next
+///     does. A patch of confidence c gives way, so that it is felt with c times the stiffness and does not
+///     hide what is behind;
 ///  3. again, until it hardly moves, at most kMostSteps times in contact, kMostFreeSteps times out of
 ///  contact. In
 ///     contact it moves no farther than the tool did and a little, so that the force does not jump where

@@ -19,20 +19,20 @@ struct SurfacePatch {
   Eigen::Vector3d normal;  ///< unit, towards the tool
   Eigen::Vector3d foot;    ///< the tool's own point that touches
   double gap = 0.0;        ///< from the surface to `foot`, along the normal; negative inside. Unit: [m].
-  /// Confidence that there is a surface, in [0, 1]: 1 where Gaussians cover what the tool touches and hide
-  /// what is behind them, less in holes, at what floats alone, and where light comes through.
+  /// Confidence that there is a surface, in [1/2, 1]: 1 where Gaussians cover what the tool touches and hide
+  /// what is behind them, less at what floats alone and where light comes through.
   double confidence = 1.0;
   /// Root mean square of the distance of what is seen from the fit. Unit: [m].
   double roughness = 0.0;
 
   // What is remembered from one look to the next.
-  Eigen::Vector3d tangent;  ///< of the views
-  Eigen::Vector3d anchor;   ///< of the lattice of rays
-  Eigen::Vector3d sight;    ///< what the nearest ray saw: one looks there again
-  Eigen::Vector3d seen_at;  ///< the foot when it was seen last
-  Ellipsoid seen_by;        ///< the solid then
-  double offset = 0.0;      ///< of the felt surface over the fit, along the normal. Unit: [m].
-  float light = 1.0F;       ///< that came there along the motion, through what is before it
+  Eigen::Vector3d tangent;                            ///< of the views
+  Eigen::Vector3d anchor;                             ///< of the lattice of rays
+  Eigen::Vector3d sight;                              ///< what the nearest ray saw: one looks there again
+  Eigen::Vector3d seen_at = Eigen::Vector3d::Zero();  ///< the foot when it was seen last
+  Ellipsoid seen_by;                                  ///< the solid then
+  double offset = 0.0;  ///< of the felt surface over the fit, along the normal. Unit: [m].
+  float light = 1.0F;   ///< that came there along the motion, through what is before it
 
   Eigen::Vector3d on_surface() const { return foot - gap * normal; }
 };
@@ -77,7 +77,8 @@ class LookBudget {
 /// count, nor how many Gaussians lie over each other. Where it is comes from the ray that the solid would
 /// touch first: the felt surface is the fit, moved by an offset that follows, over two details of the way
 /// that the foot goes, the least clearance of all rays. Where a patch is first met, the offset is such that
-/// it is met where it is seen.
+/// it is met where it is seen. Where it covers little of its window, as an edge does, it faces as the solid
+/// does where it touches. What is not seen any more stays until the foot has moved on by half a detail.
 class SurfacePatches {
  public:
   /// As many constraints as a rigid body has degrees of freedom, and two to choose from.
