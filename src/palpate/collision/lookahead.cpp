@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <palpate/geometry/solids.h>
+
 namespace palpate {
 namespace {
 
@@ -12,21 +14,6 @@ constexpr int kMostHalvings = 6;
 
 /// Of the margin: closer to where was searched last, the tool needs no other search.
 constexpr double kNear = 0.25;
-
-/// How far a point of a solid moves from one place to the other, at most.
-double way_between(const Ellipsoid& from, const Ellipsoid& to) {
-  return (to.center - from.center).norm() + (to.axes - from.axes).norm();
-}
-
-/// With semi-axes longer by `margin`.
-Ellipsoid enlarged(const Ellipsoid& solid, double margin) {
-  Ellipsoid larger = solid;
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const double length = solid.axes.col(k).norm();
-    larger.axes.col(k) *= (length + margin) / length;
-  }
-  return larger;
-}
 
 }  // namespace
 

@@ -39,7 +39,7 @@ class Neighbourhood {
   /// What is kept, as splatting draws it. \pre search_drawn() has been called last
   void splats(const SceneIndex& index, LocalSplats& result) const;
 
-  /// How often search() has been called: what is kept is the same while this is.
+  /// How often it was searched for: what is kept is the same while this is.
   std::uint64_t searches() const { return searches_; }
 
   /// How many Gaussians are kept.

@@ -21,13 +21,6 @@ constexpr double kSlide = 0.1, kSample = 1e-3;    // [m]
 constexpr double kSilent = 0.1, kStrong = 3.0;    // of stiffness times depth
 constexpr double kUntouched = 1.0;                // [N]
 
-Vector3d random_direction(Random& random) {
-  for (;;) {
-    const Vector3d v(random.normal(), random.normal(), random.normal());
-    if (v.norm() > 1e-3) return v.normalized();
-  }
-}
-
 /// Changes of the force beyond what a spring on the tool's motion would make.
 class Steps {
  public:

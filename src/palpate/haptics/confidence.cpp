@@ -14,8 +14,8 @@ std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const 
   for (const Contact& contact : contacts) {
     const ToolPart& part = tool.parts()[contact.part];
     const double detail = detail_of(part, parameters), reach = reach_of(part, detail, extent);
-    const LocalSplats& splats = tracker.around(enlarged(part, reach).at(pose));
-    const Ellipsoid solid = part.at(pose);
+    const Ellipsoid solid = part.at(pose), larger = enlarged(part, reach).at(pose);
+    const LocalSplats& splats = tracker.around(larger);
     const ViewFrame view = ViewFrame::along(-contact.normal, solid.center, contact.normal.unitOrthogonal());
     const Eigen::Vector3d from = contact.point - view.origin;
     const Eigen::Vector2d place(from.dot(view.u), from.dot(view.v));
@@ -23,7 +23,7 @@ std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const 
     Eigen::Vector2d anchor = place;
     const double window = SurfacePatches::kWindow;
     RayLight light;
-    image->look(splats, view, Profile(solid, view), enlarged(part, reach).at(pose),
+    image->look(splats, view, Profile(solid, view), larger,
                 RayPattern::on_lattice(place, window * detail, anchor), depth - 2.0 * detail, light);
     result.push_back(confidence_of(image->moments({place, detail, depth, static_cast<float>(window)}),
                                    image->nearest() < DepthView::kRays));

@@ -173,9 +173,9 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     const V ax = hn::Sub(px, set(job.anchor.x())), ay = hn::Sub(py, set(job.anchor.y()));
     const V cx = hn::MulAdd(ax, set(T(0, 0)), hn::Mul(ay, set(T(0, 1)))),
             cy = hn::MulAdd(ax, set(T(1, 0)), hn::Mul(ay, set(T(1, 1))));
-    const auto width = [&](float t0, float t1) HWY_ATTR {
+    const auto width = [&](float p, float q) HWY_ATTR {
       const V squared =
-          hn::MulAdd(set(t0 * t0), qvv, hn::NegMulAdd(set(2.0F * t0 * t1), quv, hn::Mul(set(t1 * t1), quu)));
+          hn::MulAdd(set(p * p), qvv, hn::NegMulAdd(set(2.0F * p * q), quv, hn::Mul(set(q * q), quu)));
       return hn::Mul(unit, hn::Sqrt(hn::ZeroIfNegative(squared)));
     };
     const V wide = width(T(0, 0), T(0, 1)), high = width(T(1, 0), T(1, 1));

@@ -3,11 +3,20 @@
 #include <chrono>
 #include <numbers>
 
+#include <palpate/geometry/solids.h>
+
 namespace palpate {
 
 using Eigen::Vector3d;
 
 Tool ball(double radius) { return Tool(Vector3d::Constant(radius)); }
+
+Vector3d random_direction(Random& random) {
+  for (;;) {
+    const Vector3d v(random.normal(), random.normal(), random.normal());
+    if (v.norm() > 1e-3) return v.normalized();
+  }
+}
 
 double reach(const Tool& tool, const Vector3d& n) { return tool.support(-n); }
 
@@ -15,8 +24,7 @@ Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double depth) {
   Vector3d foot = Vector3d::Zero();
   for (const ToolPart& part : tool.parts()) {
     const Ellipsoid solid = part.at({});
-    const Vector3d along = solid.axes.transpose() * place.normal;
-    const Vector3d lowest = solid.center - solid.axes * (along / along.norm());
+    const Vector3d lowest = farthest_point(solid, -place.normal);
     if (&part == tool.parts().data() || lowest.dot(place.normal) < foot.dot(place.normal)) foot = lowest;
   }
   return place.point - depth * place.normal - foot;

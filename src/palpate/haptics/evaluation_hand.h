@@ -8,6 +8,7 @@
 
 #include <palpate/haptics/evaluation.h>
 #include <palpate/haptics/tool_query.h>
+#include <palpate/scene/random.h>
 
 namespace palpate {
 
@@ -19,6 +20,9 @@ constexpr double kHandStep = kHandSpeed * kTick;  // [m]
 inline int ticks_on(double way) { return static_cast<int>(std::ceil(way / kHandStep)); }
 
 Tool ball(double radius);
+
+/// A unit vector, all directions alike.
+Eigen::Vector3d random_direction(Random& random);
 
 /// Where the tool's centre is when its point that is first to touch is `depth` below `place`. The tool is
 /// oriented as the world. Unit: [m].

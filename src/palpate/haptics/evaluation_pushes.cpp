@@ -11,13 +11,6 @@ constexpr std::size_t kFastestEvery = 10;
 constexpr double kBefore = 2.5, kBeyond = 3.0;  // where a push begins and ends, in the tool's reach
 constexpr double kAslant = 0.5;                 // sine of the largest angle from the normal
 
-Vector3d random_direction(Random& random) {
-  for (;;) {
-    const Vector3d v(random.normal(), random.normal(), random.normal());
-    if (v.norm() > 1e-3) return v.normalized();
-  }
-}
-
 }  // namespace
 
 Pushes::Aim Pushes::aim(const Tool& tool, const std::vector<SurfaceSample>& places) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <palpate/geometry/rotation.h>
+#include <palpate/geometry/solids.h>
 
 namespace palpate {
 namespace {
@@ -56,12 +57,6 @@ constexpr double kRound = 1.05, kLeastSweep = 1e-3;
 /// Time constant of the velocity that damping goes by: a tenth of the shortest time that a hand takes to turn
 /// round. Unit: [s].
 constexpr double kVelocityFilter = 0.005;
-
-/// The point of a solid that is farthest along a unit vector.
-Eigen::Vector3d farthest_point(const Ellipsoid& solid, const Eigen::Vector3d& along) {
-  const Eigen::Vector3d seen = solid.axes.transpose() * along;
-  return solid.center + solid.axes * (seen / seen.norm());
-}
 
 }  // namespace
 
@@ -131,7 +126,7 @@ void ProxyForce::start_patches(Part& part) {
 bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
                             const Eigen::Vector3d& about, double way, const Pose& target) {
   const Ellipsoid solid = part.solid.at(proxy_);
-  const double moved = (solid.center - sight.from.center).norm() + (solid.axes - sight.from.axes).norm();
+  const double moved = way_between(sight.from, solid);
   if (moved + way <= sight.clear && along.dot(sight.along) > kSameLook) return true;
   const double detail = part.patches.detail();
   const Ellipsoid next{solid.center + way * along, solid.axes}, there = part.solid.at(target);

@@ -7,6 +7,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include <palpate/geometry/solids.h>
+
 namespace palpate {
 namespace {
 
@@ -55,24 +57,6 @@ constexpr double kWhole = 0.5, kEdge = 0.2;
 constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
 constexpr double kSameRay = 0.95;
-
-/// The point of the solid's surface that is farthest along -n.
-Vector3d support_point(const Ellipsoid& solid, const Vector3d& n) {
-  const Vector3d along = solid.axes.transpose() * n;
-  return solid.center - solid.axes * (along / along.norm());
-}
-
-/// How far a point of a solid moves from one place to the other, at most.
-double way_between(const Ellipsoid& from, const Ellipsoid& to) {
-  return (to.center - from.center).norm() + (to.axes - from.axes).norm();
-}
-
-/// With semi-axes longer by `reach`.
-Ellipsoid enlarged(const Ellipsoid& solid, double reach) {
-  Ellipsoid larger = solid;
-  for (Eigen::Index k = 0; k < 3; ++k) larger.axes.col(k) *= 1.0 + reach / solid.axes.col(k).norm();
-  return larger;
-}
 
 Vector2d image_of(const ViewFrame& view, const Vector3d& point) {
   const Vector3d from = point - view.origin;
@@ -205,7 +189,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
                           Look& look) {
   const ViewFrame view = ViewFrame::along(-patch.normal, solid.center, patch.tangent);
   const Profile profile(solid, view);
-  const Vector2d lowest = image_of(view, support_point(solid, patch.normal));
+  const Vector2d lowest = image_of(view, farthest_point(solid, -patch.normal));
   const Vector2d place = towards(image_of(view, patch.on_surface()), lowest, detail_);
   if (!is_below(profile, place)) return false;
   Vector2d anchor = image_of(view, patch.anchor);
@@ -223,7 +207,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const Vector3d normal = towards_contact(fit, view, inward_normal(solid, touching));
   const double facing = normal.dot(patch.normal);
   if (facing < kLeastFacing) return false;
-  Vector2d foot = towards(place, image_of(view, support_point(solid, normal)), detail_);
+  Vector2d foot = towards(place, image_of(view, farthest_point(solid, -normal)), detail_);
   if (!is_below(profile, foot)) foot = place;
   const double depth = depth_of(profile, foot);
   look.fitted = facing * (fit.depth(foot) - depth);
@@ -272,7 +256,7 @@ void SurfacePatches::remember_witnesses(std::size_t i) {
 
 bool SurfacePatches::stay(const Ellipsoid& solid, SurfacePatch& patch) const {
   const Vector3d surface = patch.on_surface();
-  patch.foot = support_point(solid, patch.normal);
+  patch.foot = farthest_point(solid, -patch.normal);
   patch.gap = (patch.foot - surface).dot(patch.normal);
   const Vector3d way = patch.foot - patch.seen_at;
   const double aside = (way - way.dot(patch.normal) * patch.normal).norm();
@@ -317,7 +301,7 @@ bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point) co
     if (above > std::max(kPartOfIt * patch.roughness, kFlat * detail_)) continue;
     // All of the tool is above the plane if its lowest point is; else the plane answers for its surroundings
     // alone.
-    const Vector3d lowest = support_point(solid, patch.normal);
+    const Vector3d lowest = farthest_point(solid, -patch.normal);
     const double slack = (patch.foot - lowest).dot(patch.normal);
     const double aside = (from - above * patch.normal).norm();
     if (slack < kFlat * detail_ || aside < kWindow * detail_) return true;
