@@ -122,6 +122,45 @@ TEST_F(ServoTickTest, TheGainIsThereWithoutAJump) {
   EXPECT_EQ(run(kTick).state, GovernorState::kActive);
 }
 
+// (500 N/m) (10 mm)^2 / 2 = 25 mJ, which the hand has put in, are 7.07 mm at 1000 N/m.
+TEST_F(ServoTickTest, AStifferSpringUnderAHandHasNoMoreEnergy) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  run(0.05);
+  loop->set_gain(2.0);
+  run(2.0);
+  EXPECT_NEAR(device.shown.force.x(), 5.0 * std::sqrt(2.0), 0.01);
+  EXPECT_NEAR(loop->look().felt.stored, 0.025, 1e-4);
+  go_to(-0.008);  // by 2 of 7.07 mm
+  run(0.05);
+  EXPECT_NEAR(device.shown.force.x(), 1000.0 * (0.00707 - 0.002), 0.01);
+  go_to(0.01);
+  go_to(-0.008);
+  run(0.05);
+  EXPECT_NEAR(device.shown.force.x(), 1000.0 * 0.008, 0.01) << "pressed anew, it is as stiff as it was set";
+}
+
+// A hand that presses on what is soft and lets go of what is stiff, and the other way round, over and over.
+TEST_F(ServoTickTest, NoEnergyComesOutOfAGainThatChanges) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  double work = 0.0, x = 0.01, force = 0.0;
+  for (int k = 0; k < 4000; ++k) {
+    if (k % 50 == 0) loop->set_gain(k % 350 == 0 ? 0.3 : 1.5);
+    device.pose.position.x() = 0.002 + 0.008 * std::cos(0.02 * k);
+    run(kTick);
+    const double now = device.shown.force.x();
+    work += 0.5 * (force + now) * (device.pose.position.x() - x);
+    x = device.pose.position.x();
+    force = now;
+    EXPECT_LT(work, 1e-4);
+  }
+  EXPECT_LT(work, -1e-3) << "was never pressed";
+}
+
 TEST_F(ServoTickTest, AnotherModelComesThroughTheGate) {
   begin();
   device.pose.position.x() = 0.01;

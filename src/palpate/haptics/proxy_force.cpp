@@ -97,7 +97,8 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
 void ProxyForce::reset() {
   started_ = held_ = trails_ = false;
   hold_ = {};
-  reserve_ = most_reserve();
+  spring_ = {};
+  spring_.reserve = most_reserve();
   velocity_.setZero();
   direction_.setZero();
   for (Part& part : parts_) {
@@ -301,13 +302,24 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
   direction_ += forgotten * (moved / way - direction_);
 }
 
-/// What the spring has lost by the proxy's own motion fills the reserve, what it has gained empties it. Of
-/// what it was stretched by the tool's motion, k |d|^2 / 2 is no work of the hand's, which felt the force of
-/// before all the way: to a tool that slides, it would be a gift in every tick.
-void ProxyForce::refill(double slack, double of_tool, double length) {
-  const double lost = std::max(0.0, slack * slack - of_tool * of_tool - length * length);
-  const double gained = std::max(0.0, length * length - slack * slack);
-  reserve_ = std::clamp(reserve_ + 0.5 * hold_.stiffness * (lost - gained), 0.0, most_reserve());
+/// With f what is felt of the spring's length, and p how far the tool went from the proxy, along the spring,
+///
+///     k f^2 / 2 <= B + k f p / 2,    B = k' f'^2 / 2 + k' f' p' / 2 + reserve
+///
+/// with ' what was before: the force on the hand changes evenly from tick to tick.
+void ProxyForce::wind(const Motion& pull, double length, const std::optional<Motion>& moved) {
+  const Spring was = spring_;
+  const double k = hold_.stiffness;
+  spring_ = {.along = length > 0.0 ? blend({}, pull, 1.0 / length) : Motion{},
+             .felt = length,
+             .stiffness = k,
+             .reserve = was.reserve};
+  if (!moved) return;
+  const double p_was = -product(was.along, *moved, gyration_), p = -product(spring_.along, *moved, gyration_);
+  const double budget = std::max(0.0, 0.5 * was.stiffness * was.felt * (was.felt + p_was)) + was.reserve;
+  const double most = 0.5 * p + std::sqrt(0.25 * p * p + 2.0 * budget / std::max(k, kLeastStiffness));
+  spring_.felt = std::clamp(most, 0.0, length);
+  spring_.reserve = std::clamp(budget + 0.5 * k * spring_.felt * (p - spring_.felt), 0.0, most_reserve());
 }
 
 /// As remember(), of the tool's own motion.
@@ -331,7 +343,8 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   }
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
   // Where the tool starts in something, it comes out at once.
-  const double of_tool = length_of(motion_between(tool_, input.tool), gyration_);
+  const Motion moved = motion_between(tool_, input.tool);
+  const double of_tool = length_of(moved, gyration_);
   // What is not held is with the tool, or on its way there.
   double way = first || !trails_ ? std::numeric_limits<double>::infinity() : of_tool + catch_up() * input.dt;
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
@@ -339,28 +352,32 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const Eigen::Vector3d before = proxy_.position;
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
-  const double reserve = trails_ ? 2.0 * reserve_ / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
-  const double stretch = first ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + reserve);
+  const double more = trails_ ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
+  const double stretch = first ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
-    const double moved = step(input.tool, way, stretch);
-    way -= moved;
+    const double gone = step(input.tool, way, stretch);
+    way -= gone;
     held_steps += held_ ? 1 : 0;
-    if (moved < kSettled * step_) break;
+    if (gone < kSettled * step_) break;
   }
   remember(proxy_.position - before);
   // On its way through free space, nothing is felt.
-  if (!trails_) return {Wrench{}, proxy_, 1.0, reserve_};
+  if (!trails_) {
+    spring_.felt = 0.0;
+    return {Wrench{}, proxy_, 1.0, spring_.reserve};
+  }
   const Motion pull = motion_between(input.tool, proxy_);
   const double length = length_of(pull, gyration_);
-  if (!first) refill(slack, of_tool, length);
-  if (length == 0.0) return {Wrench{}, proxy_, 1.0, reserve_};
-  const double k = hold_.stiffness, push = damped(k * pull.translation);
-  return {{push * k * pull.translation, push * k * gyration_ * gyration_ * pull.rotation},
+  wind(pull, length, first ? std::nullopt : std::optional(moved));
+  if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve};
+  const double k = spring_.stiffness, of_length = k * spring_.felt / length;
+  const double push = of_length * damped(of_length * pull.translation);
+  return {{push * pull.translation, push * gyration_ * gyration_ * pull.rotation},
           proxy_,
           hold_.confidence,
-          0.5 * k * length * length + reserve_,
+          0.5 * k * spring_.felt * spring_.felt + spring_.reserve,
           k};
 }
 

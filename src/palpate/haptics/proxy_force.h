@@ -73,8 +73,10 @@ ToolPart enlarged(const ToolPart& part, double reach);
 ///     until the tool has made way;
 ///  5. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the tool's
 ///  radius of
-///     gyration. Zero where nothing has held the proxy since it was last with the tool. With damping b, the
-///     force changes by -b times the tool's velocity along it, by no more than there is.
+///     gyration, or less, so that the spring holds no more than what the hand has put in and the reserve: a
+///     stiffness that changes on the way does no work. Zero where nothing has held the proxy since it was
+///     last with the tool. With damping b, the force changes by -b times the tool's velocity along it, by no
+///     more than there is.
 ///
 /// k, friction and damping are those of what holds the proxy: means over the Gaussians that the surface is
 /// made of there, and over the patches, by how hard they are pushed.
@@ -158,6 +160,14 @@ class ProxyForce final : public ForceModel {
     double stiffness = 0.0, damping = 0.0;
   };
 
+  /// What the hand feels.
+  struct Spring {
+    Motion along;               ///< from tool to proxy, of length 1; zero where both are in one place
+    double felt = 0.0;          ///< how much of its length. Unit: [m].
+    double stiffness = 0.0;     ///< Unit: [N/m].
+    double reserve = kReserve;  ///< what it may yet take in that is no work of the hand's. Unit: [J].
+  };
+
   /// Moves the proxy one step towards `target`, by at most `longest`, and at most to where the spring is
   /// `stretch` long. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
@@ -182,9 +192,9 @@ class ProxyForce final : public ForceModel {
   void remember(const Eigen::Vector3d& moved);
   void head(Part& part, const Eigen::Vector3d& moved);
   double most_reserve() const;
-  /// Keeps reserve_. Lengths of the spring before and after the proxy has moved, and of the tool's motion.
-  /// Unit: [m].
-  void refill(double slack, double of_tool, double length);
+  /// Makes spring_ that of now, `pull` from tool to proxy. \param moved of the tool since the last time;
+  /// nothing where it starts, and all of the spring is felt
+  void wind(const Motion& pull, double length, const std::optional<Motion>& moved);
   /// What the push is multiplied with so that it damps the motion, too.
   double damped(const Eigen::Vector3d& push) const;
 
@@ -200,12 +210,12 @@ class ProxyForce final : public ForceModel {
   Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   bool started_ = false;
-  bool held_ = false;          ///< by something, in the last step
-  bool trails_ = false;        ///< has been held since it was last with the tool
-  Hold hold_;                  ///< of the last step in which it was held
-  double reserve_ = kReserve;  ///< what the proxy may yet put into the spring by itself. Unit: [J].
-  Pose tool_;                  ///< of the last call, world frame
-  Pose proxy_;                 ///< world frame
+  bool held_ = false;    ///< by something, in the last step
+  bool trails_ = false;  ///< has been held since it was last with the tool
+  Hold hold_;            ///< of the last step in which it was held
+  Spring spring_;        ///< of the last call
+  Pose tool_;            ///< of the last call, world frame
+  Pose proxy_;           ///< world frame
 };
 
 }  // namespace palpate

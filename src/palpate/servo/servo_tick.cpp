@@ -19,6 +19,7 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       used_(model),
       map_(options.map),
       gain_(options.gain),
+      passive_gain_(options.gain),
       period_(options.period),
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
@@ -68,9 +69,10 @@ void ServoTick::feel() {
   asked_at_ = reading.t;
 
   ForceOutput& felt = record_.felt;
-  felt.wrench.force *= gain_;
-  felt.wrench.torque *= gain_;
-  felt.stored *= gain_;
+  const double gain = passive_gain_.at(gain_, felt.stored);
+  felt.wrench.force *= gain;
+  felt.wrench.torque *= gain;
+  felt.stored = passive_gain_.stored();
   felt.stiffness *= gain_;
   const Wrench wanted = map_.to_device(felt.wrench);
   // Clamped before it is damped: what is damped and then clamped is not damped. Of what the model's spring
@@ -120,6 +122,7 @@ const TickRecord& ServoTick::run(double t) {
   if (!on) {  // the tool may be anywhere when the force comes back
     used_.model->reset();
     passivity_.reset();
+    passive_gain_.reset();
     asked_ = false;
     wanted_ = {};
     record_.felt = {Wrench{}, record_.tool};

@@ -9,6 +9,7 @@
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/servo/haptic_device.h>
+#include <palpate/servo/passive_gain.h>
 #include <palpate/servo/passivity.h>
 #include <palpate/servo/safety_governor.h>
 #include <palpate/servo/worker.h>
@@ -87,7 +88,7 @@ class ServoTick {
   void use(const FeltModel& model);
   /// True once run() has taken what use() was given last.
   bool is_used() const { return taken_.load(std::memory_order_acquire) == given_; }
-  /// The gain goes there within a few tenths of a second.
+  /// The gain goes there within a few tenths of a second, and no work is done by that (PassiveGain).
   void set_gain(double gain) { wanted_gain_.store(gain, std::memory_order_relaxed); }
   double wanted_gain() const { return wanted_gain_.load(std::memory_order_relaxed); }
   /// While it is pressed, the tool stays where it is and there is no force: the hand can be moved to where it
@@ -105,7 +106,9 @@ class ServoTick {
   HapticDevice& device_;
   FeltModel used_;
   WorkspaceMap map_;
-  double gain_, period_;
+  double gain_;
+  PassiveGain passive_gain_;
+  double period_;
   SafetyGovernor governor_;
   PassivityController passivity_;
   DeviceReading said_;
