@@ -62,6 +62,11 @@ DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<s
   return DeclaredOption(listed(app.add_option(name, values, description))->check(CLI::IsMember(choices)));
 }
 
+DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                         const std::string& type, const std::string& description) {
+  return DeclaredOption(listed(app.add_option(name, values, description))->type_name(type));
+}
+
 DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
                          const std::string& description) {
   CLI::Option* option = app.add_option(name, value, description)->check(CLI::Range(low, high));

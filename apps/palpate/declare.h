@@ -62,6 +62,10 @@ DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& v
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                            const std::vector<std::string>& choices, const std::string& description);
 
+/// Several texts, separated by commas.
+DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                         const std::string& type, const std::string& description);
+
 /// A whole number from `low` to `high`. A default out of that range means "not given", and is not shown.
 DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
                          const std::string& description);

@@ -16,6 +16,7 @@
 #include "evaluate_capture.h"
 #include "evaluate_page.h"
 #include "evaluate_table.h"
+#include "evaluate_trials.h"
 #include "options.h"
 #include "output.h"
 #include "result_files.h"
@@ -39,6 +40,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::string csv, html, svg;
   CaptureOptions capture;
+  TrialOptions trials;
 };
 
 EvaluationSetup setup_of(const Options& options, const std::string& shape, double spacing,
@@ -129,6 +131,10 @@ void run(const Options& options) {
                                        options.pushes, options.seed, options.csv, options.html, options.svg});
     return;
   }
+  if (options.trials.strokes > 0) {
+    evaluate_trials(options.trials, {options.common, options.force, options.seed, options.csv});
+    return;
+  }
   check_output(options.csv, {options.common.config}, "--csv");
   check_output(options.html, {options.common.config, options.csv}, "--html");
   check_figure_folder(options.svg);
@@ -179,6 +185,7 @@ Command declare_evaluate(CLI::App& parent) {
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
   add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
   options->capture.declare(app);
+  options->trials.declare(app);
   options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
   options->query.declare_tool(app);
   options->force.proxy.friction = 0.3;  // measured in slides and rests of its own

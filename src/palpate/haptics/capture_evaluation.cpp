@@ -21,25 +21,6 @@ constexpr double kSlide = 0.1, kSample = 1e-3;    // [m]
 constexpr double kSilent = 0.1, kStrong = 3.0;    // of stiffness times depth
 constexpr double kUntouched = 1.0;                // [N]
 
-/// Changes of the force beyond what a spring on the tool's motion would make.
-class Steps {
- public:
-  explicit Steps(double stiffness) : stiffness_(stiffness) {}
-  void add(const Vector3d& force, const Vector3d& position) {
-    if (any_)
-      largest_ = std::max(largest_, (force - force_).norm() - stiffness_ * (position - position_).norm());
-    any_ = true;
-    force_ = force;
-    position_ = position;
-  }
-  double largest() const { return largest_; }
-
- private:
-  double stiffness_, largest_ = 0.0;
-  bool any_ = false;
-  Vector3d force_ = Vector3d::Zero(), position_ = Vector3d::Zero();
-};
-
 double share(std::size_t part, std::size_t all) {
   return all == 0 ? std::numeric_limits<double>::quiet_NaN()
                   : static_cast<double>(part) / static_cast<double>(all);
@@ -95,7 +76,7 @@ CapturePush CaptureEvaluation::push(const CaptureAim& aim, std::vector<CaptureTi
   CapturePush result;
   result.aim = aim;
   const double before = free_before(aim), deepest = kPush * tool_.radius();
-  Steps steps(stiffness_);
+  ForceSteps steps(stiffness_);
   bool shallow = false, deep = false;
   const auto feel = [&](double depth) {
     const Vector3d position = aim.from + (aim.seen + depth) * aim.along;
@@ -142,7 +123,7 @@ CaptureSlide CaptureEvaluation::slide(const CaptureAim& aim, std::vector<Capture
   }
   result.way = kSample * static_cast<double>(seen.size() - 1);
   hand_->reset();
-  Steps steps(stiffness_);
+  ForceSteps steps(stiffness_);
   const double before = free_before(aim);
   const int down = ticks_on(before + depth);
   for (int k = 0; k <= down; ++k)

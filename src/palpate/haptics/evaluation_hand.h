@@ -2,6 +2,7 @@
 /// What evaluations share: a tool that is moved through a scene, and where it may go. Not for use elsewhere.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -75,6 +76,25 @@ class Hand {
   bool moving_ = false;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   std::vector<double> ticks_;
+};
+
+/// Changes of the force beyond what a spring on the tool's motion would make.
+class ForceSteps {
+ public:
+  explicit ForceSteps(double stiffness) : stiffness_(stiffness) {}
+  void add(const Eigen::Vector3d& force, const Eigen::Vector3d& position) {
+    if (any_)
+      largest_ = std::max(largest_, (force - force_).norm() - stiffness_ * (position - position_).norm());
+    any_ = true;
+    force_ = force;
+    position_ = position;
+  }
+  double largest() const { return largest_; }
+
+ private:
+  double stiffness_, largest_ = 0.0;
+  bool any_ = false;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), position_ = Eigen::Vector3d::Zero();
 };
 
 /// The tangent of `place` goes on along the surface by `step`. Unit: [m].

@@ -1,0 +1,29 @@
+/// \file
+/// The tools that trials are made with, from a hand's width down to a pin's point.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include <Eigen/Geometry>
+
+#include <palpate/haptics/tool.h>
+
+namespace palpate {
+
+/// The names that trial_tool() knows. Semi-axes in mm:
+///   ball20, ball10, ball5, ball2   round
+///   rod      100 x 3 x 3
+///   needle   5 x 5 x 100, which trials push tip first
+///   disc     30 x 30 x 5
+///   plate    100 x 100 x 10
+std::span<const std::string_view> trial_tools();
+
+/// Nothing if the name is not among trial_tools().
+std::optional<Tool> trial_tool(std::string_view name);
+
+/// The tool, turned about its handle.
+Tool turned(const Tool& tool, const Eigen::Quaterniond& turn);
+
+}  // namespace palpate

@@ -1,0 +1,338 @@
+#include <palpate/haptics/trials.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include <palpate/geometry/solids.h>
+#include <palpate/haptics/evaluation_hand.h>
+#include <palpate/haptics/seen_surface.h>
+#include <palpate/haptics/trial_place.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+constexpr std::array<std::string_view, 7> kPlaces{"face",  "edge",  "corner", "hole",
+                                                  "plate", "sheet", "inside"};
+
+constexpr double kNoise = 0.25;                                  // sd, of the spacing
+constexpr double kTilt = 10.0 * pi / 180.0;                      // sd. [rad]
+constexpr double kSlowest = 0.05, kSlow = 0.5, kFastest = 50.0;  // [m/s]
+constexpr double kShallowTrial = 3.0;                            // in the thinnest semi-axis
+constexpr double kFurther = 0.03;                                // from inside. [m]
+constexpr double kBefore = 1.5, kAway = 0.02, kFarAway = 0.3;    // in the tool's radius; [m]
+constexpr int kRest = 10, kPatience = 5;                         // [ticks]
+constexpr double kSilent = 0.1;                                  // of stiffness times depth
+constexpr double kSilentDepth = 0.005, kFelt = 0.004;            // [m]
+constexpr double kSunk = 0.5;                                    // of the thinnest semi-axis
+constexpr double kHalfMm = 0.0005, kMm = 0.001;                  // [m]
+constexpr std::size_t kScenes = 2;
+
+/// A place with its Gaussians.
+struct Scene {
+  Scene(const TrialSetup& setup, std::size_t variant)
+      : place(setup.place, setup.tool, variant),
+        noise(kNoise * place.spacing()),
+        gaussians(make_scene(place.surface(), {setup.seed + variant, place.spacing(), noise, kTilt})),
+        index(gaussians, SceneFilter{}, Similarity{}),
+        seen(gaussians, Similarity{}) {}
+
+  TrialPlace place;
+  double noise;
+  GaussianScene gaussians;
+  SceneIndex index;
+  SeenSurface seen;
+};
+
+struct Way {
+  Vector3d from, along;
+  double length = 0.0;       ///< Unit: [m].
+  double start_depth = 0.0;  ///< where it starts inside. Unit: [m].
+
+  Vector3d at(double s) const { return from + s * along; }
+};
+
+Pose upright(const Vector3d& position) { return {position, Eigen::Quaterniond::Identity()}; }
+
+bool overlaps(const SceneIndex& index, const Tool& tool, const Vector3d& position) {
+  ContactSet contacts;
+  query(index, tool, upright(position), contacts);
+  return !contacts.contacts.empty();
+}
+
+/// Between `low`, where `is` is false, and `high`, where it is true, where that begins.
+template <class Is>
+double where_begins(double low, double high, const Is& is) {
+  constexpr int kHalvings = 20;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (is(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+/// Where on the way the tool first touches the true surface; nothing within `longest`.
+std::optional<double> true_touch(const Scene& scene, const Tool& tool, const Way& way, double longest) {
+  constexpr double kStep = 1e-3;
+  const auto touches = [&](double s) {
+    const double depth = deepest(scene.place.surface(), tool, upright(way.at(s)));
+    return depth > (scene.place.thickness() == 0.0 ? -1e-4 : 0.0);
+  };
+  for (double s = kStep; s <= longest; s += kStep) {
+    if (touches(s)) return where_begins(s - kStep, s, touches);
+  }
+  return {};
+}
+
+/// Points of the tool at the origin that look along the way, about half a spacing apart.
+std::vector<Vector3d> front_of(const Tool& tool, const Vector3d& along, double spacing) {
+  constexpr double kFewest = 200.0, kMost = 12000.0, kP = 1.6;  // surface of an ellipsoid (Thomsen 2004)
+  std::vector<Vector3d> points;
+  for (const ToolPart& part : tool.parts()) {
+    const Ellipsoid solid = part.at({});
+    const Vector3d& a = part.semi_axes;
+    const double ab = std::pow(a[0] * a[1], kP), bc = std::pow(a[1] * a[2], kP),
+                 ca = std::pow(a[2] * a[0], kP);
+    const double area = 4.0 * pi * std::pow((ab + bc + ca) / 3.0, 1.0 / kP);
+    const int count = static_cast<int>(std::clamp(2.0 * area / (spacing * spacing), kFewest, kMost));
+    const double golden = pi * (3.0 - std::sqrt(5.0));
+    for (int k = 0; k < count; ++k) {
+      const double z = 1.0 - (2.0 * k + 1.0) / count, r = std::sqrt(1.0 - z * z);
+      const Vector3d u(r * std::cos(golden * k), r * std::sin(golden * k), z);
+      if (u.dot(solid.axes.inverse() * along) > 0.0) points.emplace_back(solid.center + solid.axes * u);
+    }
+  }
+  return points;
+}
+
+/// Where on the way the tool meets the seen surface: by the rays of its whole cross-section, and by denser
+/// ones where it is about to touch the true surface at `touch`.
+std::optional<double> seen_touch(const Scene& scene, const Tool& tool, const Way& way, double touch) {
+  constexpr int kRingsOfMany = 2;
+  constexpr std::size_t kMostRays = 300;
+  const double band = 4.0 * scene.noise;
+  const SeenRays rays(scene.seen, way.from, way.along, tool.radius());
+  std::optional<double> first =
+      rays.first_touch(tool, Vector3d::Zero(), tool.parts().size() > 1 ? kRingsOfMany : SeenRays::kRings);
+  std::vector<std::pair<double, Vector3d>> near;
+  for (const Vector3d& point : front_of(tool, way.along, scene.place.spacing())) {
+    const double clear = scene.place.surface().distance(way.at(touch) + point);
+    if (clear < band) near.emplace_back(clear, point);
+  }
+  const std::size_t count = std::min(near.size(), kMostRays);
+  std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(count),
+                            [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d& point = near[i].second;
+    const std::optional<double> depth = rays.depth(way.from + point);
+    if (depth && (!first || *depth - point.dot(way.along) < *first)) first = *depth - point.dot(way.along);
+  }
+  return first;
+}
+
+/// How far on the way the tool is at each tick: in, at rest, and back. `in` says how many ticks are before
+/// the way back.
+std::vector<double> ticks_of(double length, double speed, std::size_t& in) {
+  std::vector<double> ticks;
+  for (double s = 0.0; s < length; s += speed * kTick) ticks.push_back(s);
+  ticks.insert(ticks.end(), kRest + 1, length);
+  in = ticks.size();
+  for (double s = length - speed * kTick; s > 0.0; s -= speed * kTick) ticks.push_back(s);
+  ticks.push_back(0.0);
+  return ticks;
+}
+
+std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
+  return seed * 0x9E3779B97F4A7C15U + 0xBF58476D1CE4E5B9U * (number + 1);
+}
+
+/// One stroke.
+class Trial {
+ public:
+  Trial(const TrialSetup& setup, const Scene& scene, std::size_t number)
+      : setup_(setup), scene_(scene), random_(seed_of(setup.seed, number)) {
+    result_.number = number;
+    result_.speed = kSlowest * std::pow(kFastest / kSlowest, random_.uniform());
+    const bool deep = random_.uniform() < 0.5;
+    aim_ = scene.place.aim(random_, setup.tip_first);
+    const double share = random_.uniform(0.2, 0.9);
+    scene.place.starts_inside() ? from_inside(share) : from_outside(deep);
+  }
+
+  TrialStroke run(std::vector<TrialTick>* ticks, std::vector<double>* times) {
+    Hand hand(scene_.index, aim_.tool, setup_.model);
+    ForceSteps steps(setup_.stiffness);
+    std::size_t in = 0;
+    const std::vector<double> ways = ticks_of(way_.length, result_.speed, in);
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      const Vector3d position = way_.at(ways[i]);
+      const ForceOutput felt = hand.at(position);
+      steps.add(felt.wrench.force, position);
+      const TrialTick tick{position, felt.proxy.position, felt.wrench.force, depth_at(upright(position)),
+                           depth_at(felt.proxy)};
+      if (i < in && result_.slow()) on_the_way_in(ways[i], i == 0 ? 0.0 : ways[i - 1], tick);
+      judge(tick, felt.proxy, i + 1 == in);
+      if (ticks != nullptr) ticks->push_back(tick);
+    }
+    result_.step = steps.largest();
+    if (times != nullptr) times->insert(times->end(), hand.ticks().begin(), hand.ticks().end());
+    return result_;
+  }
+
+ private:
+  double depth_at(const Pose& pose) const { return deepest(scene_.place.surface(), aim_.tool, pose); }
+
+  void from_outside(bool deep) {
+    const double radius = aim_.tool.radius();
+    double back = kBefore * radius + kAway;
+    const double farthest = back + kFarAway;
+    while (back < farthest && overlaps(scene_.index, aim_.tool, aim_.point - back * aim_.along))
+      back += std::max(radius, kAway);
+    way_ = {aim_.point - back * aim_.along, aim_.along, 0.0, 0.0};
+    const double shallow = kShallowTrial * setup_.tool.thinnest();
+    const auto touch = true_touch(scene_, aim_.tool, way_, back + radius);
+    way_.length = touch.value_or(back) + (deep ? std::max(kDeepestTrial, shallow) : shallow);
+    if (touch && result_.slow()) result_.seen = seen_touch(scene_, aim_.tool, way_, *touch);
+  }
+
+  void from_inside(double share) {
+    const double depth = share * setup_.tool.thinnest();
+    way_ = {aim_.point + (aim_.tool.support(-aim_.normal) - depth) * aim_.normal, aim_.along, kFurther,
+            depth};
+  }
+
+  void on_the_way_in(double s, double before, const TrialTick& tick) {
+    const auto touching = [&](double at) { return overlaps(scene_.index, aim_.tool, way_.at(at)); };
+    if (!result_.touched && touching(s)) result_.touched = where_begins(before, s, touching);
+    const double force = tick.force.norm();
+    if (!result_.felt && force > 0.0) result_.felt = 0.5 * (before + s);
+    if (!scene_.place.is_flat() || !result_.seen) return;
+    const double depth = (s - *result_.seen) * std::abs(way_.along.dot(aim_.normal));
+    if (depth > std::min(kFelt, setup_.tool.thinnest()))
+      result_.magnitude.push_back(force / (setup_.stiffness * depth));
+  }
+
+  void judge(const TrialTick& tick, const Pose& proxy, bool rested) {
+    const double thinnest = setup_.tool.thinnest(), depth = tick.depth - scene_.noise;
+    const double loud = thinnest <= kSilentDepth ? thinnest : std::max(kSilentDepth, 0.5 * thinnest);
+    deep_for_ = depth > loud ? deep_for_ + 1 : 0;
+    if (deep_for_ > kPatience && (result_.slow() || rested) &&
+        tick.force.norm() < kSilent * setup_.stiffness * depth)
+      result_.silent = true;
+    if (tick.proxy_depth > way_.start_depth + kSunk * thinnest + scene_.noise) result_.sunk = true;
+    if (is_behind(proxy)) result_.through = true;
+  }
+
+  bool is_behind(const Pose& proxy) const {
+    const auto thickness = scene_.place.thickness();
+    if (!thickness) return false;
+    const double behind = -0.5 * *thickness - scene_.noise;
+    return std::ranges::any_of(aim_.tool.parts(), [&](const ToolPart& part) {
+      return (part.at(proxy).center - aim_.point).dot(aim_.normal) < behind;
+    });
+  }
+
+  const TrialSetup& setup_;
+  const Scene& scene_;
+  Random random_;
+  TrialAim aim_;
+  Way way_;
+  TrialStroke result_;
+  int deep_for_ = 0;
+};
+
+double share(std::size_t part, std::size_t all) {
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN()
+                  : static_cast<double>(part) / static_cast<double>(all);
+}
+
+/// What many strokes come to.
+class Sum {
+ public:
+  void add(const TrialStroke& stroke) {
+    ++f_.strokes;
+    f_.slow += stroke.slow() ? 1 : 0;
+    count(stroke.silent, stroke, f_.silent, f_.silent_strokes);
+    count(stroke.sunk, stroke, f_.sunk, f_.sunk_strokes);
+    count(stroke.through, stroke, f_.through, f_.through_strokes);
+    if (!stroke.slow()) return;
+    step_.push_back(stroke.step);
+    magnitude_.insert(magnitude_.end(), stroke.magnitude.begin(), stroke.magnitude.end());
+    if (!stroke.seen) return;
+    ++f_.onsets;
+    const std::optional<double> late = stroke.late();
+    if (stroke.felt) onset_.push_back(*stroke.felt - *stroke.seen);
+    if (late) late_.push_back(*late);
+    half_mm_ += late && std::abs(*late) <= kHalfMm ? 1 : 0;
+    const bool in_place = late && std::abs(*late) <= kMm;
+    mm_ += in_place ? 1 : 0;
+    if (!in_place) f_.late_strokes.push_back(stroke.number);
+  }
+
+  TrialFigures figures(std::vector<double> times) {
+    f_.onset = spread_of(std::move(onset_));
+    f_.late = spread_of(std::move(late_));
+    f_.within_half_mm = share(half_mm_, f_.onsets);
+    f_.within_1mm = share(mm_, f_.onsets);
+    f_.magnitude = spread_of(std::move(magnitude_));
+    f_.step = spread_of(std::move(step_));
+    f_.tick = spread_of(std::move(times));
+    return f_;
+  }
+
+ private:
+  static void count(bool failed, const TrialStroke& stroke, std::size_t& total,
+                    std::vector<std::size_t>& numbers) {
+    if (!failed) return;
+    ++total;
+    numbers.push_back(stroke.number);
+  }
+
+  TrialFigures f_;
+  std::size_t half_mm_ = 0, mm_ = 0;
+  std::vector<double> onset_, late_, magnitude_, step_;
+};
+
+}  // namespace
+
+std::span<const std::string_view> trial_places() { return kPlaces; }
+
+bool TrialStroke::slow() const { return speed <= kSlow; }
+
+std::optional<double> TrialStroke::late() const {
+  if (!seen || !felt) return {};
+  const double reference = touched ? std::max(*seen, *touched) : *seen, half = 0.5 * speed * kTick;
+  // The force began between two ticks.
+  const double off = *felt - reference;
+  return std::copysign(std::max(0.0, std::abs(off) - half), off);
+}
+
+TrialFigures run_trials(const TrialSetup& setup, const Progress& progress) {
+  Sum sum;
+  std::vector<double> times;
+  std::vector<TrialStroke> strokes(setup.strokes);
+  std::size_t done = 0;
+  for (std::size_t variant = 0; variant < std::min(kScenes, setup.strokes); ++variant) {
+    const Scene scene(setup, variant);
+    for (std::size_t i = variant; i < setup.strokes; i += kScenes) {
+      strokes[i] = Trial(setup, scene, i).run(nullptr, &times);
+      report(progress, "pushing", static_cast<double>(++done) / static_cast<double>(setup.strokes));
+    }
+  }
+  for (const TrialStroke& stroke : strokes) sum.add(stroke);
+  return sum.figures(std::move(times));
+}
+
+TrialStroke repeat_trial(const TrialSetup& setup, std::size_t number, std::vector<TrialTick>* ticks) {
+  const Scene scene(setup, number % kScenes);
+  return Trial(setup, scene, number).run(ticks, nullptr);
+}
+
+}  // namespace palpate
