@@ -24,9 +24,10 @@ namespace palpate::cli {
 namespace {
 
 constexpr double kToMm = 1e3, kPercent = 100.0;
+constexpr const char* kEven = "even";  // a scene without defects
 
 struct Row {
-  std::string tool, place;
+  std::string tool, place, like;
   TrialSetup setup;
   TrialFigures figures;
 };
@@ -96,13 +97,13 @@ void print_table(const std::vector<Row>& rows) {
       "force begins, from the seen surface, and late, from there or the first ellipsoid, mm; shares of\n"
       "that, %; |F| over stiffness times depth; largest step of the force; time of a tick; the first\n"
       "stroke that failed, for --stroke.\n\n");
-  fmt::print("{:<12} {:<7}", "tool", "place");
+  fmt::print("{:<12} {:<7} {:<9}", "tool", "place", "like");
   for (const Column& c : columns()) {
     if (c.heading != nullptr) fmt::print(" {:>{}}", c.heading, width_of(c));
   }
   fmt::print("\n");
   for (const Row& row : rows) {
-    fmt::print("{:<12} {:<7}", row.tool, row.place);
+    fmt::print("{:<12} {:<7} {:<9}", row.tool, row.place, row.like);
     for (const Column& c : columns()) {
       if (c.heading != nullptr) fmt::print(" {:>{}}", text_of(c, row), width_of(c));
     }
@@ -113,7 +114,7 @@ void print_table(const std::vector<Row>& rows) {
 Json to_json(const std::vector<Row>& rows) {
   Json json = Json::array();
   for (const Row& row : rows) {
-    Json one{{"tool", row.tool}, {"place", row.place}};
+    Json one{{"tool", row.tool}, {"place", row.place}, {"like", row.like}};
     for (const Column& c : columns()) {
       const double value = c.value(row.figures);
       one[c.name] = std::isnan(value) ? Json() : Json(value);
@@ -128,10 +129,10 @@ Json to_json(const std::vector<Row>& rows) {
 }
 
 std::string to_csv(const std::vector<Row>& rows) {
-  std::string text = "tool,place";
+  std::string text = "tool,place,like";
   for (const Column& c : columns()) text += fmt::format(",{}", c.name);
   for (const Row& row : rows) {
-    text += fmt::format("\n{},{}", row.tool, row.place);
+    text += fmt::format("\n{},{},{}", row.tool, row.place, row.like);
     for (const Column& c : columns()) {
       const double value = c.value(row.figures);
       text += std::isnan(value) ? "," : fmt::format(",{}", value);
@@ -141,13 +142,13 @@ std::string to_csv(const std::vector<Row>& rows) {
 }
 
 std::string ticks_csv(const std::vector<TrialTick>& ticks) {
-  std::string text = "t,x,y,z,proxy_x,proxy_y,proxy_z,fx,fy,fz,depth_m,proxy_depth_m\n";
+  std::string text = "t,x,y,z,proxy_x,proxy_y,proxy_z,fx,fy,fz,depth_m,proxy_depth_m,confidence\n";
   constexpr double kPeriod = 1e-3;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     text += fmt::format("{:.3f}", kPeriod * number(i));
     for (const Eigen::Vector3d* v : {&ticks[i].tool, &ticks[i].proxy, &ticks[i].force})
       text += fmt::format(",{:.7g},{:.7g},{:.7g}", v->x(), v->y(), v->z());
-    text += fmt::format(",{:.6g},{:.6g}\n", ticks[i].depth, ticks[i].proxy_depth);
+    text += fmt::format(",{:.6g},{:.6g},{:.4g}\n", ticks[i].depth, ticks[i].proxy_depth, ticks[i].confidence);
   }
   return text;
 }
@@ -165,6 +166,7 @@ void repeat(const Row& row, const TrialOptions& options, const TrialTask& task, 
     const auto value = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
     fmt::print("{}\n", Json{{"tool", row.tool},
                             {"place", row.place},
+                            {"like", row.like},
                             {"stroke", stroke.number},
                             {"speed", stroke.speed},
                             {"seen", value(stroke.seen)},
@@ -178,9 +180,9 @@ void repeat(const Row& row, const TrialOptions& options, const TrialTask& task, 
                            .dump(2));
     return;
   }
-  fmt::print("{}, {}, stroke {} at {:.3g} m/s: seen {}, touched {}, felt {} on the way, late {}{}{}{}\n",
-             row.tool, row.place, stroke.number, stroke.speed, in_mm(stroke.seen), in_mm(stroke.touched),
-             in_mm(stroke.felt), in_mm(stroke.late()), stroke.silent ? "; silent" : "",
+  fmt::print("{}, {}, {}, stroke {} at {:.3g} m/s: seen {}, touched {}, felt {} on the way, late {}{}{}{}\n",
+             row.tool, row.place, row.like, stroke.number, stroke.speed, in_mm(stroke.seen),
+             in_mm(stroke.touched), in_mm(stroke.felt), in_mm(stroke.late()), stroke.silent ? "; silent" : "",
              stroke.sunk ? "; sunk" : "", stroke.through ? "; through" : "");
   for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
 }
@@ -195,23 +197,31 @@ Tool tool_of(const std::string& name) {
   return *tool;
 }
 
+TrialSetup setup_of(const Tool& tool, const Row& row, int strokes, const TrialTask& task) {
+  TrialSetup setup;
+  setup.place = row.place;
+  setup.tool = tool;
+  setup.tip_first = row.tool == "needle";
+  if (row.like != kEven) set_defect(setup.defects, row.like);
+  setup.stiffness = task.force.proxy.stiffness;
+  setup.strokes = static_cast<std::size_t>(strokes);
+  setup.seed = task.seed;
+  setup.model = [force = task.force](const SceneIndex& index, const Tool& held, double) {
+    return force.build("proxy", index, held, nullptr);
+  };
+  return setup;
+}
+
 std::vector<Row> rows_of(const TrialOptions& options, const TrialTask& task) {
-  const ForceOptions& force = task.force;
   std::vector<Row> rows;
   for (const std::string& name : options.tools) {
     const Tool tool = tool_of(name);
     for (const std::string& place : options.places) {
-      TrialSetup setup{place,
-                       tool,
-                       name == "needle",
-                       {},
-                       force.proxy.stiffness,
-                       static_cast<std::size_t>(options.strokes),
-                       task.seed};
-      setup.model = [force](const SceneIndex& index, const Tool& held, double) {
-        return force.build("proxy", index, held, nullptr);
-      };
-      rows.push_back({std::filesystem::path(name).stem().string(), place, std::move(setup), {}});
+      for (const std::string& like : options.like) {
+        Row row{std::filesystem::path(name).stem().string(), place, like, {}, {}};
+        row.setup = setup_of(tool, row, options.strokes, task);
+        rows.push_back(std::move(row));
+      }
     }
   }
   return rows;
@@ -235,7 +245,8 @@ void measure(std::vector<Row>& rows, const Progress& progress) {
 
 TrialOptions::TrialOptions()
     : tools(trial_tools().begin(), trial_tools().end()),
-      places(trial_places().begin(), trial_places().end()) {}
+      places(trial_places().begin(), trial_places().end()),
+      like{kEven} {}
 
 void TrialOptions::declare(CLI::App& app) {
   constexpr int kMost = 1'000'000;
@@ -245,8 +256,11 @@ void TrialOptions::declare(CLI::App& app) {
             fmt::format("of --trials: {}, or FILE.toml", fmt::join(trial_tools(), ", ")));
   add_choices(app, "--trial-places", places, {trial_places().begin(), trial_places().end()},
               "of --trials: where the tool is pushed at");
+  std::vector<std::string> kinds{kEven};
+  kinds.insert(kinds.end(), capture_defects().begin(), capture_defects().end());
+  add_choices(app, "--like", like, kinds, "of --trials: what captures are like, as make-scene makes them");
   add_count(app, "--stroke", stroke, 0, kMost,
-            "of --trials of one tool at one place: this one alone, and every tick of it in --csv");
+            "of --trials in one row: this one alone, and every tick of it in --csv");
 }
 
 void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
@@ -255,7 +269,7 @@ void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
   std::vector<Row> rows = rows_of(options, task);
   ResultFile csv(task.csv);
   if (options.stroke >= 0) {
-    if (rows.size() != 1) throw Error("--stroke: of one --trial-tools at one --trial-places");
+    if (rows.size() != 1) throw Error("--stroke: of one of --trial-tools, --trial-places and --like each");
     repeat(rows.front(), options, task, csv);
     return;
   }

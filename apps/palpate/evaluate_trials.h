@@ -14,7 +14,8 @@ struct TrialOptions {
   int strokes = 0;                 ///< a row; none: the other evaluations instead
   std::vector<std::string> tools;  ///< of trial_tools(), or files of tools
   std::vector<std::string> places;
-  int stroke = -1;  ///< this one alone, of one row; negative: all
+  std::vector<std::string> like;  ///< of capture_defects(), or even
+  int stroke = -1;                ///< this one alone, of one row; negative: all
 
   TrialOptions();
   void declare(CLI::App& app);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
+#include <palpate/scene/capture_defects.h>
 #include <palpate/scene/ply_writer.h>
 #include <palpate/scene/procedural.h>
 
@@ -24,6 +25,7 @@ struct Options {
   std::string out;
   ProceduralOptions procedural;
   double tilt_degrees = 0.0;
+  std::vector<std::string> like;  ///< of capture_defects()
 };
 
 void run(const Options& options) {
@@ -31,11 +33,14 @@ void run(const Options& options) {
   ProceduralOptions procedural = options.procedural;
   procedural.tilt = options.tilt_degrees * std::numbers::pi / 180.0;
   const auto surface = make_surface(options.shape);
-  const GaussianScene scene = make_scene(*surface, procedural);
+  CaptureDefects defects;
+  for (const std::string& name : options.like) set_defect(defects, name);
+  const GaussianScene scene = make_capture(*surface, procedural, defects);
   const double spacing = procedural.spacing.value_or(surface->default_spacing());
+  const std::string like = options.like.empty() ? "" : fmt::format(" like {}", fmt::join(options.like, ","));
   write_ply(scene, options.out,
-            fmt::format("palpate make-scene {} seed {} spacing {} m noise {} m tilt {} deg", options.shape,
-                        procedural.seed, spacing, procedural.noise, options.tilt_degrees));
+            fmt::format("palpate make-scene {} seed {} spacing {} m noise {} m tilt {} deg{}", options.shape,
+                        procedural.seed, spacing, procedural.noise, options.tilt_degrees, like));
   if (!options.common.quiet)
     fmt::print("wrote {}: {}, {} Gaussians\n", printable(options.out), options.shape, scene.size());
 }
@@ -55,6 +60,8 @@ Command declare_make_scene(CLI::App& parent) {
   add_number(app, "--noise", options->procedural.noise, 0.0, 1.0, "m",
              "sd of the displacement along the normal");
   add_number(app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
+  add_choices(app, "--like", options->like, {capture_defects().begin(), capture_defects().end()},
+              "what captures have wrong with them");
   return {&app, [=] { run(*options); }};
 }
 

@@ -40,6 +40,9 @@ class TrialPlace {
   /// Of a plate; 0 of a sheet; nothing where a tool cannot come out on the other side. Unit: [m].
   std::optional<double> thickness() const { return thickness_; }
 
+  /// Height of the plane that flat places are in. World frame. Unit: [m].
+  double top() const { return half_[2]; }
+
   /// Draws one. \param tip_first the tool's z axis goes ahead; else it is held at random
   TrialAim aim(Random& random, bool tip_first) const;
 

@@ -40,7 +40,8 @@ struct Scene {
   Scene(const TrialSetup& setup, std::size_t variant)
       : place(setup.place, setup.tool, variant),
         noise(kNoise * place.spacing()),
-        gaussians(make_scene(place.surface(), {setup.seed + variant, place.spacing(), noise, kTilt})),
+        gaussians(make_capture(place.surface(), {setup.seed + variant, place.spacing(), noise, kTilt},
+                               setup.defects)),
         index(gaussians, SceneFilter{}, Similarity{}),
         seen(gaussians, Similarity{}) {}
 
@@ -78,12 +79,18 @@ double where_begins(double low, double high, const Is& is) {
   return high;
 }
 
+/// How far a point is above the true surface; below a sheet negative, too.
+double height(const Scene& scene, const TrialAim& aim, const Vector3d& point) {
+  return scene.place.is_flat() ? (point - aim.point).dot(aim.normal) : scene.place.surface().distance(point);
+}
+
 /// Where on the way the tool first touches the true surface; nothing within `longest`.
-std::optional<double> true_touch(const Scene& scene, const Tool& tool, const Way& way, double longest) {
+std::optional<double> true_touch(const Scene& scene, const TrialAim& aim, const Way& way, double longest) {
   constexpr double kStep = 1e-3;
+  if (scene.place.is_flat())
+    return (height(scene, aim, way.from) - aim.tool.support(-aim.normal)) / -way.along.dot(aim.normal);
   const auto touches = [&](double s) {
-    const double depth = deepest(scene.place.surface(), tool, upright(way.at(s)));
-    return depth > (scene.place.thickness() == 0.0 ? -1e-4 : 0.0);
+    return deepest(scene.place.surface(), aim.tool, upright(way.at(s))) > 0.0;
   };
   for (double s = kStep; s <= longest; s += kStep) {
     if (touches(s)) return where_begins(s - kStep, s, touches);
@@ -114,7 +121,8 @@ std::vector<Vector3d> front_of(const Tool& tool, const Vector3d& along, double s
 
 /// Where on the way the tool meets the seen surface: by the rays of its whole cross-section, and by denser
 /// ones where it is about to touch the true surface at `touch`.
-std::optional<double> seen_touch(const Scene& scene, const Tool& tool, const Way& way, double touch) {
+std::optional<double> seen_touch(const Scene& scene, const TrialAim& aim, const Way& way, double touch) {
+  const Tool& tool = aim.tool;
   constexpr int kRingsOfMany = 2;
   constexpr std::size_t kMostRays = 300;
   const double band = 4.0 * scene.noise;
@@ -123,7 +131,7 @@ std::optional<double> seen_touch(const Scene& scene, const Tool& tool, const Way
       rays.first_touch(tool, Vector3d::Zero(), tool.parts().size() > 1 ? kRingsOfMany : SeenRays::kRings);
   std::vector<std::pair<double, Vector3d>> near;
   for (const Vector3d& point : front_of(tool, way.along, scene.place.spacing())) {
-    const double clear = scene.place.surface().distance(way.at(touch) + point);
+    const double clear = height(scene, aim, way.at(touch) + point);
     if (clear < band) near.emplace_back(clear, point);
   }
   const std::size_t count = std::min(near.size(), kMostRays);
@@ -175,8 +183,12 @@ class Trial {
       const Vector3d position = way_.at(ways[i]);
       const ForceOutput felt = hand.at(position);
       steps.add(felt.wrench.force, position);
-      const TrialTick tick{position, felt.proxy.position, felt.wrench.force, depth_at(upright(position)),
-                           depth_at(felt.proxy)};
+      const TrialTick tick{position,
+                           felt.proxy.position,
+                           felt.wrench.force,
+                           depth_at(upright(position)),
+                           depth_at(felt.proxy),
+                           felt.confidence};
       if (i < in && result_.slow()) on_the_way_in(ways[i], i == 0 ? 0.0 : ways[i - 1], tick);
       judge(tick, felt.proxy, i + 1 == in);
       if (ticks != nullptr) ticks->push_back(tick);
@@ -197,9 +209,9 @@ class Trial {
       back += std::max(radius, kAway);
     way_ = {aim_.point - back * aim_.along, aim_.along, 0.0, 0.0};
     const double shallow = kShallowTrial * setup_.tool.thinnest();
-    const auto touch = true_touch(scene_, aim_.tool, way_, back + radius);
+    const auto touch = true_touch(scene_, aim_, way_, back + radius);
     way_.length = touch.value_or(back) + (deep ? std::max(kDeepestTrial, shallow) : shallow);
-    if (touch && result_.slow()) result_.seen = seen_touch(scene_, aim_.tool, way_, *touch);
+    if (touch && result_.slow()) result_.seen = seen_touch(scene_, aim_, way_, *touch);
   }
 
   void from_inside(double share) {

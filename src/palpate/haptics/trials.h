@@ -16,6 +16,7 @@
 #include <palpate/haptics/evaluation.h>
 #include <palpate/haptics/spread.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/scene/capture_defects.h>
 
 namespace palpate {
 
@@ -32,9 +33,10 @@ std::span<const std::string_view> trial_places();
 /// One row of trials. Gaussians are a third of the tool's thinnest semi-axis apart, 0.5 to 6 mm, displaced by
 /// a quarter of that and tilted by 10 degrees (standard deviations).
 struct TrialSetup {
-  std::string place;       ///< of trial_places()
-  Tool tool;               ///< held at random
-  bool tip_first = false;  ///< pushed along its z axis instead, within 10 degrees
+  std::string place;            ///< of trial_places()
+  Tool tool;                    ///< held at random
+  bool tip_first = false;       ///< pushed along its z axis instead, within 10 degrees
+  CaptureDefects defects = {};  ///< of the scenes
   ForceModelMaker model;
   double stiffness = 0.0;     ///< that the model promises; > 0. Unit: [N/m].
   std::size_t strokes = 100;  ///< > 0
@@ -48,6 +50,7 @@ struct TrialTick {
   double depth = 0.0;           ///< of the deepest point of the tool in the true solid; negative outside.
                                 ///< Unit: [m].
   double proxy_depth = 0.0;     ///< the same of the proxy
+  double confidence = 1.0;      ///< see ForceOutput
 };
 
 /// A way straight in, three of the tool's thinnest semi-axes or 60 mm deep (30 mm from where it starts
