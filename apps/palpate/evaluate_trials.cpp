@@ -60,6 +60,8 @@ const std::vector<Column>& columns() {
       {"onset_p05_mm", "begin p5", kMm, [](const Figures& f) { return kToMm * f.onset.p05; }},
       {"onset_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.onset.p50; }},
       {"onset_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.onset.p95; }},
+      {"true_p50_mm", nullptr, kMm, [](const Figures& f) { return kToMm * f.onset_depth.p50; }},
+      {"true_p95_mm", "true p95", kMm, [](const Figures& f) { return kToMm * f.onset_depth.p95; }},
       {"late_p05_mm", "late p5", kMm, [](const Figures& f) { return kToMm * f.late.p05; }},
       {"late_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.late.p50; }},
       {"late_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.late.p95; }},
@@ -94,7 +96,8 @@ std::string text_of(const Column& column, const Row& row) {
 void print_table(const std::vector<Row>& rows) {
   fmt::print(
       "Strokes in which nothing is felt deep inside, the proxy sinks in, or comes out behind; where the\n"
-      "force begins, from the seen surface, and late, from there or the first ellipsoid, mm; shares of\n"
+      "force begins, from the seen and the true surface, and late, from there or the first ellipsoid, mm; "
+      "shares of\n"
       "that, %; |F| over stiffness times depth; largest step of the force; time of a tick; the first\n"
       "stroke that failed, for --stroke.\n\n");
   fmt::print("{:<12} {:<7} {:<9}", "tool", "place", "like");

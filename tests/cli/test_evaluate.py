@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import re
 import unittest
 import xml.etree.ElementTree as ElementTree
@@ -247,6 +248,62 @@ class Captures(Evaluate):
         self.refuse(1, "--worst", *self.ARGS, "--worst", "nowhere")
         self.refuse(1, "--stiffness", *self.ARGS, "--stiffness", "0")
         self.refuse(1, "--html", *self.ARGS, "--html", "ball.ply")
+
+
+class Trials(Evaluate):
+    AMOUNTS = ["evaluate", "-q", "--trials", "6"]
+
+    def trials(self, *args):
+        return self.succeed(*self.AMOUNTS, "--json", *args).json
+
+    def test_there_is_a_row_for_every_tool_place_and_kind_of_capture(self):
+        self.write("two.toml", '[[ellipsoid]]\nname = "a"\nsemi_axes = [0.01, 0.01, 0.01]\n'
+                   '[[ellipsoid]]\nname = "b"\nsemi_axes = [0.01, 0.01, 0.02]\nposition = [0.0, 0.0, 0.01]\n')
+        rows = self.trials("--trial-tools", "ball20,two.toml", "--trial-places", "face,sheet", "--like", "even,holes")
+        self.assertEqual([(r["tool"], r["place"], r["like"]) for r in rows],
+                         [(t, p, k) for t in ("ball20", "two") for p in ("face", "sheet") for k in ("even", "holes")])
+        for row in rows:
+            self.assertEqual((row["strokes"], row["through"]), (6, 0))
+            self.assertEqual(row["silent"], len(row["silent_strokes"]))
+
+    def test_a_ball_on_a_face_is_felt_where_it_is_seen(self):
+        (row,) = self.trials("--trial-tools", "ball5", "--trial-places", "face")
+        self.assertEqual((row["silent"], row["sunk"], row["first_silent"]), (0, 0, None))
+        self.assertGreater(row["onsets"], 0)
+        self.assertEqual(row["within_1mm_percent"], 100.0)
+        self.assertAlmostEqual(row["magnitude_p50"], 1.0, delta=0.05)
+
+    def test_says_the_same_every_time_and_in_csv(self):
+        arguments = ["--trial-tools", "ball10,disc", "--trial-places", "edge", "--csv", "t.csv"]
+        rows, again = self.trials(*arguments), self.trials(*arguments)
+        (header, *lines) = list(csv.reader(io.StringIO(self.read("t.csv").decode())))
+        self.assertEqual(len(lines), 2)
+        for row, other, line in zip(rows, again, lines):
+            for key in [k for k in row if not k.startswith("tick")]:
+                self.assertEqual(row[key], other[key], key)
+            of_csv = dict(zip(header, line))
+            self.assertAlmostEqual(float(of_csv["onset_p50_mm"]), row["onset_p50_mm"])
+
+    def test_a_stroke_can_be_repeated_alone(self):
+        one = ["--trial-tools", "ball10", "--trial-places", "plate"]
+        for stroke in range(3):
+            told = self.trials(*one, "--stroke", str(stroke), "--csv", "ticks.csv")
+            self.assertEqual(told["stroke"], stroke)
+            ticks = list(csv.DictReader(io.StringIO(self.read("ticks.csv").decode())))
+            speed = math.dist(*[[float(t[k]) for k in "xyz"] for t in ticks[:2]]) / 1e-3
+            self.assertAlmostEqual(speed / told["speed"], 1.0, delta=0.01)
+            self.assertGreater(max(float(t["fz"]) for t in ticks), 1.0)
+
+    def test_a_table_for_people(self):
+        text = self.succeed(*self.AMOUNTS, "--trial-tools", "ball20", "--trial-places", "corner").out.decode()
+        self.assertRegex(text, r"(?m)^ball20 +corner +even +6 ")
+
+    def test_what_makes_no_sense_is_refused(self):
+        self.refuse(1, "spoon", *self.AMOUNTS, "--trial-tools", "spoon")
+        self.refuse(2, "--trial-places", *self.AMOUNTS, "--trial-places", "moon")
+        self.refuse(2, "--like", *self.AMOUNTS, "--like", "dust")
+        self.refuse(1, "--stroke", *self.AMOUNTS, "--stroke", "0")
+        self.refuse(1, "--stiffness", *self.AMOUNTS, "--stiffness", "0")
 
 
 class BadInput(Evaluate):

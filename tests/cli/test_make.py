@@ -49,6 +49,18 @@ class MakeScene(Case):
         self.assertGreater(touching["force"][2], 0)  # pushed out, up
         self.assertLess(math.hypot(*touching["force"][:2]), touching["force"][2])
 
+    def test_what_captures_have_wrong_can_be_made(self):
+        count = {}
+        for like in ("", "floaters", "holes", "double", "holes,double"):
+            self.make("plane", "s.ply", "--spacing", "0.01", *(["--like", like] if like else []))
+            count[like] = self.succeed("info", "s.ply", "--json").json["gaussians"]
+        self.assertEqual(count[""], 1600)
+        self.assertEqual(count["floaters"], 1632)
+        self.assertEqual(count["double"], 3200)
+        self.assertAlmostEqual(count["holes"], 1440, delta=60)
+        self.assertAlmostEqual(count["holes,double"], 2880, delta=120)
+        self.refuse(2, "--like", "make-scene", "plane", "--out", "s.ply", "--like", "dust")
+
     def test_impossible_wishes(self):
         for args in (["--spacing", "0"], ["--spacing", "-1"], ["--noise", "-1"], ["--tilt", "91"], ["--seed", "x"],
                      ["--seed", "-1"], ["--spacing", "nan"]):

@@ -211,7 +211,9 @@ class Trial {
     const double shallow = kShallowTrial * setup_.tool.thinnest();
     const auto touch = true_touch(scene_, aim_, way_, back + radius);
     way_.length = touch.value_or(back) + (deep ? std::max(kDeepestTrial, shallow) : shallow);
-    if (touch && result_.slow()) result_.seen = seen_touch(scene_, aim_, way_, *touch);
+    if (!touch || !result_.slow()) return;
+    result_.met = touch;
+    result_.seen = seen_touch(scene_, aim_, way_, *touch);
   }
 
   void from_inside(double share) {
@@ -232,22 +234,29 @@ class Trial {
   }
 
   void judge(const TrialTick& tick, const Pose& proxy, bool rested) {
-    const double thinnest = setup_.tool.thinnest(), depth = tick.depth - scene_.noise;
+    const double thinnest = setup_.tool.thinnest();
+    const double depth = tick.depth - way_.start_depth - scene_.noise;
+    const double proxy_depth = tick.proxy_depth - way_.start_depth - scene_.noise;
+    if (is_first_ && scene_.place.starts_inside()) lets_in_ = is_behind(proxy, scene_.noise);
+    is_first_ = false;
+    if (lets_in_) {  // as good as out, but there it stays
+      if (!is_behind(proxy, -thinnest)) result_.through = true;
+      return;
+    }
     const double loud = thinnest <= kSilentDepth ? thinnest : std::max(kSilentDepth, 0.5 * thinnest);
     deep_for_ = depth > loud ? deep_for_ + 1 : 0;
     if (deep_for_ > kPatience && (result_.slow() || rested) &&
         tick.force.norm() < kSilent * setup_.stiffness * depth)
       result_.silent = true;
-    if (tick.proxy_depth > way_.start_depth + kSunk * thinnest + scene_.noise) result_.sunk = true;
-    if (is_behind(proxy)) result_.through = true;
+    if (proxy_depth > kSunk * thinnest) result_.sunk = true;
+    const auto thickness = scene_.place.thickness();
+    if (thickness && is_behind(proxy, 0.5 * *thickness + scene_.noise)) result_.through = true;
   }
 
-  bool is_behind(const Pose& proxy) const {
-    const auto thickness = scene_.place.thickness();
-    if (!thickness) return false;
-    const double behind = -0.5 * *thickness - scene_.noise;
+  /// True if the middle of a part of the tool is farther than that below the plane of a flat place.
+  bool is_behind(const Pose& proxy, double below) const {
     return std::ranges::any_of(aim_.tool.parts(), [&](const ToolPart& part) {
-      return (part.at(proxy).center - aim_.point).dot(aim_.normal) < behind;
+      return (part.at(proxy).center - aim_.point).dot(aim_.normal) < -below;
     });
   }
 
@@ -258,6 +267,8 @@ class Trial {
   Way way_;
   TrialStroke result_;
   int deep_for_ = 0;
+  bool is_first_ = true;
+  bool lets_in_ = false;  ///< the tool starts inside, and the proxy has come out on the inner side
 };
 
 double share(std::size_t part, std::size_t all) {
@@ -280,7 +291,10 @@ class Sum {
     if (!stroke.seen) return;
     ++f_.onsets;
     const std::optional<double> late = stroke.late();
-    if (stroke.felt) onset_.push_back(*stroke.felt - *stroke.seen);
+    if (stroke.felt) {
+      onset_.push_back(*stroke.felt - *stroke.seen);
+      depth_.push_back(*stroke.felt - *stroke.met);
+    }
     if (late) late_.push_back(*late);
     half_mm_ += late && std::abs(*late) <= kHalfMm ? 1 : 0;
     const bool in_place = late && std::abs(*late) <= kMm;
@@ -290,6 +304,7 @@ class Sum {
 
   TrialFigures figures(std::vector<double> times) {
     f_.onset = spread_of(std::move(onset_));
+    f_.onset_depth = spread_of(std::move(depth_));
     f_.late = spread_of(std::move(late_));
     f_.within_half_mm = share(half_mm_, f_.onsets);
     f_.within_1mm = share(mm_, f_.onsets);
@@ -309,7 +324,7 @@ class Sum {
 
   TrialFigures f_;
   std::size_t half_mm_ = 0, mm_ = 0;
-  std::vector<double> onset_, late_, magnitude_, step_;
+  std::vector<double> onset_, depth_, late_, magnitude_, step_;
 };
 
 }  // namespace

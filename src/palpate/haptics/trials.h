@@ -58,10 +58,10 @@ struct TrialTick {
 struct TrialStroke {
   std::size_t number = 0;
   double speed = 0.0;  ///< Unit: [m/s].
-  /// Where on the way the tool meets the seen surface (SeenRays), where it first overlaps the ellipsoid of a
-  /// Gaussian and where the force begins, on slow strokes from outside; of the last to half a tick's way.
-  /// Unit: [m].
-  std::optional<double> seen, touched, felt;
+  /// Where on the way the tool meets the true surface, where the seen one (SeenRays), where it first overlaps
+  /// the ellipsoid of a Gaussian and where the force begins, on slow strokes from outside; of the last to
+  /// half a tick's way. Unit: [m].
+  std::optional<double> met, seen, touched, felt;
   bool silent = false;  ///< see TrialFigures
   bool sunk = false, through = false;
   double step = 0.0;              ///< as TrialFigures::step
@@ -78,8 +78,9 @@ struct TrialFigures {
   std::size_t strokes = 0, slow = 0;  ///< slow: up to 0.5 m/s
   /// Of slow strokes from outside that meet the seen surface:
   std::size_t onsets = 0;
-  Spread onset;  ///< where the force begins, from the seen surface; negative before it. Unit: [m].
-  Spread late;   ///< TrialStroke::late(). Unit: [m].
+  Spread onset;        ///< where the force begins, from the seen surface; negative before it. Unit: [m].
+  Spread onset_depth;  ///< the same from the true surface
+  Spread late;         ///< TrialStroke::late(). Unit: [m].
   double within_half_mm = 0.0, within_1mm = 0.0;  ///< shares whose `late` is as small; never felt is not
   /// Of slow strokes at flat places on the way in, where deeper than 4 mm or the tool's thinnest semi-axis:
   /// |F| over stiffness times the depth below the seen surface.
@@ -91,7 +92,7 @@ struct TrialFigures {
   std::size_t silent = 0;
   /// Strokes in which the proxy gets deeper than half the thinnest semi-axis into the solid (where the tool
   /// starts inside: deeper than it started), and those in which it comes out on the other side of a plate or
-  /// sheet.
+  /// sheet. A start inside may let the proxy out on the inner side: it is through if it then comes back.
   std::size_t sunk = 0, through = 0;
   Spread step;  ///< of slow strokes, the largest change of the force in a tick beyond stiffness times the
                 ///< tool's motion. Unit: [N].

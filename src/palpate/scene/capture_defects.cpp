@@ -136,17 +136,19 @@ void stretch(Random& random, GaussianScene& scene) {
   }
 }
 
-GaussianScene without_holes(const GaussianScene& scene, double spacing, Random& random) {
+GaussianScene with_holes(const AnalyticSurface& surface, const GaussianScene& scene, double spacing,
+                         Random& random) {
   struct Disc {
     Vector3d center;
     double radius;
   };
   // Discs that fall anywhere cover 1 - exp(-their area over all).
-  const double area = static_cast<double>(scene.size()) * spacing * spacing;
+  const std::vector<PartSample> places = surface.samples(spacing, random);
+  const double area = static_cast<double>(places.size()) * spacing * spacing;
   std::vector<Disc> discs;
   for (double left = -std::log(1.0 - kHoleShare) * area; left > 0.0;) {
     const double radius = spacing * random.uniform(kHoleLeast, kHoleMost);
-    discs.push_back({position_of(scene, random.index(scene.size())), radius});
+    discs.push_back({places[random.index(places.size())].sample.point, radius});
     left -= pi * radius * radius;
   }
   const auto by_x = [](const Disc& disc) { return disc.center.x(); };
@@ -247,7 +249,7 @@ GaussianScene make_capture(const AnalyticSurface& surface, const ProceduralOptio
     add_layer(surface, make_sheet(surface, other, spacing, density), random, scene);
   }
   if (defects.tails) stretch(random, scene);
-  if (defects.holes) scene = without_holes(scene, spacing, random);
+  if (defects.holes) scene = with_holes(surface, scene, spacing, random);
   if (defects.floaters) add_floaters(surface, air, spacing, random, scene);
   if (defects.haze) add_haze(surface, air, random, scene);
   return scene;
