@@ -39,7 +39,7 @@ class Flat final : public ForceModel {
     const double depth = kRadius - side * above;
     if (fault_.nothing || !(depth > 0.0)) return {Wrench{}, input.tool};
     Pose proxy = input.tool;
-    proxy.position.z() += side * (depth - fault_.late);
+    proxy.position.z() += side * depth;
     const double force = kStiffness * depth + (depth > 2.0 * kRadius ? fault_.jump : 0.0);
     return {{fault_.silent ? Vector3d::Zero().eval() : Vector3d(side * force * Vector3d::UnitZ()),
              Vector3d::Zero()},
@@ -111,6 +111,13 @@ TEST(Trials, SeeASheetThatLetsThrough) {
   const TrialFigures f = run_trials(setup("sheet", {.two_sided = true}));
   EXPECT_EQ(f.through, f.strokes);
   EXPECT_EQ(f.through_strokes.front(), 0U);
+}
+
+// As where the tip of something long pokes through, and its middle does not.
+TEST(Trials, SeeASheetThatIsSunkInto) {
+  const TrialFigures f = run_trials(setup("sheet", {.late = 0.004}));
+  EXPECT_EQ(f.sunk, f.strokes);
+  EXPECT_EQ(f.through + f.silent, 0U);
 }
 
 // Wherever a ball is pushed at, nothing in the way is seen to be nothing.

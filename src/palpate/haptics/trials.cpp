@@ -199,7 +199,16 @@ class Trial {
   }
 
  private:
-  double depth_at(const Pose& pose) const { return deepest(scene_.place.surface(), aim_.tool, pose); }
+  /// How deep the tool is; below a plate or sheet, of which it must not come out behind, from its near side.
+  double depth_at(const Pose& pose) const {
+    if (!scene_.place.thickness()) return deepest(scene_.place.surface(), aim_.tool, pose);
+    double most = -std::numeric_limits<double>::infinity();
+    for (const ToolPart& part : aim_.tool.parts()) {
+      const Ellipsoid solid = part.at(pose);
+      most = std::max(most, solid.support(aim_.normal) - height(scene_, aim_, solid.center));
+    }
+    return most;
+  }
 
   void from_outside(bool deep) {
     const double radius = aim_.tool.radius();

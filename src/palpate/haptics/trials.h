@@ -47,10 +47,10 @@ struct TrialSetup {
 struct TrialTick {
   Eigen::Vector3d tool, proxy;  ///< positions of the handle. Unit: [m].
   Eigen::Vector3d force;        ///< Unit: [N].
-  double depth = 0.0;           ///< of the deepest point of the tool in the true solid; negative outside.
-                                ///< Unit: [m].
-  double proxy_depth = 0.0;     ///< the same of the proxy
-  double confidence = 1.0;      ///< see ForceOutput
+  double depth = 0.0;  ///< of the deepest point of the tool in the true solid, or below the near side of
+                       ///< a plate or sheet; negative outside. Unit: [m].
+  double proxy_depth = 0.0;  ///< the same of the proxy
+  double confidence = 1.0;   ///< see ForceOutput
 };
 
 /// A way straight in, three of the tool's thinnest semi-axes or 60 mm deep (30 mm from where it starts
@@ -88,7 +88,7 @@ struct TrialFigures {
   /// Strokes in which the force stays below a tenth of the stiffness times how deep the deepest point of the
   /// tool is, 5 ms after that is more than the larger of 5 mm and half of the thinnest semi-axis (or all of
   /// that, of a tool of up to 5 mm); of fast ones, when the hand has rested. That depth is the nearest way
-  /// out, less the noise.
+  /// out, of a plate or sheet that to the side it came from, less the noise.
   std::size_t silent = 0;
   /// Strokes in which the proxy gets deeper than half the thinnest semi-axis into the solid (where the tool
   /// starts inside: deeper than it started), and those in which it comes out on the other side of a plate or
