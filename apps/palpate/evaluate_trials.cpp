@@ -56,6 +56,7 @@ const std::vector<Column>& columns() {
       {"silent", "silent", kCount, [](const Figures& f) { return number(f.silent); }},
       {"sunk", "sunk", kCount, [](const Figures& f) { return number(f.sunk); }},
       {"through", "through", kCount, [](const Figures& f) { return number(f.through); }},
+      {"stuck", "stuck", kCount, [](const Figures& f) { return number(f.stuck); }},
       {"onsets", "onsets", kCount, [](const Figures& f) { return number(f.onsets); }},
       {"onset_p05_mm", "begin p5", kMm, [](const Figures& f) { return kToMm * f.onset.p05; }},
       {"onset_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.onset.p50; }},
@@ -78,6 +79,7 @@ const std::vector<Column>& columns() {
       {"first_silent", "1st silent", kCount, [](const Figures& f) { return first_of(f.silent_strokes); }},
       {"first_sunk", "sunk", kCount, [](const Figures& f) { return first_of(f.sunk_strokes); }},
       {"first_through", "through", kCount, [](const Figures& f) { return first_of(f.through_strokes); }},
+      {"first_stuck", "stuck", kCount, [](const Figures& f) { return first_of(f.stuck_strokes); }},
       {"first_late", "late", kCount, [](const Figures& f) { return first_of(f.late_strokes); }},
   };
   return all;
@@ -95,11 +97,10 @@ std::string text_of(const Column& column, const Row& row) {
 
 void print_table(const std::vector<Row>& rows) {
   fmt::print(
-      "Strokes in which nothing is felt deep inside, the proxy sinks in, or comes out behind; where the\n"
-      "force begins, from the seen and the true surface, and late, from there or the first ellipsoid, mm; "
-      "shares of\n"
-      "that, %; |F| over stiffness times depth; largest step of the force; time of a tick; the first\n"
-      "stroke that failed, for --stroke.\n\n");
+      "Strokes in which nothing is felt deep inside, the proxy sinks in, or comes out behind, and at whose\n"
+      "end a force is left; where the force begins, from the seen and the true surface, and late, from the\n"
+      "seen one or the first ellipsoid, mm; shares of that, %; |F| over stiffness times depth; largest step\n"
+      "of the force; time of a tick; the first strokes that failed, for --stroke.\n\n");
   fmt::print("{:<12} {:<7} {:<9}", "tool", "place", "like");
   for (const Column& c : columns()) {
     if (c.heading != nullptr) fmt::print(" {:>{}}", c.heading, width_of(c));
@@ -125,6 +126,7 @@ Json to_json(const std::vector<Row>& rows) {
     one["silent_strokes"] = row.figures.silent_strokes;
     one["sunk_strokes"] = row.figures.sunk_strokes;
     one["through_strokes"] = row.figures.through_strokes;
+    one["stuck_strokes"] = row.figures.stuck_strokes;
     one["late_strokes"] = row.figures.late_strokes;
     json.push_back(std::move(one));
   }
@@ -179,14 +181,16 @@ void repeat(const Row& row, const TrialOptions& options, const TrialTask& task, 
                             {"silent", stroke.silent},
                             {"sunk", stroke.sunk},
                             {"through", stroke.through},
+                            {"stuck", stroke.stuck},
                             {"step", stroke.step}}
                            .dump(2));
     return;
   }
-  fmt::print("{}, {}, {}, stroke {} at {:.3g} m/s: seen {}, touched {}, felt {} on the way, late {}{}{}{}\n",
-             row.tool, row.place, row.like, stroke.number, stroke.speed, in_mm(stroke.seen),
-             in_mm(stroke.touched), in_mm(stroke.felt), in_mm(stroke.late()), stroke.silent ? "; silent" : "",
-             stroke.sunk ? "; sunk" : "", stroke.through ? "; through" : "");
+  fmt::print(
+      "{}, {}, {}, stroke {} at {:.3g} m/s: seen {}, touched {}, felt {} on the way, late {}{}{}{}{}\n",
+      row.tool, row.place, row.like, stroke.number, stroke.speed, in_mm(stroke.seen), in_mm(stroke.touched),
+      in_mm(stroke.felt), in_mm(stroke.late()), stroke.silent ? "; silent" : "", stroke.sunk ? "; sunk" : "",
+      stroke.through ? "; through" : "", stroke.stuck ? "; stuck" : "");
   for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
 }
 

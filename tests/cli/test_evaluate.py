@@ -268,7 +268,7 @@ class Trials(Evaluate):
 
     def test_a_ball_on_a_face_is_felt_where_it_is_seen(self):
         (row,) = self.trials("--trial-tools", "ball5", "--trial-places", "face")
-        self.assertEqual((row["silent"], row["sunk"], row["first_silent"]), (0, 0, None))
+        self.assertEqual((row["silent"], row["sunk"], row["stuck"], row["first_silent"]), (0, 0, 0, None))
         self.assertGreater(row["onsets"], 0)
         self.assertEqual(row["within_1mm_percent"], 100.0)
         self.assertAlmostEqual(row["magnitude_p50"], 1.0, delta=0.05)

@@ -25,6 +25,7 @@ struct Fault {
   bool silent = false;     ///< the proxy is right, the force is none
   bool two_sided = false;  ///< out on the side where the ball is
   bool nothing = false;    ///< no surface at all
+  bool sticks = false;     ///< pulls back to where it was touched last
   double jump = 0.0;       ///< added to the force 2 ball radii deep. Unit: [N].
 };
 
@@ -37,7 +38,11 @@ class Flat final : public ForceModel {
     const double above = input.tool.position.z() - top_;
     const double side = fault_.two_sided && above < 0.0 ? -1.0 : 1.0;
     const double depth = kRadius - side * above;
-    if (fault_.nothing || !(depth > 0.0)) return {Wrench{}, input.tool};
+    if (fault_.nothing || !(depth > 0.0)) {
+      const Vector3d pull = fault_.sticks && touched_ ? Vector3d(-Vector3d::UnitZ()) : Vector3d::Zero();
+      return {{pull, Vector3d::Zero()}, input.tool};
+    }
+    touched_ = true;
     Pose proxy = input.tool;
     proxy.position.z() += side * depth;
     const double force = kStiffness * depth + (depth > 2.0 * kRadius ? fault_.jump : 0.0);
@@ -49,6 +54,7 @@ class Flat final : public ForceModel {
  private:
   double top_;
   Fault fault_;
+  bool touched_ = false;
 };
 
 TrialSetup setup(const std::string& place, const Fault& fault = {}) {
@@ -71,6 +77,7 @@ TEST_P(Faces, FindsNoFaultWithTheTruth) {
   EXPECT_EQ(f.silent, 0U);
   EXPECT_EQ(f.sunk, 0U);
   EXPECT_EQ(f.through, 0U);
+  EXPECT_EQ(f.stuck, 0U);
   EXPECT_NEAR(f.onset.p50, 0.0, 1e-3);  // from what is seen of noisy Gaussians
   EXPECT_EQ(f.within_1mm, 1.0);
   EXPECT_NEAR(f.magnitude.p50, 1.0, 0.1);
@@ -111,6 +118,12 @@ TEST(Trials, SeeASheetThatLetsThrough) {
   const TrialFigures f = run_trials(setup("sheet", {.two_sided = true}));
   EXPECT_EQ(f.through, f.strokes);
   EXPECT_EQ(f.through_strokes.front(), 0U);
+}
+
+TEST(Trials, SeeAForceThatIsLeft) {
+  const TrialFigures f = run_trials(setup("face", {.sticks = true}));
+  EXPECT_EQ(f.stuck, f.strokes);
+  EXPECT_EQ(f.silent + f.sunk, 0U);
 }
 
 // As where the tip of something long pokes through, and its middle does not.

@@ -177,12 +177,14 @@ class Trial {
   TrialStroke run(std::vector<TrialTick>* ticks, std::vector<double>* times) {
     Hand hand(scene_.index, aim_.tool, setup_.model);
     ForceSteps steps(setup_.stiffness);
+    double force = 0.0;  // of the last tick
     std::size_t in = 0;
     const std::vector<double> ways = ticks_of(way_.length, result_.speed, in);
     for (std::size_t i = 0; i < ways.size(); ++i) {
       const Vector3d position = way_.at(ways[i]);
       const ForceOutput felt = hand.at(position);
       steps.add(felt.wrench.force, position);
+      force = felt.wrench.force.norm();
       const TrialTick tick{position,
                            felt.proxy.position,
                            felt.wrench.force,
@@ -193,6 +195,7 @@ class Trial {
       judge(tick, felt.proxy, i + 1 == in);
       if (ticks != nullptr) ticks->push_back(tick);
     }
+    result_.stuck = !scene_.place.starts_inside() && force > 0.0;
     result_.step = steps.largest();
     if (times != nullptr) times->insert(times->end(), hand.ticks().begin(), hand.ticks().end());
     return result_;
@@ -294,6 +297,7 @@ class Sum {
     count(stroke.silent, stroke, f_.silent, f_.silent_strokes);
     count(stroke.sunk, stroke, f_.sunk, f_.sunk_strokes);
     count(stroke.through, stroke, f_.through, f_.through_strokes);
+    count(stroke.stuck, stroke, f_.stuck, f_.stuck_strokes);
     if (!stroke.slow()) return;
     step_.push_back(stroke.step);
     magnitude_.insert(magnitude_.end(), stroke.magnitude.begin(), stroke.magnitude.end());

@@ -63,7 +63,7 @@ struct TrialStroke {
   /// half a tick's way. Unit: [m].
   std::optional<double> met, seen, touched, felt;
   bool silent = false;  ///< see TrialFigures
-  bool sunk = false, through = false;
+  bool sunk = false, through = false, stuck = false;
   double step = 0.0;              ///< as TrialFigures::step
   std::vector<double> magnitude;  ///< as TrialFigures::magnitude
 
@@ -94,11 +94,13 @@ struct TrialFigures {
   /// starts inside: deeper than it started), and those in which it comes out on the other side of a plate or
   /// sheet. A start inside may let the proxy out on the inner side: it is through if it then comes back.
   std::size_t sunk = 0, through = 0;
+  /// Strokes from outside at whose end, where they began and nothing is touched, a force is left.
+  std::size_t stuck = 0;
   Spread step;  ///< of slow strokes, the largest change of the force in a tick beyond stiffness times the
                 ///< tool's motion. Unit: [N].
   Spread tick;  ///< time of contacts and force, in contact. Unit: [us].
   /// Numbers of the strokes that failed; of `late` those by more than 1 mm, or never felt.
-  std::vector<std::size_t> silent_strokes, sunk_strokes, through_strokes, late_strokes;
+  std::vector<std::size_t> silent_strokes, sunk_strokes, through_strokes, stuck_strokes, late_strokes;
 };
 
 /// Of a row. One thread; the same answers every time but for TrialFigures::tick.
