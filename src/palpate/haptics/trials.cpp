@@ -145,15 +145,15 @@ std::optional<double> seen_touch(const Scene& scene, const TrialAim& aim, const 
   return first;
 }
 
-/// How far on the way the tool is at each tick: in, at rest, and back. `in` says how many ticks are before
-/// the way back.
+/// How far on the way the tool is at each tick: in, at rest, back, and at rest. `in` says how many ticks are
+/// before the way back.
 std::vector<double> ticks_of(double length, double speed, std::size_t& in) {
   std::vector<double> ticks;
   for (double s = 0.0; s < length; s += speed * kTick) ticks.push_back(s);
   ticks.insert(ticks.end(), kRest + 1, length);
   in = ticks.size();
   for (double s = length - speed * kTick; s > 0.0; s -= speed * kTick) ticks.push_back(s);
-  ticks.push_back(0.0);
+  ticks.insert(ticks.end(), kRest + 1, 0.0);
   return ticks;
 }
 
@@ -195,7 +195,7 @@ class Trial {
       judge(tick, felt.proxy, i + 1 == in);
       if (ticks != nullptr) ticks->push_back(tick);
     }
-    result_.stuck = !scene_.place.starts_inside() && force > 0.0;
+    result_.stuck = scene_.place.is_flat() && !scene_.place.starts_inside() && force > 0.0;
     result_.step = steps.largest();
     if (times != nullptr) times->insert(times->end(), hand.ticks().begin(), hand.ticks().end());
     return result_;

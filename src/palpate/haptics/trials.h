@@ -54,7 +54,7 @@ struct TrialTick {
 };
 
 /// A way straight in, three of the tool's thinnest semi-axes or 60 mm deep (30 mm from where it starts
-/// inside), a rest of 10 ms, and the way back, at 0.05 to 50 m/s, all orders of magnitude alike.
+/// inside), a rest of 10 ms, the way back and another rest, at 0.05 to 50 m/s, all orders of magnitude alike.
 struct TrialStroke {
   std::size_t number = 0;
   double speed = 0.0;  ///< Unit: [m/s].
@@ -94,7 +94,8 @@ struct TrialFigures {
   /// starts inside: deeper than it started), and those in which it comes out on the other side of a plate or
   /// sheet. A start inside may let the proxy out on the inner side: it is through if it then comes back.
   std::size_t sunk = 0, through = 0;
-  /// Strokes from outside at whose end, where they began and nothing is touched, a force is left.
+  /// Strokes from outside at flat places at whose end, where they began and nothing is touched, a force is
+  /// left. Around an edge or rim a proxy may rightly stay behind.
   std::size_t stuck = 0;
   Spread step;  ///< of slow strokes, the largest change of the force in a tick beyond stiffness times the
                 ///< tool's motion. Unit: [N].
