@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 /// Sweeps at most, and the change, in metres, that ends them: a hundredth of what a device resolves.
-constexpr int kSweeps = 64;
+constexpr int kSweeps = 128;
 constexpr double kSmall = 1e-8;
 
 /// A motion on the way to its end. \param gyration as for length_of(). Unit: [m].
@@ -22,8 +22,8 @@ class Solver {
 
   /// Mends what `plane` has against the motion. \returns the change of its push and drag. Unit: [m].
   double relax(MotionConstraint& plane) {
-    const double missing = -(plane.gap + plane.normal.dot(plane.of(motion_)) + plane.compliance * plane.push);
-    const double step = std::max(-plane.push, missing / (give(plane, plane.normal) + plane.compliance));
+    const double missing = -(plane.gap + plane.normal.dot(plane.of(motion_)));
+    const double step = std::max(-plane.push, missing / give(plane, plane.normal));
     plane.push += step;
     apply(plane, step * plane.normal);
     return plane.friction > 0.0 ? std::max(std::abs(step), drag(plane)) : std::abs(step);

@@ -24,9 +24,7 @@ struct MotionConstraint {
   Eigen::Vector3d normal;  ///< unit, away from the plane. World frame.
   Eigen::Vector3d arm;     ///< from the handle to the point, world frame. Unit: [m].
   double gap;              ///< from the plane to the point along the normal; negative inside. Unit: [m].
-  /// How far it gives way, as a share of how hard it is pushed: 0 for a wall, 1 for one that is passed half.
-  double compliance = 0.0;
-  double friction = 0.0;  ///< Coulomb's coefficient
+  double friction = 0.0;   ///< Coulomb's coefficient
   // What the plane takes from the motion, set by constrained_motion():
   double push = 0.0;                               ///< along the normal. Unit: [m].
   Eigen::Vector3d drag = Eigen::Vector3d::Zero();  ///< along the plane. Unit: [m].
@@ -37,7 +35,7 @@ struct MotionConstraint {
 
 /// The motion nearest to `wanted`, by length_of(), with, for all planes k,
 ///
-///     gap_k + n_k . v_k + compliance_k push_k >= 0,    v_k = translation + rotation x arm_k
+///     gap_k + n_k . v_k >= 0,    v_k = translation + rotation x arm_k
 ///
 /// and pushes that are not negative: Gauss' principle of least constraint as in Ortega, Redon and Coquillart
 /// (2007). With friction also v_k = 0 along the plane, as far as drag_k <= friction_k push_k can hold the

@@ -139,6 +139,9 @@ class DepthView {
   void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
             const RayPattern& pattern, double start, RayLight& light);
 
+  /// Of the last look: Gaussians that rays may have met.
+  std::size_t drawn() const { return image_count_; }
+
   /// \name Of ray k: regular ones first.
   /// @{
   float x(std::size_t k) const { return x_[k]; }

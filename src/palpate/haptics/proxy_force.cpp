@@ -95,7 +95,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
 }
 
 void ProxyForce::reset() {
-  started_ = held_ = trails_ = false;
+  started_ = held_ = trails_ = waits_ = false;
   hold_ = {};
   spring_ = {};
   spring_.reserve = most_reserve();
@@ -105,7 +105,6 @@ void ProxyForce::reset() {
     part.patches.clear();
     part.heading.setZero();
     part.ahead = part.one_end = part.other_end = {};
-    part.done = false;
   }
 }
 
@@ -127,18 +126,21 @@ void ProxyForce::start_patches(Part& part) {
 bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
                             const Eigen::Vector3d& about, double way, const Pose& target) {
   const Ellipsoid solid = part.solid.at(proxy_);
+  if (sight.done) return true;
   const double moved = way_between(sight.from, solid);
   if (moved + way <= sight.clear && along.dot(sight.along) > kSameLook) return true;
   const double detail = part.patches.detail();
   const Ellipsoid next{solid.center + way * along, solid.axes}, there = part.solid.at(target);
-  const double clear = part.patches.look_ahead(splats, solid, along, about, way,
-                                               [&] { return touches(part, next) || touches(part, there); });
-  sight = {solid, along, std::min({clear, 0.5 * part.reach, 0.5 * detail})};
-  return !budget_.is_spent() || clear > way;
+  const std::optional<double> clear = part.patches.look_ahead(
+      splats, solid, along, about, way, [&] { return touches(part, next) || touches(part, there); });
+  if (!clear) return false;
+  sight = {solid, along, std::min({*clear, 0.5 * part.reach, 0.5 * detail}), true};
+  return true;
 }
 
-bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest) {
+bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& goal) {
   if (splats.size == 0) return true;
+  const auto& [target, longest] = goal;
   const Ellipsoid solid = part.solid.at(proxy_);
   const Eigen::Vector3d wanted = part.solid.at(target).center - solid.center;
   const double farthest = std::min(step_, longest), ahead = kAhead * part.patches.detail(),
@@ -169,29 +171,26 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Pose& t
   return sees;
 }
 
-bool ProxyForce::find_obstacles(const Pose& target, double longest) {
+bool ProxyForce::find_obstacles(const Goal& goal) {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
   bool sees = true;
   for (Part& part : parts_) {
     const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
-    // Of what the budget did not allow for all parts, some have been looked at where the proxy still is.
-    if (!part.done) {
-      part.patches.follow(splats, part.solid.at(proxy_));
-      part.done = look_ahead(part, splats, target, longest);
-      sees = sees && part.done;
-    }
+    part.patches.follow(splats, part.solid.at(proxy_));
+    sees = look_ahead(part, splats, goal) && sees;
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const double c = std::max(kLeastConfidence, patches[i].confidence);
       const Properties properties = properties_of(part.patches, i);
-      obstacles_.planes.push_back({patches[i].normal, patches[i].foot - proxy_.position, patches[i].gap,
-                                   (1.0 - c) / c, properties.friction});
+      obstacles_.planes.push_back(
+          {patches[i].normal, patches[i].foot - proxy_.position, patches[i].gap, properties.friction});
       obstacles_.properties.push_back(properties);
+      obstacles_.properties.back().confidence = c;
     }
   }
   if (sees) {
-    for (Part& part : parts_) part.done = false;
+    for (Part& part : parts_) part.ahead.done = part.one_end.done = part.other_end.done = false;
   }
   return sees;
 }
@@ -217,7 +216,7 @@ ProxyForce::Hold ProxyForce::hold() const {
     const double push = obstacles_.planes[i].push;
     const Properties& of = obstacles_.properties[i];
     sum.push += push;
-    sum.confidence += push / (1.0 + obstacles_.planes[i].compliance);
+    sum.confidence += push * of.confidence;
     sum.stiffness += push * of.stiffness;
     sum.damping += push * of.damping;
   }
@@ -255,8 +254,10 @@ Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double
 }
 
 double ProxyForce::step(const Pose& target, double longest, double stretch) {
-  if (!find_obstacles(target, longest)) return 0.0;  // not where it has not looked
-  const Motion wanted = motion_between(proxy_, target);
+  if (!waits_) goal_ = {target, longest};
+  waits_ = !find_obstacles(goal_);
+  if (waits_) return 0.0;
+  const Motion wanted = motion_between(proxy_, goal_.target);
   Motion motion = constrained_motion(wanted, obstacles_.planes, gyration_);
   const Hold held = hold();
   if (share_within(wanted, motion, stretch, gyration_) < 1.0) motion = less_wound(wanted, motion, stretch);
@@ -268,9 +269,9 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   const double farthest = motion.translation.norm() + radius_ * motion.rotation.norm();
   const double length = length_of(motion, gyration_);
   const double share =
-      std::min({1.0, step_ / std::max(farthest, 1e-300), longest / std::max(length, 1e-300)});
+      std::min({1.0, step_ / std::max(farthest, 1e-300), goal_.longest / std::max(length, 1e-300)});
   if (!held_ && share == 1.0) {
-    proxy_ = target;  // not to rounding
+    proxy_ = goal_.target;  // not to rounding
     trails_ = false;
   } else {
     motion = blend({}, motion, share);
@@ -307,10 +308,15 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
 ///     k f^2 / 2 <= B + k f p / 2,    B = k' f'^2 / 2 + k' f' p' / 2 + reserve
 ///
 /// with ' what was before: the force on the hand changes evenly from tick to tick.
-void ProxyForce::wind(const Motion& pull, double length, const std::optional<Motion>& moved) {
+void ProxyForce::wind(const Motion& pull, double length, const std::optional<Motion>& moved, double dt) {
   const Spring was = spring_;
-  const double k = hold_.stiffness;
-  spring_ = {.along = length > 0.0 ? blend({}, pull, 1.0 / length) : Motion{},
+  double k = hold_.stiffness * hold_.confidence;
+  if (moved && was.felt > 0.0) {
+    const double change = hold_.stiffness * parameters_.hand_scale * kCatchUp * dt / std::max(length, 1e-12);
+    k = std::clamp(k, was.stiffness - change, was.stiffness + change);
+  }
+  spring_ = {.is_on = true,
+             .along = length > 0.0 ? blend({}, pull, 1.0 / length) : Motion{},
              .felt = length,
              .stiffness = k,
              .reserve = was.reserve};
@@ -345,14 +351,17 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // Where the tool starts in something, it comes out at once.
   const Motion moved = motion_between(tool_, input.tool);
   const double of_tool = length_of(moved, gyration_);
-  // What is not held is with the tool, or on its way there.
-  double way = first || !trails_ ? std::numeric_limits<double>::infinity() : of_tool + catch_up() * input.dt;
+  // What has never been held is with the tool, or on its way there; what is not held any more comes after it.
+  const double in_contact = of_tool + catch_up() * input.dt;
+  double way = held_ ? in_contact : std::max(in_contact, 2.0 * of_tool);
+  if (first || !trails_) way = std::numeric_limits<double>::infinity();
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
-  const double more = trails_ ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
+  const double more =
+      spring_.is_on ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
   const double stretch = first ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
@@ -365,12 +374,13 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   remember(proxy_.position - before);
   // On its way through free space, nothing is felt.
   if (!trails_) {
+    spring_.is_on = false;
     spring_.felt = 0.0;
     return {Wrench{}, proxy_, 1.0, spring_.reserve};
   }
   const Motion pull = motion_between(input.tool, proxy_);
   const double length = length_of(pull, gyration_);
-  wind(pull, length, first ? std::nullopt : std::optional(moved));
+  wind(pull, length, first ? std::nullopt : std::optional(moved), input.dt);
   if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve};
   const double k = spring_.stiffness, of_length = k * spring_.felt / length;
   const double push = of_length * damped(of_length * pull.translation);

@@ -116,6 +116,7 @@ class ProxyForce final : public ForceModel {
     Ellipsoid from;
     Eigen::Vector3d along = Eigen::Vector3d::Zero();
     double clear = 0.0;  ///< how far the solid may go that way. Unit: [m].
+    bool done = false;   ///< for the step that is to come
   };
 
   struct Part {
@@ -139,12 +140,18 @@ class ProxyForce final : public ForceModel {
     Eigen::Vector3d heading = Eigen::Vector3d::Zero();
     Sight ahead;               ///< the way that the centre goes
     Sight one_end, other_end;  ///< and the ends, where it turns
-    bool done = false;  ///< looked at, where the proxy is, in a tick before that had no time for all parts
+  };
+
+  /// Where a step goes.
+  struct Goal {
+    Pose target;
+    double longest = 0.0;  ///< of the step. Unit: [m].
   };
 
   /// What something is made of, nothing left open.
   struct Properties {
     double stiffness, friction, damping;
+    double confidence = 1.0;  ///< that it is there
   };
 
   /// What the proxy must not enter, and what that is made of.
@@ -162,22 +169,22 @@ class ProxyForce final : public ForceModel {
 
   /// What the hand feels.
   struct Spring {
+    bool is_on = false;
     Motion along;               ///< from tool to proxy, of length 1; zero where both are in one place
     double felt = 0.0;          ///< how much of its length. Unit: [m].
     double stiffness = 0.0;     ///< Unit: [N/m].
     double reserve = kReserve;  ///< what it may yet take in that is no work of the hand's. Unit: [J].
   };
 
-  /// Moves the proxy one step towards `target`, by at most `longest`, and at most to where the spring is
-  /// `stretch` long. \returns how far. Unit: [m].
+  /// Moves the proxy one step towards `target`, by at most `longest`; or towards where it was to go when
+  /// there was no time to look. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
-  /// The patches of all parts as obstacles, on the way to `target`, of which the proxy goes `longest` at
-  /// most.
-  /// \returns false if the budget did not allow to look at all of it.
-  bool find_obstacles(const Pose& target, double longest);
+  /// The patches of all parts as obstacles, on the way to the goal. \returns false if the budget did not
+  /// allow to look at all of it: what has been looked at is not again when it is asked for the same goal.
+  bool find_obstacles(const Goal& goal);
   /// Looks where `part` is about to go. \returns false if the budget was spent before.
-  bool look_ahead(Part& part, const LocalSplats& splats, const Pose& target, double longest);
+  bool look_ahead(Part& part, const LocalSplats& splats, const Goal& goal);
   /// The same for one direction.
   bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
                   const Eigen::Vector3d& about, double way, const Pose& target);
@@ -194,7 +201,7 @@ class ProxyForce final : public ForceModel {
   double most_reserve() const;
   /// Makes spring_ that of now, `pull` from tool to proxy. \param moved of the tool since the last time;
   /// nothing where it starts, and all of the spring is felt
-  void wind(const Motion& pull, double length, const std::optional<Motion>& moved);
+  void wind(const Motion& pull, double length, const std::optional<Motion>& moved, double dt);
   /// What the push is multiplied with so that it damps the motion, too.
   double damped(const Eigen::Vector3d& push) const;
 
@@ -212,6 +219,8 @@ class ProxyForce final : public ForceModel {
   bool started_ = false;
   bool held_ = false;    ///< by something, in the last step
   bool trails_ = false;  ///< has been held since it was last with the tool
+  bool waits_ = false;   ///< for the time to look where it goes
+  Goal goal_;            ///< of the last step
   Hold hold_;            ///< of the last step in which it was held
   Spring spring_;        ///< of the last call
   Pose tool_;            ///< of the last call, world frame

@@ -195,9 +195,9 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   Vector2d anchor = image_of(view, patch.anchor);
   RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
   pattern.aim = image_of(view, patch.sight);
-  budget_.spend(splats.size);
   RayLight light(patch.light);
   view_->look(splats, view, profile, enlarged(solid, reach_), pattern, start_of(profile, place), light);
+  budget_.spend(splats.size, view_->drawn());
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
   const double clearance = view_->clearance(nearest);
@@ -256,7 +256,7 @@ void SurfacePatches::remember_witnesses(std::size_t i) {
 
 bool SurfacePatches::stay(const Ellipsoid& solid, SurfacePatch& patch) const {
   const Vector3d surface = patch.on_surface();
-  patch.foot = farthest_point(solid, -patch.normal);
+  patch.foot = carried(patch.seen_by, solid, patch.seen_at);
   patch.gap = (patch.foot - surface).dot(patch.normal);
   const Vector3d way = patch.foot - patch.seen_at;
   const double aside = (way - way.dot(patch.normal) * patch.normal).norm();
@@ -283,7 +283,8 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
-    const bool as_it_was = way_between(patch.seen_by, solid) < kStill * detail_ || budget_.is_spent();
+    const bool as_it_was = way_between(patch.looked_by, solid) < kStill * detail_ || budget_.is_spent();
+    if (!as_it_was) patch.looked_by = solid;
     if (as_it_was || !see_again(splats, solid, patch)) {
       if (!stay(solid, patch)) continue;
       seen_count_ = witness_count_[i];
@@ -325,11 +326,11 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   Eigen::Matrix<double, 2, 3> image;
   image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
   const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
-  budget_.spend(splats.size);
   carry_light(solid, along);
   view_->look(splats, view, profile, enlarged(solid, reach_),
               RayPattern::over_ellipse(root, image_of(view, about)), start_of(profile, Vector2d::Zero()),
               light_);
+  budget_.spend(splats.size, view_->drawn());
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);
@@ -362,7 +363,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
     best = patch;
   }
   best.seen_at = best.foot;
-  best.seen_by = solid;
+  best.seen_by = best.looked_by = solid;
   return keep(best);
 }
 
@@ -382,7 +383,7 @@ bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, c
     found = true;
   }
   patch.seen_at = patch.foot;
-  patch.seen_by = solid;
+  patch.seen_by = patch.looked_by = solid;
   return found && keep(patch);
 }
 

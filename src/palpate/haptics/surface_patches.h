@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -31,6 +32,7 @@ struct SurfacePatch {
   Eigen::Vector3d sight;                              ///< what the nearest ray saw: one looks there again
   Eigen::Vector3d seen_at = Eigen::Vector3d::Zero();  ///< the foot when it was seen last
   Ellipsoid seen_by;                                  ///< the solid then
+  Ellipsoid looked_by;                                ///< and when it was looked for last
   double offset = 0.0;  ///< of the felt surface over the fit, along the normal. Unit: [m].
   float light = 1.0F;   ///< that came there along the motion, through what is before it
 
@@ -52,15 +54,18 @@ double confidence_of(const DepthMoments& moments, bool seen);
 /// however dense the scene and however many parts the tool has.
 class LookBudget {
  public:
-  /// In Gaussians looked at, about 30 ns each. The last look may go beyond it.
-  static constexpr double kTick = 16000.0;
+  /// In Gaussians drawn, about 30 ns each. The last look may go beyond it.
+  static constexpr double kTick = 12000.0;
 
   void refill() { left_ = kTick; }
   bool is_spent() const { return left_ <= 0.0; }
-  void spend(std::size_t splats) { left_ -= kPerLook + static_cast<double>(splats); }
+  /// \param near Gaussians that were looked at \param drawn those of them that rays may have met
+  void spend(std::size_t near, std::size_t drawn) {
+    left_ -= kPerLook + kPerNear * static_cast<double>(near) + static_cast<double>(drawn);
+  }
 
  private:
-  static constexpr double kPerLook = 100.0;
+  static constexpr double kPerLook = 100.0, kPerNear = 0.2;
   double left_ = kTick;
 };
 
@@ -106,13 +111,15 @@ class SurfacePatches {
 
   /// Looks along the unit vector `along` for what the solid, moved that way by `way`, would touch and no
   /// patch explains, most closely about the point `about`; each such place becomes a patch if `admit()` lets
-  /// it. \returns how far it may go without another look; nowhere, once the budget is spent. Unit: [m].
+  /// it. \returns how far it may go without another look; nothing where the budget did not allow to
+  /// look, or to look for what else there is. Unit: [m].
   template <class Admit>
-  double look_ahead(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
-                    const Eigen::Vector3d& about, double way, const Admit& admit) {
+  std::optional<double> look_ahead(const LocalSplats& splats, const Ellipsoid& solid,
+                                   const Eigen::Vector3d& along, const Eigen::Vector3d& about, double way,
+                                   const Admit& admit) {
     double clear = 0.0;
     while (size_ < kMost) {
-      if (budget_.is_spent()) return 0.0;
+      if (budget_.is_spent()) return std::nullopt;
       Meeting meeting;
       clear = meet(splats, solid, along, about, way, meeting);
       if (clear > way || !admit()) break;
