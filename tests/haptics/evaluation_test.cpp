@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
+#include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -22,6 +25,9 @@ struct Knowledge {
   bool two_sided = false;  ///< out of a sheet the nearest way
   double friction = 0.0;   ///< its own, whatever is asked for
   double creep = 0.0;      ///< of the proxy. Unit: [m] a tick.
+  double ripple = 0.0;     ///< share by which the force is more and less, in turn
+  bool proxy = true;       ///< has one
+  bool tires = false;      ///< holds one contact, and no other until it is reset
 };
 
 class Knowing final : public ForceModel {
@@ -29,27 +35,35 @@ class Knowing final : public ForceModel {
   Knowing(const std::string& shape, const Knowledge& knowledge)
       : surface_(make_surface(shape)), knows_(knowledge) {}
 
-  void reset() override { crept_ = 0.0; }
+  void reset() override {
+    crept_ = 0.0;
+    held_ = tired_ = more_ = false;
+  }
   ForceOutput evaluate(const ForceInput& input) override {
     const NearestPoint nearest = surface_->project(input.tool.position);
     const double above = (input.tool.position - nearest.point).dot(nearest.normal);
     const bool other_side = knows_.two_sided && above < 0.0;
     const Vector3d out = other_side ? Vector3d(-nearest.normal) : nearest.normal;
     const double depth = kRadius - (knows_.two_sided ? std::abs(above) : above);
-    if (!(depth > 0.0)) return {Wrench{}, input.tool};
+    tired_ = tired_ || (knows_.tires && held_ && !(depth > 0.0));
+    if (!(depth > 0.0) || tired_) return {Wrench{}, input.tool};
+    held_ = true;
+    more_ = !more_;
+    const double size = kStiffness * depth * (1.0 + (more_ ? 1.0 : -1.0) * knows_.ripple);
     crept_ += knows_.creep;
     Pose proxy = input.tool;
-    if (knows_.sign > 0.0) proxy.position += depth * out + crept_ * out.unitOrthogonal();
+    if (knows_.sign > 0.0 && knows_.proxy) proxy.position += depth * out + crept_ * out.unitOrthogonal();
     const Vector3d& v = input.velocity.linear;
     const Vector3d tangential = v - v.dot(out) * out;
     const Vector3d drag = knows_.friction * tangential.stableNormalized();
-    return {{knows_.sign * kStiffness * depth * (out - drag), Vector3d::Zero()}, proxy};
+    return {{knows_.sign * size * (out - drag), Vector3d::Zero()}, proxy};
   }
 
  private:
   std::unique_ptr<AnalyticSurface> surface_;
   Knowledge knows_;
   double crept_ = 0.0;
+  bool held_ = false, tired_ = false, more_ = false;
 };
 
 EvaluationSetup setup(const std::string& shape, const Knowledge& knowledge = {}) {
@@ -122,6 +136,31 @@ TEST(Pushes, SeesASheetThatLetsThrough) {
   }
 }
 
+// Without a proxy, what pushes back lets nothing through, however deep, and what pushes on does.
+TEST(Pushes, OfAModelWithoutAProxyAreJudgedByItsForce) {
+  for (const char* sheet : {"plane", "shell"}) {
+    EXPECT_EQ(evaluate(setup(sheet, {.proxy = false})).through, 0U);
+    const Evaluation e = evaluate(setup(sheet, {.two_sided = true, .proxy = false}));
+    EXPECT_EQ(e.through, e.pushes);
+  }
+}
+
+// What a stroke has left behind is nothing to the next.
+TEST(Evaluation, BeginsEveryStrokeAnew) {
+  EvaluationSetup fresh = setup("sphere"), tiring = setup("sphere", {.tires = true});
+  fresh.friction = tiring.friction = 0.3;
+  fresh.places = tiring.places = 2;
+  const Evaluation one = evaluate(fresh), other = evaluate(tiring);
+  EXPECT_EQ(one.pushes, other.pushes);
+  EXPECT_EQ(one.through, other.through);
+  EXPECT_EQ(one.silent, other.silent);
+  EXPECT_EQ(one.held, other.held);
+  EXPECT_EQ(one.loop.max, other.loop.max);
+  EXPECT_EQ(one.ripple.max, other.ripple.max);
+  EXPECT_EQ(one.friction.p50, other.friction.p50);
+  EXPECT_EQ(one.creep.max, other.creep.max);
+}
+
 // A model that feels nothing is no wall.
 TEST(Pushes, SeesThatNothingIsInTheWay) {
   class Nothing final : public ForceModel {
@@ -172,6 +211,53 @@ TEST(Friction, IsMeasuredForEveryCoefficientAskedFor) {
   EXPECT_EQ(curve[1].at, 0.6);
   EXPECT_NEAR(curve[0].value.p50, 0.1, 1e-6);
   EXPECT_NEAR(curve[1].value.max, 0.3, 1e-6);
+}
+
+// It is measured where the proxy is, and not where the tool is: here the proxy lags behind by 30 mm of a
+// sphere of 150 mm.
+TEST(Friction, IsAgainstTheNormalOfTheProxy) {
+  class Lagging final : public ForceModel {
+    void reset() override {}
+    ForceOutput evaluate(const ForceInput& input) override {
+      const NearestPoint below = surface_->project(input.tool.position);
+      const Vector3d v = input.velocity.linear,
+                     along = (v - v.dot(below.normal) * below.normal).stableNormalized();
+      const NearestPoint there = surface_->project(below.point - 0.03 * along);
+      const Vector3d drag = (along - along.dot(there.normal) * there.normal).stableNormalized();
+      Pose proxy = input.tool;
+      proxy.position = there.point + kRadius * there.normal;
+      return {{kStiffness * 0.01 * (there.normal - 0.25 * drag), Vector3d::Zero()}, proxy};
+    }
+    std::unique_ptr<AnalyticSurface> surface_ = make_surface("sphere");
+  };
+  EvaluationSetup rubbed = setup("sphere");
+  rubbed.model = [](const SceneIndex&, const Tool&, double) { return std::make_unique<Lagging>(); };
+  EXPECT_NEAR(friction_response(rubbed, {0.3})[0].value.p50, 0.25, 2e-3);
+}
+
+// A tenth more and a tenth less, in turn: that is the standard deviation, and twice that the jump.
+TEST(Slides, TellRippleAndJump) {
+  const Evaluation e = evaluate(setup("plane", {.ripple = 0.1}));
+  EXPECT_NEAR(e.ripple.p50, 0.1, 1e-3);
+  EXPECT_NEAR(e.jump.p50, 0.2 * kStiffness * 0.5 * kRadius, 1e-9);
+  ASSERT_GT(e.slide.size(), 1U);
+  EXPECT_NEAR(e.slide[1].x() - e.slide[0].x(), 1e-4, 1e-12);
+  EXPECT_NEAR(std::abs(e.slide[1].y() - e.slide[0].y()), 0.2 * kStiffness * 0.5 * kRadius, 1e-9);
+  EXPECT_NEAR(e.slide_depth, 0.5 * kRadius, 1e-12);
+}
+
+// Around a circle as wide as deep, rubbed by mu: mu k depth 2 pi depth, over k depth^2 / 2.
+TEST(Loops, TellTheWorkThatFrictionDoes) {
+  const Evaluation e = evaluate(setup("plane", {.friction = 0.4}));
+  EXPECT_NEAR(e.loop.p50, 4.0 * std::numbers::pi * 0.4, 0.02);
+}
+
+TEST(Evaluation, TellsHowFarItIs) {
+  std::vector<double> told;
+  evaluate(setup("plane"), [&](std::string_view, double fraction) { told.push_back(fraction); });
+  ASSERT_EQ(told.size(), 20U);  // 10 places and 10 pushes
+  for (std::size_t k = 0; k < told.size(); ++k)
+    EXPECT_NEAR(told[k], (static_cast<double>(k) + 1.0) / 20.0, 1e-12);
 }
 
 TEST(Friction, IsNotMeasuredWhereThereIsNone) {

@@ -10,6 +10,7 @@ constexpr double kSlowest = 0.1, kFast = 1.0, kFastest = 2.0;  // [m/s]
 constexpr std::size_t kFastestEvery = 10;
 constexpr double kBefore = 2.5, kBeyond = 3.0;  // where a push begins and ends, in the tool's reach
 constexpr double kAslant = 0.5;                 // sine of the largest angle from the normal
+constexpr double kRounding = 1e-9;              // of where the tool is. [m]
 
 }  // namespace
 
@@ -33,7 +34,7 @@ bool Pushes::is_through(const ForceOutput& felt, const Vector3d& position, const
                         double thickness) const {
   const Vector3d &proxy = felt.proxy.position, &force = felt.wrench.force;
   const bool has_force = force.squaredNorm() > 0.0;
-  if (has_force && (proxy - position).norm() == 0.0) return force.dot(aim.along) > 0.0;
+  if (has_force && (proxy - position).norm() < kRounding) return force.dot(aim.along) > 0.0;
   const NearestPoint nearest = surface_.project(proxy);
   const bool behind = (proxy - nearest.point).dot(nearest.normal) < 0.0;
   return behind || nearest.distance < 0.5 * thickness;
