@@ -35,6 +35,7 @@ struct Knowledge {
   double early = 0.0;  ///< by how much it begins above. Unit: [m].
   double gain = 1.0;
   double jump = 0.0;  ///< of the force, 4 mm deep. Unit: [N].
+  double edge = 0.0;  ///< of the force, 50 mm from the z axis. Unit: [N].
 };
 
 class Knowing final : public ForceModel {
@@ -46,6 +47,7 @@ class Knowing final : public ForceModel {
     ForceOutput felt{Wrench{}, input.tool};
     if (depth > 0.0) felt.wrench.force.z() = knows_.gain * kStiffness * depth;
     if (depth > 0.00405) felt.wrench.force.z() += knows_.jump;
+    if (input.tool.position.head<2>().norm() > 0.05005) felt.wrench.force.z() += knows_.edge;
     return felt;
   }
 
@@ -104,6 +106,21 @@ TEST(CaptureEvaluation, WhatBeginsLateIsSilent) {
   EXPECT_NEAR(figures.onset.p50, 0.007, 2e-4);
 }
 
+// However hard it pushes farther in.
+TEST(CaptureEvaluation, WhatIsSilentAt10MillimetresIsSoWhateverFollows) {
+  EXPECT_EQ(Bench(sheet(), Knowledge{.early = -0.012}).push().silent_10mm, 1.0);
+}
+
+TEST(CaptureEvaluation, APushComesBackTheWayItWent) {
+  Bench bench(sheet(), Knowledge{});
+  std::vector<CaptureTick> ticks;
+  bench.evaluation.push(bench.down(), &ticks);
+  ASSERT_FALSE(ticks.empty());
+  EXPECT_NEAR(ticks[ticks.size() / 2].depth, 3.0 * kRadius, 2e-4);
+  for (std::size_t i = 0; i < ticks.size() / 2; ++i)
+    EXPECT_NEAR((ticks[i].tool - ticks[ticks.size() - 1 - i].tool).norm(), 0.0, 1e-12);
+}
+
 TEST(CaptureEvaluation, WhatBeginsEarlyPushesBeforeAnythingIsTouched) {
   Bench bench(sheet(), Knowledge{.early = 0.007});
   const CaptureFigures figures = bench.push();
@@ -122,6 +139,8 @@ TEST(CaptureEvaluation, NothingIsSilentAndLate) {
 TEST(CaptureEvaluation, AJumpIsFound) {
   Bench bench(sheet(), Knowledge{.jump = 0.3});
   EXPECT_NEAR(bench.push().push_step.max, 0.3, 1e-9);
+  // A spring of 400 N/m might change by 0.04 N in a tick of 0.1 mm.
+  EXPECT_NEAR(Bench(sheet(), Knowledge{.edge = 0.2}).slide().slide_step.max, 0.2 - 0.04, 1e-9);
 }
 
 TEST(CaptureEvaluation, SlidesAreHeldAgainstTheirDepth) {

@@ -117,6 +117,20 @@ TEST(EdgeResponse, FindsWhereTheProxySinksIn) {
   }
 }
 
+// Half its radius deep all the way: 10 mm from the box.
+TEST(EdgeResponse, LeadsTheBallAtAnEvenDepth) {
+  static const auto box = make_surface("box");
+  std::vector<double> distances;
+  edge_response(setup([&](const Vector3d& p) {
+    distances.push_back(box->distance(p));
+    return rolled(p, 0.0);
+  }));
+  constexpr std::size_t kTicks = 900;  // of 957, at 0.1 mm: a quarter turn at 10 mm, and 40 mm on either side
+  ASSERT_GT(distances.size(), kTicks);
+  for (std::size_t i = distances.size() - kTicks; i < distances.size(); ++i)
+    ASSERT_NEAR(distances[i], 0.5 * kBall, 1e-9);
+}
+
 TEST(Crossings, AreNotAnsweredWithoutAProxy) {
   const EvaluationSetup none = setup([](const Vector3d& p) { return p; });
   EXPECT_TRUE(std::isnan(edge_response(none).off.max));

@@ -356,6 +356,20 @@ TEST(DensityForce, OfManyPartsIsClampedAsAWhole) {
   right.part = 1;
   const ContactSet both = contacts({contact({-2, 0, -1}, 0.4, 0.5), right});
   EXPECT_NEAR((model.evaluate(input(both)).wrench.force - Eigen::Vector3d(0, 0, 1.5)).norm(), 0.0, kClose);
+  // However little it is too much: of 1 N on each, 1.95 N.
+  p.f_max = 1.95;
+  DensityForce hardly(tool, p);
+  EXPECT_NEAR((hardly.evaluate(input(both)).wrench.force - Eigen::Vector3d(0, 0, 1.95)).norm(), 0.0, kClose);
+  // The torque is of the force that is felt: 1 N at 2 m and at 4 m, of which three quarters are left.
+  const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
+  p.f_max = 1.5;
+  DensityForce aside(
+      Tool({{"near", {1, 1, 1}, {{2, 0, 0}, straight}}, {"far", {1, 1, 1}, {{4, 0, 0}, straight}}}), p);
+  Contact far = contact({4, 0, -1}, 0.4, 0.5);
+  far.part = 1;
+  const ContactSet pushes = contacts({contact({2, 0, -1}, 0.4, 0.5), far});
+  EXPECT_NEAR((aside.evaluate(input(pushes)).wrench.torque - Eigen::Vector3d(0, -4.5, 0)).norm(), 0.0,
+              kClose);
 }
 
 }  // namespace

@@ -97,6 +97,122 @@ TEST_F(DepthViewTest, ClearanceIsFromTheSolidToWhatIsSeen) {
   });
 }
 
+// Of an ellipsoid that is turned any way, by its own definition: |axes^-1 (point - center)| = 1, on the far
+// side.
+TEST(Profile, IsTheFarSideOfTheSolid) {
+  Random random(44);
+  int below = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+    const Vector3d semi_axes(random.uniform(0.01, 0.05), random.uniform(0.01, 0.05),
+                             random.uniform(0.01, 0.05));
+    const Ellipsoid solid = Ellipsoid::from_semi_axes({{1, 2, 3}, turn}, semi_axes);
+    const Vector3d w = Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+    const ViewFrame view = ViewFrame::along(w, solid.center, w.unitOrthogonal());
+    const Profile profile(solid, view);
+    const auto size = [&](double x, double y, double depth) {
+      return (solid.axes.inverse() * (view.at(x, y, depth) - solid.center)).norm();
+    };
+    const auto x = static_cast<float>(random.uniform(-0.05, 0.05)),
+               y = static_cast<float>(random.uniform(-0.05, 0.05));
+    // The ray through (x, y) is nearest to the centre, by the solid's measure, where that is least.
+    const Vector3d at = solid.axes.inverse() * (x * view.u + y * view.v), along = solid.axes.inverse() * w;
+    const double least = (at - at.dot(along) / along.squaredNorm() * along).squaredNorm();
+    if (std::abs(least - 1.0) < 0.01) continue;
+    ASSERT_EQ(profile.below(x, y), least < 1.0);
+    if (least > 1.0) continue;
+    ++below;
+    const double depth = profile.depth(x, y);
+    EXPECT_NEAR(size(x, y, depth), 1.0, 1e-4);
+    EXPECT_GT(size(x, y, depth + 1e-4), 1.0);
+    EXPECT_LT(size(x, y, depth - 1e-4), 1.0);
+  }
+  EXPECT_GT(below, 100);
+}
+
+// At its very side a solid is steeper than a depth image can tell: a ray there has no clearance, whatever it
+// sees.
+TEST_F(DepthViewTest, HasNoClearanceAtTheSideOfTheSolid) {
+  const SceneIndex index(test::scene_of({test::splat({0, 0, -0.03}, {0.05, 0.05, 1e-5})}), SceneFilter{},
+                         Similarity{});
+  const Ellipsoid solid = ball(Vector3d::Zero(), kRadius), larger = ball(Vector3d::Zero(), kRadius + kReach);
+  SplatTracker tracker(index);
+  const LocalSplats& near = tracker.around(larger);
+  const auto image = std::make_unique<DepthView>();
+  const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
+  const Profile profile(solid, view);
+  constexpr std::size_t kAimed = DepthView::kRegular + 1;
+  on_every_target([&] {
+    for (const double r : {0.9, 0.999, 0.9999, 1.01}) {
+      Vector2d anchor = Vector2d::Zero();
+      RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.03, anchor);
+      pattern.aim = {0.0, r * kRadius};
+      RayLight light;
+      image->look(near, view, profile, larger, pattern, 0.0, light);
+      EXPECT_EQ(image->clearance(kAimed) < DepthView::kNothing, r < 0.9998) << r;
+      for (std::size_t k = 0; k < DepthView::kRays; ++k) {
+        const bool below = image->hits(k) && profile.below(image->x(k), image->y(k));
+        EXPECT_EQ(image->clearance(k) < DepthView::kNothing, below) << k;
+      }
+    }
+  });
+}
+
+// Of a large disc, opaque and aslant, which all light falls on at once: depths and light are those of the
+// disc, and the sums are by the definition of DepthMoments, in double precision.
+TEST_F(DepthViewTest, MomentsAreSumsOverTheRays) {
+  const double slope = 0.2;
+  const Eigen::Quaterniond turn(
+      Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()));  // z = -0.03 - slope x
+  const SceneIndex index(test::scene_of({test::splat({0, 0, -0.03}, {2.0, 2.0, 1e-5}, turn, 0.95)}),
+                         SceneFilter{}, Similarity{});
+  const Ellipsoid solid = ball(Vector3d::Zero(), kRadius), larger = ball(Vector3d::Zero(), kRadius + kReach);
+  SplatTracker tracker(index);
+  const LocalSplats& near = tracker.around(larger);
+  const auto image = std::make_unique<DepthView>();
+  const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
+  const DepthKernel kernel{{0.001, -0.002}, 0.008, 0.031, 1.5F, {0.05F, 0.1F, -0.2F, 0.3F}, 0.4F};
+  on_every_target([&] {
+    Vector2d anchor = Vector2d::Zero();
+    const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
+    RayLight light;
+    image->look(near, view, Profile(solid, view), larger, pattern, 0.0, light);
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    double hit = 0.0, residual = 0.0, aimed = 0.0, through = 0.0;
+    for (std::size_t k = 0; k < pattern.size; ++k) {
+      const double x = (image->x(k) - kernel.center.x()) / kernel.unit,
+                   y = (image->y(k) - kernel.center.y()) / kernel.unit;
+      const double z = (0.03 + slope * image->x(k) - kernel.level) / kernel.unit, r = x * x + y * y;
+      const Eigen::Vector4d b(1.0, x, y, r);
+      const double end = kernel.end, spread = kernel.spread;
+      const double aim = std::pow(std::max(0.0, 1.0 - r / (end * end)), 3);
+      double fit = 0.0;
+      for (int i = 0; i < 4; ++i) fit += b[i] * kernel.fit[static_cast<std::size_t>(i)];
+      const double off = z - fit, w = aim / (1.0 + off * off / (spread * spread));
+      matrix += w * b * b.transpose();
+      right += w * z * b;
+      hit += w;
+      residual += w * off * off;
+      aimed += aim;
+      through += 0.05 * w;
+    }
+    const DepthMoments found = image->moments(kernel);
+    const double close = 1e-3 * hit;
+    std::size_t at = 0;
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_NEAR(found.right[static_cast<std::size_t>(i)], right[i], close) << i;
+      for (int j = i; j < 4; ++j) EXPECT_NEAR(found.normal_matrix[at++], matrix(i, j), close) << i << j;
+    }
+    EXPECT_NEAR(found.hit, hit, close);
+    EXPECT_NEAR(found.residual, residual, close);
+    EXPECT_NEAR(found.aimed, aimed, close);
+    EXPECT_NEAR(found.seen_through, through, close);
+    EXPECT_GT(residual, 10.0 * close);
+  });
+}
+
 TEST(RayPattern, LatticeStaysWhereItIsAsTheDiscMoves) {
   Random random(42);
   for (int i = 0; i < 1000; ++i) {
@@ -196,6 +312,28 @@ TEST_F(DepthViewTest, WhatTheToolHasComeThroughTakesLightAway) {
     EXPECT_NEAR(ray.look(-0.018, light), -0.020, 1e-6);
     EXPECT_EQ(light.left[0], 0.5F);
   });
+}
+
+// What hides less than 1/255 = 0.0039 is not drawn, however many lie over each other: 250 of 0.99 exp(-3.31^2
+// / 2) = 0.0041 leave 0.36, and of 0.99 exp(-3.34^2 / 2) = 0.0037 they would leave 0.39.
+TEST(SeenSurface, EndsWhereAGaussianIsDrawnNoFarther) {
+  std::vector<test::Splat> stack;
+  for (int k = 0; k < 250; ++k)
+    stack.push_back(
+        test::splat({0, 0, 0.1 + 1e-4 * k}, {0.01, 0.01, 1e-6}, Eigen::Quaterniond::Identity(), 0.99));
+  const SeenSurface seen(test::scene_of(stack), Similarity{});
+  EXPECT_TRUE(seen.depth({0.0331, 0, 0}, Vector3d::UnitZ()).has_value());
+  EXPECT_FALSE(seen.depth({0.0334, 0, 0}, Vector3d::UnitZ()).has_value());
+}
+
+// Infinitely thin and turned by 45 degrees about y: as much nearer or farther as aside.
+TEST(SeenSurface, OfADiscAslantIsTheDisc) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(std::atan(1.0), Vector3d::UnitY()));
+  for (const double size : {1e-4, 0.02}) {
+    const SeenSurface seen(test::scene_of({test::splat({0, 0, 0.1}, {size, size, 0.0}, turn)}), Similarity{});
+    for (const double x : {-0.5, 0.0, 0.25})
+      EXPECT_NEAR(seen.depth({x * size, 0, 0}, Vector3d::UnitZ()).value(), 0.1 - x * size, 1e-4 * size);
+  }
 }
 
 TEST(SeenSurface, IsWhereTheTransmittanceFallsBelowOneHalf) {

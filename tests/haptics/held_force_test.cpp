@@ -50,6 +50,9 @@ TEST(HeldForce, HoldsWhatWasFeltWhenItWasAsked) {
   held.finish();
   EXPECT_EQ(held.evaluate(at(5, 1e-3)).wrench.force.x(), 4.0);
   EXPECT_DOUBLE_EQ(echo.dt, 3e-3);  // between the two that it saw
+  held.take();
+  held.finish();
+  EXPECT_DOUBLE_EQ(echo.dt, 1e-3);  // since the last of them, not since the first
   EXPECT_TRUE(std::isnan(held.evaluate(at(5, 1e-3)).stored));
 }
 

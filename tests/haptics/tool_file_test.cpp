@@ -48,6 +48,8 @@ TEST(ToolFile, IsReadAsTheToolItWasWrittenFrom) {
   const Tool tool(std::vector<ToolPart>{tip, ball});
   const std::string text = tool_text(tool);
   EXPECT_EQ(text.find('\''), std::string::npos);
+  EXPECT_THAT(tool_text(Tool({{"little finger", {1, 1, 1}}})), HasSubstr("\"little finger\""))
+      << "as people read it";
   const Tool read = tool_of(text);
   ASSERT_EQ(read.parts().size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
