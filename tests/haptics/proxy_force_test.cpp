@@ -314,6 +314,33 @@ TEST(ProxyForce, StaysOutOfACorner) {
   }
 }
 
+// Far below a floor, where the tool itself touches nothing: what stands on the floor stops the proxy.
+TEST(ProxyForce, IsStoppedByAWallThatTheToolDoesNotTouch) {
+  std::vector<test::Splat> splats;
+  const Eigen::Quaterniond upright = rotation_between(Vector3d::UnitZ(), Vector3d::UnitX());
+  for (int i = -20; i <= 20; ++i)
+    for (int k = -10; k <= 10; ++k) {
+      splats.push_back(test::splat({0.005 * i, 0.005 * k, 0.0}, {0.004, 0.004, 0.0002}));
+      if (i >= 0)
+        splats.push_back(test::splat({0.05, 0.005 * k, 0.005 * i}, {0.004, 0.004, 0.0002}, upright));
+    }
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool{Vector3d::Constant(kRadius)}, {.stiffness = kStiffness, .friction = 0.3});
+  ForceInput input;
+  input.dt = 1e-3;
+  ForceOutput felt;
+  for (double z = 0.04; z > -0.06; z -= 1e-4) {
+    input.tool.position = {-0.03, 0.001, z};
+    felt = model.evaluate(input);
+  }
+  EXPECT_NEAR(felt.proxy.position.z(), kRadius, 0.05 * kRadius);
+  for (; input.tool.position.x() < 0.09; input.tool.position.x() += 1e-4) {
+    felt = model.evaluate(input);
+    ASSERT_LT(felt.proxy.position.x(), 0.05 - 0.75 * kRadius) << input.tool.position.x();
+  }
+  EXPECT_NEAR(felt.wrench.force.x(), -kStiffness * (0.04 + kRadius), 0.1 * kStiffness * 0.06);
+}
+
 TEST(ProxyForce, StandsOnTheEndOfALongTool) {
   const auto surface = make_surface("plane");
   const SceneIndex index(make_scene(*surface, {}), SceneFilter{}, Similarity{});
@@ -402,11 +429,63 @@ TEST(ProxyForce, HoldsAToolOfManyPartsOnADenseScene) {
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
 }
 
+// The part that touches is looked at as well as those before it, which see much and touch nothing.
+TEST(ProxyForce, HoldsTheLastOfManyParts) {
+  constexpr double kSmall = 0.008, kLower = 0.006, kDepth = 0.004;
+  const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
+  std::vector<ToolPart> balls;
+  for (int i = 0; i < 12; ++i)
+    for (int k = 0; k < 10; ++k)
+      balls.push_back(
+          {"ball", Vector3d::Constant(kSmall), {{0.016 * (i - 5.5), 0.016 * (k - 4.5), kLower}, straight}});
+  balls.push_back({"last", Vector3d::Constant(kSmall), {{0, 0, 0}, straight}});
+  Bench bench("plane", even(0.0015), {}, Tool(balls));
+  ForceOutput felt;
+  for (double z = 0.03; z > kSmall - kDepth; z -= 1.3e-3) felt = bench.at({0, 0, z});  // 1.3 m/s
+  for (int tick = 0; tick < 50; ++tick) {
+    felt = bench.at({0, 0, kSmall - kDepth});
+    EXPECT_LT(below_the_plane(balls.back(), felt.proxy), 0.001);
+  }
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
+}
+
+// So fine a detail sees no farther than half a millimetre: the proxy does not go farther either.
+TEST(ProxyForce, DoesNotEnterWhatItHasNotSeen) {
+  std::vector<test::Splat> splats;
+  for (int i = -10; i <= 10; ++i)
+    for (int k = -10; k <= 10; ++k)
+      splats.push_back(test::splat({5e-4 * i, 5e-4 * k, 0.0}, {4e-4, 4e-4, 4e-6}));
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  for (const double detail : {0.001, 0.002, 0.004}) {
+    for (const double step : {1e-4, 7e-4, 2e-3}) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness, .detail = detail});
+      ForceInput input;
+      input.dt = 1e-3;
+      for (double z = 0.04; z > 0.0; z -= step) {
+        input.tool.position = {0.0003, 0.0001, z};
+        ASSERT_GT(model.evaluate(input).proxy.position.z(), std::min(z, kRadius) - 2e-4)
+            << detail << " " << step;
+      }
+    }
+  }
+}
+
 TEST(ProxyForce, ComesOutOfWhatItStartsIn) {
   Bench bench("plane", noisy(933));
   const ForceOutput felt = bench.at({0, 0, 0.5 * kRadius});
   EXPECT_NEAR(felt.proxy.position.z(), kRadius, 0.15 * kRadius);
   EXPECT_GT(felt.wrench.force.z(), 0.0);
+}
+
+TEST(ProxyForce, FeelsTheSameForAsLongAsItRests) {
+  Bench bench("plane", noisy(939));
+  for (const SurfaceSample& s : places(*bench.surface, "plane", 10, 940)) {
+    bench.model->reset();
+    const Vector3d at = s.point + 0.5 * kRadius * s.normal, first = bench.at(at).wrench.force;
+    Vector3d force = first;
+    for (int tick = 0; tick < 200; ++tick) force = bench.at(at).wrench.force;
+    EXPECT_NEAR((force - first).norm(), 0.0, 0.02 * first.norm());
+  }
 }
 
 TEST(ProxyForce, ForgetsAllWhenReset) {
@@ -468,6 +547,103 @@ TEST(ProxyForce, AnOpenHandRestsOnAPlane) {
     EXPECT_LE(below_the_plane(part, felt.proxy), ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff())
         << part.name;
   }
+}
+
+/// All that there is of a material.
+std::shared_ptr<const MaterialMap> everywhere(const Material& material) {
+  return std::make_shared<MaterialMap>(std::vector<MaterialRegion>{{MaterialRegion::Everywhere{}, material}});
+}
+
+// Pressed in and drawn out at 0.5 m/s with 40 N s/m, 20 N against a spring of 10 N at most.
+TEST(ProxyForce, DampingNeitherPullsNorPushesMoreThanTheSpringDoes) {
+  ProxyParameters damping;
+  damping.materials = everywhere({.damping = 40.0});
+  Bench damped("plane", even(0.004), damping), plain("plane", even(0.004));
+  constexpr double kStep = 5e-4;
+  double most = 0.0;
+  ForceInput input;
+  input.dt = 1e-3;
+  for (int tick = -60; tick <= 60; ++tick) {
+    input.tool.position = {0.003, 0.001, kRadius - 0.010 + kStep * std::abs(tick)};
+    input.velocity.linear = {0, 0, std::copysign(kStep / input.dt, tick)};
+    const Vector3d force = damped.model->evaluate(input).wrench.force,
+                   spring = plain.model->evaluate(input).wrench.force;
+    const double along = force.dot(spring), rounding = 1e-9;
+    EXPECT_GE(along, -rounding) << tick;
+    EXPECT_LE(along, (tick <= 10 ? 2.0 : 1.0) * spring.squaredNorm() + rounding) << tick;
+    EXPECT_NEAR(force.cross(spring).norm(), 0.0, rounding) << "it stays where it points";
+    most = std::max(most, force.norm() / std::max(1.0, spring.norm()));
+  }
+  EXPECT_GT(most, 1.9) << "and it damps";
+}
+
+// A tool that is led over noise, in and out and to and fro: what it has got out of the surface and what may
+// yet come is never more than there was when it began.
+TEST(ProxyForce, MakesNoEnergyAsItSlides) {
+  for (const char* shape : {"plane", "sphere", "torus"}) {
+    Bench bench(shape, noisy(936));
+    Random random(937);
+    for (const SurfaceSample& s : places(*bench.surface, shape, 6, 938)) {
+      bench.model->reset();
+      Vector3d at = s.point + 1.5 * kRadius * s.normal, force = Vector3d::Zero();
+      const double began = bench.at(at).stored;
+      double work = 0.0;
+      for (int leg = 0; leg < 12; ++leg) {
+        const Vector3d other = s.normal.cross(s.tangent);
+        const Vector3d aside = random.uniform(-0.02, 0.02) * s.tangent + random.uniform(-0.02, 0.02) * other;
+        const Vector3d end = s.point + random.uniform(0.3, 1.1) * kRadius * s.normal + aside, begin = at;
+        const int ticks = 20 + static_cast<int>(random.index(200));
+        for (int tick = 1; tick <= ticks; ++tick) {
+          const Vector3d next = begin + static_cast<double>(tick) / ticks * (end - begin);
+          const ForceOutput felt = bench.at(next);
+          work += 0.5 * (force + felt.wrench.force).dot(next - at);
+          force = felt.wrench.force;
+          at = next;
+          ASSERT_LE(work + felt.stored, began + 1e-12) << shape << " leg " << leg << " tick " << tick;
+          ASSERT_TRUE(force.norm() > 0.0 || felt.stored <= began) << "what has been lost is not kept";
+        }
+      }
+    }
+  }
+}
+
+TEST(ProxyForce, ForgetsHowFastTheToolWasWhenReset) {
+  ProxyParameters damping;
+  damping.materials = everywhere({.damping = 5.0});
+  Bench used("plane", even(0.004), damping), fresh("plane", even(0.004), damping);
+  ForceInput input;
+  input.dt = 1e-3;
+  input.tool.position = {0, 0, kRadius - 0.010};
+  input.velocity.linear = {0, 0, -0.5};
+  for (int tick = 0; tick < 20; ++tick) used.model->evaluate(input);
+  used.model->reset();
+  input.velocity.linear.setZero();
+  EXPECT_EQ(used.model->evaluate(input).wrench.force, fresh.model->evaluate(input).wrench.force);
+}
+
+// A device that was lost for a moment: the way is longer than what a tick looks at.
+TEST(ProxyForce, IsSoonWithAToolThatLeapsThroughTheAir) {
+  Bench bench("plane", even(0.006));
+  bench.at({-0.1, 0, 0.1});
+  ForceOutput felt;
+  for (int tick = 0; tick < 10; ++tick) felt = bench.at({0.8, 0, 0.1});
+  EXPECT_NEAR((felt.proxy.position - Vector3d(0.8, 0, 0.1)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(felt.wrench.force, Vector3d(0, 0, 0));
+}
+
+// Where a tool has been in the air is nothing to what it meets: aslant on a plane, at once and after a metre
+// along it.
+TEST(ProxyForce, FeelsTheSameWhereverItComesFrom) {
+  Bench near("plane", even(0.004)), far("plane", even(0.004));
+  const Vector3d above(-0.03, 0.0, kRadius + 0.01);
+  for (double way = 1.0; way > 0.0; way -= 1e-3) far.at(above - way * Vector3d::UnitX());
+  for (double way = 0.0; way < 0.02; way += 1e-4) {
+    const Vector3d at = above + way * Vector3d(1, 0, -1);
+    const Vector3d force = near.at(at).wrench.force;
+    EXPECT_NEAR((far.at(at).wrench.force - force).norm(), 0.0, 0.03 * kStiffness * 0.01) << way;
+  }
+  EXPECT_NEAR(near.at(above + 0.02 * Vector3d(1, 0, -1)).wrench.force.z(), kStiffness * 0.01,
+              0.03 * kStiffness * 0.01);
 }
 
 TEST(ProxyForce, TakesNothingFromTheHeap) {

@@ -7,8 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <palpate/collision/splat_tracker.h>
+#include <palpate/geometry/solids.h>
 #include <palpate/haptics/confidence.h>
 #include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/surface_patches.h>
 #include <palpate/haptics/tool_query.h>
 #include <support/splats.h>
 
@@ -78,6 +81,186 @@ TEST(SurfacePatches, ABallRestsOnTheRimOfAHole) {
   }
 }
 
+// And sinks in if it comes along the sheet, though not all at once.
+TEST(SurfacePatches, ABallSlidesIntoAHole) {
+  constexpr double kHole = 0.015, kDeeper = 0.004;
+  const SceneIndex index(test::scene_of(sheet(0.8, kHole)), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+  const double sag = kRadius - std::sqrt(kRadius * kRadius - kHole * kHole);
+  ForceInput input;
+  input.dt = 1e-3;
+  ForceOutput felt;
+  const double below = kRadius - sag - kDeeper;
+  input.tool.position = {-0.06, 0.0, kRadius + 0.01};
+  for (; input.tool.position.z() > below; input.tool.position.z() -= 1e-4) felt = model.evaluate(input);
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * (sag + kDeeper), 0.2);
+  for (; input.tool.position.x() < 0.0; input.tool.position.x() += 1e-4) felt = model.evaluate(input);
+  EXPECT_GT(felt.wrench.force.z(), kStiffness * kDeeper - 0.2);
+  EXPECT_LT(felt.wrench.force.z(), kStiffness * (0.5 * sag + kDeeper));
+}
+
+/// A wire along y through the origin.
+std::vector<test::Splat> wire() {
+  std::vector<test::Splat> splats;
+  for (int k = -50; k <= 50; ++k)
+    splats.push_back(
+        test::splat({0, 0.001 * k, 0}, {3e-4, 0.001, 3e-4}, Eigen::Quaterniond::Identity(), 0.95));
+  return splats;
+}
+
+// Met by its flank, a tool is pushed away from the wire as it faces there, not straight up: the gradient of
+// the ellipsoid.
+TEST(SurfacePatches, AThinThingPushesAsTheToolFacesIt) {
+  const SceneIndex index(test::scene_of(wire()), SceneFilter{}, Similarity{});
+  for (const Vector3d& semi_axes : {Vector3d(0.02, 0.02, 0.02), Vector3d(0.03, 0.02, 0.015)}) {
+    ProxyForce model(index, Tool(semi_axes), {.stiffness = kStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    ForceOutput felt;
+    input.tool.position = {0.5 * semi_axes.x(), 0.0, 0.03};
+    const double meets = std::sqrt(0.75) * semi_axes.z();
+    for (; input.tool.position.z() > meets - 0.003; input.tool.position.z() -= 1e-4)
+      felt = model.evaluate(input);
+    const Ellipsoid proxy = Tool(semi_axes).parts()[0].at(felt.proxy);
+    const Eigen::Matrix3d inverse = proxy.axes.inverse();
+    const Vector3d inwards = (inverse.transpose() * inverse * proxy.center).normalized();
+    const Vector3d force = felt.wrench.force.normalized();
+    EXPECT_GT(felt.wrench.force.norm(), 0.3);
+    EXPECT_GT(force.dot(inwards), std::cos(0.15)) << force.transpose() << " " << inwards.transpose();
+  }
+}
+
+// Either is where the other mirrors it, and no other: one alone would let the rod tip over.
+TEST(SurfacePatches, ARodLiesOnTwoSupports) {
+  const Vector3d rod(0.1, 0.02, 0.02);
+  std::vector<test::Splat> supports;
+  for (const double x : {-0.06, 0.06})
+    for (int i = -5; i <= 5; ++i)
+      for (int k = -5; k <= 5; ++k)
+        supports.push_back(test::splat({x + 0.002 * i, 0.002 * k, 0.0}, {0.0015, 0.0015, 0.0002}));
+  const SceneIndex index(test::scene_of(supports), SceneFilter{}, Similarity{});
+  for (const double aside : {1e-4, 2e-4}) {
+    ProxyForce model(index, Tool(rod), {.stiffness = kStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    ForceOutput felt;
+    for (double z = 0.04; z > 0.011; z -= 1e-4) {
+      input.tool.position = {aside, aside, z};
+      felt = model.evaluate(input);
+    }
+    EXPECT_GT(felt.wrench.force.z(), 1.0) << aside;
+    EXPECT_LT(felt.wrench.torque.norm(), 0.25 * 0.06 * felt.wrench.force.z()) << aside;
+    EXPECT_LT(std::abs(felt.proxy.orientation.y()), 0.01) << aside;
+  }
+}
+
+// As patches, wherever in the world they are.
+TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
+  for (const Vector3d& at : {Vector3d(0, 0, 0), Vector3d(1, -2, 0.5), Vector3d(0.06, 0, 0)}) {
+    std::vector<test::Splat> supports;
+    for (const double x : {-0.06, 0.06})
+      for (int i = -5; i <= 5; ++i)
+        for (int k = -5; k <= 5; ++k)
+          supports.push_back(
+              test::splat(at + Vector3d(x + 0.002 * i, 0.002 * k, 0.0), {0.0015, 0.0015, 0.0002}));
+    const SceneIndex index(test::scene_of(supports), SceneFilter{}, Similarity{});
+    const Vector3d rod(0.1, 0.02, 0.02), above = at + Vector3d(0.0002, 0.0007, 0.0165);
+    const Ellipsoid solid = Ellipsoid::from_semi_axes({above, Eigen::Quaterniond::Identity()}, rod);
+    SplatTracker tracker(index);
+    LookBudget budget;
+    SurfacePatches patches(0.01, 0.01, budget);
+    const LocalSplats& splats = tracker.around(enlarged(solid, 0.01));
+    patches.look_ahead(splats, solid, -Vector3d::UnitZ(), above - 0.02 * Vector3d::UnitZ(), 0.002,
+                       [] { return true; });
+    ASSERT_EQ(patches.patches().size(), 2U);
+    EXPECT_LT((patches.patches()[0].foot - above).x() * (patches.patches()[1].foot - above).x(), 0.0);
+    patches.follow(splats, {above - 0.001 * Vector3d::UnitZ(), solid.axes});
+    EXPECT_EQ(patches.patches().size(), 2U);
+  }
+}
+
+// So small that no ray of the lattice need meet it: it is felt from where it is met, however quickly.
+TEST(SurfacePatches, ASpeckIsFeltWhereItIs) {
+  const SceneIndex index(test::scene_of({test::splat({0.003, 0.002, 0}, {1e-4, 1e-4, 1e-4},
+                                                     Eigen::Quaterniond::Identity(), 0.95)}),
+                         SceneFilter{}, Similarity{});
+  // Of a ball, the point above (3, 2) mm.
+  const double meets = std::sqrt(kRadius * kRadius - 1.3e-5);
+  for (const double step : {1e-4, 1e-3}) {
+    ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    ForceOutput felt;
+    for (int tick = 0; tick <= static_cast<int>(0.025 / step + 0.5); ++tick) {
+      input.tool.position = {0, 0, meets + 0.02 - step * tick};
+      felt = model.evaluate(input);
+    }
+    EXPECT_NEAR(felt.wrench.force.z(), felt.confidence * kStiffness * 0.005, 0.1 * kStiffness * 0.005)
+        << step;
+  }
+}
+
+// What is beside a ball, above its middle, is not what it stands on.
+TEST(SurfacePatches, AShelfBesideTheToolIsNotFelt) {
+  const auto floor = sheet(0.8);
+  auto shelved = floor;
+  for (const test::Splat& splat : floor)
+    if (splat.position.x() > 0.024)
+      shelved.push_back(test::splat(splat.position + Vector3d(0, 0, 1.5 * kRadius), splat.sigma,
+                                    Eigen::Quaterniond::Identity(), 0.8));
+  const Vector3d below = press(shelved, 0.0, 0.005).wrench.force;
+  EXPECT_NEAR((below - press(floor, 0.0, 0.005).wrench.force).norm(), 0.0, 2e-4);
+}
+
+// Off the end of a sheet, 10 mm deep: the force goes, but no faster than the tool moves and a little, and it
+// does not wait for the tool to move.
+TEST(SurfacePatches, TheForceIsLetGoSlowlyWhereTheGroundEnds) {
+  auto half = sheet(0.8);
+  std::erase_if(half, [](const test::Splat& splat) { return splat.position.x() > 0.0; });
+  const SceneIndex index(test::scene_of(half), SceneFilter{}, Similarity{});
+  for (const double step : {1e-4, 1e-3}) {
+    constexpr double kDepth = 0.010, kALittle = 2e-4;
+    ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    Vector3d last = Vector3d::Zero();
+    for (double z = 0.03; z > kRadius - kDepth; z -= step) {
+      input.tool.position = {-0.05, 0.0003, z};
+      last = model.evaluate(input).wrench.force;
+    }
+    EXPECT_NEAR(last.z(), kStiffness * kDepth, 0.12 * kStiffness * kDepth);
+    double most = 0.0;
+    const auto feel = [&] {
+      const Vector3d force = model.evaluate(input).wrench.force;
+      most = std::max(most, (force - last).norm());
+      last = force;
+    };
+    for (; input.tool.position.x() < 0.022; input.tool.position.x() += step) feel();
+    EXPECT_LE(most, kStiffness * (2.0 * step + kALittle)) << step;
+    for (int tick = 0; tick < 500; ++tick) feel();
+    EXPECT_LE(most, kStiffness * (2.0 * step + kALittle)) << step;
+    EXPECT_EQ(last, Vector3d(0, 0, 0)) << step;
+  }
+}
+
+// Haze of which nothing is seen is nothing to a tool that starts in it.
+TEST(Haze, IsNotFeltWhereTheToolStartsInIt) {
+  const SceneIndex index(
+      test::scene_of({test::splat({0, 0, 0}, {0.05, 0.05, 0.05}, Eigen::Quaterniond::Identity(), 0.3)}),
+      SceneFilter{}, Similarity{});
+  const Tool tool(Vector3d::Constant(kRadius));
+  ContactSet touched;
+  query(index, tool, {{0.02, 0, 0.04}, Eigen::Quaterniond::Identity()}, touched);
+  EXPECT_FALSE(touched.contacts.empty());
+  ProxyForce model(index, tool, {.stiffness = kStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  for (double z = 0.04; z > -0.04; z -= 1e-4) {
+    input.tool.position = {0.02, 0, z};
+    EXPECT_EQ(model.evaluate(input).wrench.force, Vector3d(0, 0, 0)) << z;
+  }
+}
+
 // Past the edge of half a sheet, which reaches a millimetre into the ball's flank, and back: it goes round
 // the edge, and hangs on it in neither direction.
 TEST(SurfacePatches, ABallSlipsPastAnEdge) {
@@ -128,6 +311,25 @@ TEST(Confidence, OfAContactIsThatOfItsPlace) {
   EXPECT_TRUE(seen);
 }
 
+// One that nothing hides and that hides nothing but itself is felt softly; what no ray sees is not felt.
+TEST(Confidence, OfAContactIsAHalfWhereItFloatsAndNoneWhereNothingIsSeen) {
+  const Tool tool(Vector3d::Constant(kRadius));
+  const Pose pose{{0, 0, 0.018}, Eigen::Quaterniond::Identity()};
+  ContactSet set;
+  const auto of = [&](const std::vector<test::Splat>& splats) {
+    const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+    query(index, tool, pose, set);
+    EXPECT_FALSE(set.contacts.empty());
+    return confidence(index, tool, pose, {}, set.contacts);
+  };
+  for (const double c : of({test::splat({0, 0, 0}, {0.003, 0.003, 0.003})})) {
+    EXPECT_GE(c, 0.5);
+    EXPECT_LE(c, 0.65);
+  }
+  const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
+  for (const double c : of({test::splat({0, 0, 0}, {0.05, 0.05, 1e-4}, straight, 0.2)})) EXPECT_EQ(c, 0.0);
+}
+
 // It is seen in its middle, as splatting draws it.
 TEST(Confidence, IsNotLostWhereAllGaussiansAreLarge) {
   const std::vector<test::Splat> one{test::splat({0, 0, -0.1}, {0.1, 0.1, 0.1})};
@@ -152,6 +354,34 @@ TEST(Haze, IsFeltWhereItHasTakenHalfOfTheLight) {
   }
 }
 
+// What a hand that trembles has come through takes light away, too, and the first veil is behind the ball
+// when it comes to the second.
+TEST(Haze, IsFeltByAHandThatTrembles) {
+  for (const double apart : {0.04, 0.08}) {
+    std::vector<test::Splat> veils;
+    for (int k = 0; k < 3; ++k)
+      veils.push_back(test::splat({0, 0, -apart * k}, {0.3, 0.3, 1e-5}, Eigen::Quaterniond::Identity(), 0.3));
+    const SceneIndex index(test::scene_of(veils), SceneFilter{}, Similarity{});
+    for (const double aside : {0.0, 5e-5}) {  // aslant by 27 degrees, to one side and the other
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+      ForceInput input;
+      input.dt = 1e-3;
+      ForceOutput felt;
+      const auto to = [&](double height) {
+        for (; input.tool.position.z() > height; input.tool.position.z() -= 1e-4) {
+          input.tool.position.x() = aside - input.tool.position.x();
+          felt = model.evaluate(input);
+        }
+      };
+      input.tool.position = {0, 0, 0.05};
+      to(-apart + kRadius + 0.001);
+      EXPECT_EQ(felt.wrench.force.norm(), 0.0) << aside;
+      to(-apart + kRadius - 0.005);
+      EXPECT_GT(felt.wrench.force.z(), 0.4 * kStiffness * 0.005) << aside;
+    }
+  }
+}
+
 std::shared_ptr<const MaterialMap> everywhere(const Material& material) {
   return std::make_shared<MaterialMap>(std::vector<MaterialRegion>{{MaterialRegion::Everywhere{}, material}});
 }
@@ -171,6 +401,12 @@ TEST(ProxyMaterials, AreMixedWhereTheyMeet) {
   // The border runs under the ball: half of what it touches is 1500, half the usual 500.
   EXPECT_NEAR(press(sheet(0.8), 0.0, 0.005, parameters).wrench.force.z(), 1000.0 * 0.005,
               0.15 * 1000.0 * 0.005);
+}
+
+TEST(ProxyMaterials, NothingIsFeltOfWhatHasNoStiffnessHoweverItDamps) {
+  ProxyParameters parameters;
+  parameters.materials = everywhere({.stiffness = 0.0, .damping = 3.0});
+  EXPECT_EQ(press(sheet(0.8), 0.0, 0.005, parameters).wrench.force, Vector3d(0, 0, 0));
 }
 
 TEST(ProxyMaterials, DampingAddsToThePushWhileTheToolGoesIn) {
