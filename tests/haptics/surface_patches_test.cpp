@@ -130,7 +130,8 @@ TEST(SurfacePatches, AThinThingPushesAsTheToolFacesIt) {
   }
 }
 
-// Either is where the other mirrors it, and no other: one alone would let the rod tip over.
+// Either is where the other mirrors it, and no other: one alone would let the rod tip over. In the very
+// middle, too, where both are lost from sight at once.
 TEST(SurfacePatches, ARodLiesOnTwoSupports) {
   const Vector3d rod(0.1, 0.02, 0.02);
   std::vector<test::Splat> supports;
@@ -139,7 +140,7 @@ TEST(SurfacePatches, ARodLiesOnTwoSupports) {
       for (int k = -5; k <= 5; ++k)
         supports.push_back(test::splat({x + 0.002 * i, 0.002 * k, 0.0}, {0.0015, 0.0015, 0.0002}));
   const SceneIndex index(test::scene_of(supports), SceneFilter{}, Similarity{});
-  for (const double aside : {1e-4, 2e-4}) {
+  for (const double aside : {0.0, 1e-5, 2e-4}) {
     ProxyForce model(index, Tool(rod), {.stiffness = kStiffness});
     ForceInput input;
     input.dt = 1e-3;
@@ -160,9 +161,11 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
     std::vector<test::Splat> supports;
     for (const double x : {-0.06, 0.06})
       for (int i = -5; i <= 5; ++i)
-        for (int k = -5; k <= 5; ++k)
+        for (int k = -5; k <= 5; ++k) {
+          if (x > 0.0 && (i + k) % 2 != 0) continue;  // so that they are not made of as many
           supports.push_back(
-              test::splat(at + Vector3d(x + 0.002 * i, 0.002 * k, 0.0), {0.0015, 0.0015, 0.0002}));
+              test::splat(at + Vector3d(x + 0.002 * i, 0.002 * k, 0.0), {0.002, 0.002, 0.0002}));
+        }
     const SceneIndex index(test::scene_of(supports), SceneFilter{}, Similarity{});
     const Vector3d rod(0.1, 0.02, 0.02), above = at + Vector3d(0.0002, 0.0007, 0.0165);
     const Ellipsoid solid = Ellipsoid::from_semi_axes({above, Eigen::Quaterniond::Identity()}, rod);
@@ -174,8 +177,20 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
                        [] { return true; });
     ASSERT_EQ(patches.patches().size(), 2U);
     EXPECT_LT((patches.patches()[0].foot - above).x() * (patches.patches()[1].foot - above).x(), 0.0);
-    patches.follow(splats, {above - 0.001 * Vector3d::UnitZ(), solid.axes});
-    EXPECT_EQ(patches.patches().size(), 2U);
+    // Each is made of what is on its own side, where the solid has moved and where it has not.
+    for (const double lower : {0.001, 0.001, 0.0012}) {
+      patches.follow(splats, {above - lower * Vector3d::UnitZ(), solid.axes});
+      ASSERT_EQ(patches.patches().size(), 2U);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double side = (patches.patches()[k].foot - above).x();
+        double sum = 0.0;
+        for (const PatchWitness& witness : patches.witnesses(k)) {
+          sum += witness.weight;
+          EXPECT_GT(side * (witness.position - above).x(), 0.0);
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-12);
+      }
+    }
   }
 }
 
