@@ -177,6 +177,16 @@ TEST(CaptureEvaluation, TwoCapturesOfOneObjectAreCompared) {
   EXPECT_LT(apart.p10, 0.6);
 }
 
+// Below 5 mm: of a spring that begins 2 mm early, 7/5 of the other's force there and less farther in.
+TEST(CaptureEvaluation, LikenessIsThatOfWhatIsDeeperThan5Millimetres) {
+  Bench one(sheet(), Knowledge{}), early(sheet(), Knowledge{.early = 0.002}),
+      silent(sheet(), Knowledge{.gain = 0.0});
+  const CaptureLikeness ratio = capture_likeness(one.evaluation, early.evaluation, {one.down()});
+  EXPECT_NEAR(ratio.ratio.max, 1.4, 0.01);
+  EXPECT_NEAR(ratio.ratio.p05, 32.0 / 30.0, 0.01);
+  EXPECT_TRUE(std::isnan(capture_likeness(silent.evaluation, one.evaluation, {one.down()}).ratio.max));
+}
+
 TEST(CaptureEvaluation, AimsMeetWhatIsSeenFromOutside) {
   // A ball of splats: wherever from, the tool meets it a tool's radius above.
   constexpr double kBall = 0.05;

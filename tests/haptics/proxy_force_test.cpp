@@ -607,6 +607,37 @@ TEST(ProxyForce, MakesNoEnergyAsItSlides) {
   }
 }
 
+// Nor does a long tool that is turned as it is led.
+TEST(ProxyForce, MakesNoEnergyAsItTurns) {
+  Bench bench("sphere", noisy(943), {.friction = 0.2}, Tool({0.01, 0.015, 0.03}));
+  Random random(944);
+  for (const SurfaceSample& s : places(*bench.surface, "sphere", 6, 945)) {
+    bench.model->reset();
+    ForceInput input;
+    input.dt = 1e-3;
+    input.tool.position = s.point + 0.05 * s.normal;
+    ForceOutput last = bench.model->evaluate(input);
+    const double began = last.stored;
+    double work = 0.0;
+    for (int leg = 0; leg < 12; ++leg) {
+      const Vector3d aside(random.normal(), random.normal(), random.normal());
+      const Vector3d end = s.point + random.uniform(-0.01, 0.03) * s.normal + 0.01 * aside;
+      const Vector3d turn(random.normal(), random.normal(), random.normal());
+      const int ticks = 50 + static_cast<int>(random.index(200));
+      const Vector3d step = (end - input.tool.position) / ticks;
+      for (int tick = 0; tick < ticks; ++tick) {
+        input.tool.position += step;
+        input.tool.orientation = (rotation_by(turn / ticks) * input.tool.orientation).normalized();
+        const ForceOutput felt = bench.model->evaluate(input);
+        work += 0.5 * (felt.wrench.force + last.wrench.force).dot(step) +
+                0.5 * (felt.wrench.torque + last.wrench.torque).dot(turn / ticks);
+        ASSERT_LE(work + felt.stored, began + 1e-9) << "leg " << leg << " tick " << tick;
+        last = felt;
+      }
+    }
+  }
+}
+
 TEST(ProxyForce, ForgetsHowFastTheToolWasWhenReset) {
   ProxyParameters damping;
   damping.materials = everywhere({.damping = 5.0});
