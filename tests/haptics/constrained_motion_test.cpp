@@ -91,6 +91,33 @@ TEST(ConstrainedMotion, TurnsAboutWhereItSticks) {
   EXPECT_NEAR(planes[0].of(found).norm(), 0.0, 1e-6);
 }
 
+// Coulomb: no more drag than friction times push; where there is less, the point does not slip, and where it
+// slips, it is dragged against its way.
+TEST(ConstrainedMotion, FulfilsCoulombsLaw) {
+  Random random(912);
+  int sticks = 0, slips = 0;
+  for (int i = 0; i < 2000; ++i) {
+    MotionConstraint p = plane(random.direction(), 0.0, random.uniform(0.0, 0.03) * random.direction());
+    p.friction = random.uniform(0.1, 2.0);
+    std::array planes{p};
+    const Motion wanted{-0.01 * p.normal + 0.01 * random.direction(), 0.3 * random.direction()};
+    const Motion found = constrained_motion(wanted, planes, kGyration);
+    const double most = p.friction * planes[0].push, drag = planes[0].drag.norm();
+    const Vector3d way = planes[0].of(found), slip = way - way.dot(p.normal) * p.normal;
+    ASSERT_LE(drag, most + 1e-12);
+    ASSERT_GE(way.dot(p.normal), -1e-6);
+    if (drag < most - 1e-5) {
+      ASSERT_LE(slip.norm(), 1e-6);
+      ++sticks;
+    } else if (most > 1e-5 && slip.norm() > 1e-5) {
+      ASSERT_LT(slip.dot(planes[0].drag), 0.0);
+      ++slips;
+    }
+  }
+  EXPECT_GT(sticks, 200);
+  EXPECT_GT(slips, 200);
+}
+
 // Karush, Kuhn and Tucker: out of all planes (as far as they do not give way), pushed by those it touches
 // alone, and what is missing of the wanted motion is what they push.
 TEST(ConstrainedMotion, FulfilsTheConditionsOfAnOptimum) {

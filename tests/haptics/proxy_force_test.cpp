@@ -249,6 +249,19 @@ TEST(ProxyForce, FeelsAlikeAtEveryScaleOfTheHand) {
   }
 }
 
+// What a proxy may put into the spring by itself goes by the hand's energy: force times way, both to scale.
+TEST(ProxyForce, BeginsWithNoMoreEnergyThanTheHandMayBeGiven) {
+  for (const double scale : {0.05, 1.0, 50.0}) {
+    ProxyParameters parameters;
+    parameters.hand_scale = scale;
+    Bench bench("plane", even(0.006), parameters);
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_LE(bench.at({0, 0, 0.1}).stored, ProxyForce::kReserve * scale * scale * (1.0 + 1e-12)) << scale;
+      bench.model->reset();
+    }
+  }
+}
+
 // Captures have Gaussians as large as a city, and as thin as rounding.
 TEST(ProxyForce, IsFiniteAmongGiantsAndNeedles) {
   std::vector<test::Splat> splats;
