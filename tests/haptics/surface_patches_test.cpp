@@ -326,6 +326,27 @@ TEST(Confidence, OfAContactIsThatOfItsPlace) {
   EXPECT_TRUE(seen);
 }
 
+// Half for what is seen at all; the rest by how much of an eighth or a quarter of the rays meet something,
+// the smooth step of 1/2 being 1/2, and by how far what they meet hides from a half to nine tenths of the
+// light.
+TEST(Confidence, IsByWhatIsCoveredAndHidden) {
+  DepthMoments moments;
+  moments.aimed = 4.0F;
+  EXPECT_EQ(confidence_of(moments, false), 0.0);
+  EXPECT_EQ(confidence_of(moments, true), 0.5);
+  const auto of = [&](float covered, float through) {
+    moments.hit = covered * moments.aimed;
+    moments.seen_through = through * moments.hit;
+    return confidence_of(moments, true);
+  };
+  EXPECT_NEAR(of(1.0F, 0.05F), 1.0, 1e-6);
+  EXPECT_NEAR(of(0.25F, 0.1F), 1.0, 1e-6);
+  EXPECT_NEAR(of(1.0F, 0.3F), 0.75, 1e-6);
+  EXPECT_NEAR(of(0.125F, 0.0F), 0.75, 1e-6);
+  EXPECT_NEAR(of(0.125F, 0.3F), 0.625, 1e-6);
+  EXPECT_NEAR(of(1.0F, 0.6F), 0.5, 1e-6);
+}
+
 // One that nothing hides and that hides nothing but itself is felt softly; what no ray sees is not felt.
 TEST(Confidence, OfAContactIsAHalfWhereItFloatsAndNoneWhereNothingIsSeen) {
   const Tool tool(Vector3d::Constant(kRadius));
