@@ -177,6 +177,20 @@ TEST(CaptureEvaluation, TwoCapturesOfOneObjectAreCompared) {
   EXPECT_LT(apart.p10, 0.6);
 }
 
+// On a slope the tool goes straight, too, between the places where the scene is looked at.
+TEST(CaptureEvaluation, ASlideFollowsTheSlope) {
+  auto slope = sheet();
+  for (test::Splat& splat : slope) splat.position.z() = 0.2 * splat.position.x() + 0.1 * splat.position.y();
+  Bench bench(slope, Knowledge{});
+  std::vector<CaptureTick> ticks;
+  bench.evaluation.slide(bench.down(), &ticks);
+  ASSERT_GT(ticks.size(), 500U);
+  for (std::size_t i = 50; i + 50 < ticks.size(); ++i) {
+    const Vector3d bend = ticks[i + 1].tool - 2.0 * ticks[i].tool + ticks[i - 1].tool;
+    ASSERT_LE(bend.norm(), 5e-5) << i;  // half of a tick's way, for what is seen of discs
+  }
+}
+
 // Below 5 mm: of a spring that begins 2 mm early, 7/5 of the other's force there and less farther in.
 TEST(CaptureEvaluation, LikenessIsThatOfWhatIsDeeperThan5Millimetres) {
   Bench one(sheet(), Knowledge{}), early(sheet(), Knowledge{.early = 0.002}),

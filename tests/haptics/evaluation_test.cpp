@@ -6,11 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
 #include <palpate/haptics/evaluation.h>
 #include <palpate/haptics/proxy_force.h>
+#include <support/temporary_file.h>
 
 namespace palpate {
 namespace {
@@ -178,7 +180,7 @@ TEST(Pushes, SeesThatNothingIsInTheWay) {
 TEST(Pushes, NeedASheetThatIsLargeEnough) {
   EvaluationSetup large = setup("shell");
   large.tool = Tool{Vector3d::Constant(0.06)};
-  EXPECT_THROW(evaluate(large), Error);
+  EXPECT_THAT(test::message_of<Error>([&] { evaluate(large); }), testing::HasSubstr("tool of 60 mm"));
 }
 
 class Friction : public testing::TestWithParam<const char*> {};
@@ -322,7 +324,7 @@ TEST(Evaluation, IsTheSameEveryTimeAndAnotherForAnotherSeed) {
 TEST(Evaluation, RefusesAToolThatFitsNowhere) {
   EvaluationSetup large = setup("torus");
   large.tool = Tool{Vector3d::Constant(2.0)};
-  EXPECT_THROW(evaluate(large), Error);
+  EXPECT_THAT(test::message_of<Error>([&] { evaluate(large); }), testing::HasSubstr("tool of 2000 mm"));
 }
 
 }  // namespace

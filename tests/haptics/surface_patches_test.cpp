@@ -194,6 +194,34 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
   }
 }
 
+// In a hollow that is smaller than the ball, it touches on all sides: no more patches than there is room for,
+// and none once nothing may be looked at.
+TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
+  std::vector<test::Splat> hollow;
+  constexpr int kCount = 2000;
+  for (int k = 0; k < kCount; ++k) {
+    const double z = 1.0 - 2.0 * (k + 0.5) / kCount, angle = 2.39996 * k, s = std::sqrt(1.0 - z * z);
+    const Vector3d n(s * std::cos(angle), s * std::sin(angle), z);
+    hollow.push_back(test::splat(0.95 * kRadius * n, {0.001, 0.001, 1e-5},
+                                 Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n)));
+  }
+  const SceneIndex index(test::scene_of(hollow), SceneFilter{}, Similarity{});
+  const Ellipsoid solid = Ellipsoid::from_semi_axes({}, Vector3d::Constant(kRadius));
+  SplatTracker tracker(index);
+  const LocalSplats& splats = tracker.around(enlarged(solid, 0.005));
+  LookBudget budget;
+  SurfacePatches patches(0.003, 0.005, budget);
+  for (const test::Splat& splat : hollow) {
+    budget.refill();
+    patches.add_at(splats, solid, -splat.position.normalized(), splat.position);
+    ASSERT_LE(patches.patches().size(), SurfacePatches::kMost);
+  }
+  EXPECT_EQ(patches.patches().size(), SurfacePatches::kMost);
+  patches.clear();
+  while (!budget.is_spent()) budget.spend(splats.size);
+  EXPECT_FALSE(patches.add_at(splats, solid, Vector3d::UnitZ(), -0.95 * kRadius * Vector3d::UnitZ()));
+}
+
 // So small that no ray of the lattice need meet it: it is felt from where it is met, however quickly.
 TEST(SurfacePatches, ASpeckIsFeltWhereItIs) {
   const SceneIndex index(test::scene_of({test::splat({0.003, 0.002, 0}, {1e-4, 1e-4, 1e-4},
