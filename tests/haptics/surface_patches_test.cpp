@@ -173,7 +173,7 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
     LookBudget budget;
     SurfacePatches patches(0.01, 0.01, budget);
     const LocalSplats& splats = tracker.around(enlarged(solid, 0.01));
-    patches.look_ahead(splats, solid, -Vector3d::UnitZ(), above - 0.02 * Vector3d::UnitZ(), 0.002,
+    patches.look_ahead(splats, solid, -Vector3d::UnitZ(), above - 0.02 * Vector3d::UnitZ(), 0.002, 0.0,
                        [] { return true; });
     ASSERT_EQ(patches.patches().size(), 2U);
     EXPECT_LT((patches.patches()[0].foot - above).x() * (patches.patches()[1].foot - above).x(), 0.0);
@@ -218,7 +218,7 @@ TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
   }
   EXPECT_EQ(patches.patches().size(), SurfacePatches::kMost);
   patches.clear();
-  while (!budget.is_spent()) budget.spend(splats.size);
+  while (!budget.is_spent()) budget.spend(splats.size, splats.size);
   EXPECT_FALSE(patches.add_at(splats, solid, Vector3d::UnitZ(), -0.95 * kRadius * Vector3d::UnitZ()));
 }
 

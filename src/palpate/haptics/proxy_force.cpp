@@ -50,6 +50,13 @@ constexpr double kStraight = 0.3, kSameWay = 0.5;
 /// ways is less.
 constexpr double kAhead = 0.01, kSameLook = 0.95;
 
+/// Of what a part slides into, it meets this with its front: the least cosine between both. What is lower
+/// is under it, where it has looked already: bumps of what it slides on are no walls.
+constexpr double kHeadOn = 0.98;
+
+/// How often a step turns at what it finds on its way: a floor, a wall, and a corner of both.
+constexpr int kMostTurns = 3;
+
 /// A part whose longest semi-axis is no longer than this many of its shortest sweeps over nothing where it
 /// turns, and one whose ends hardly move, in details, over next to nothing.
 constexpr double kRound = 1.05, kLeastSweep = 1e-3;
@@ -104,7 +111,7 @@ void ProxyForce::reset() {
   for (Part& part : parts_) {
     part.patches.clear();
     part.heading.setZero();
-    part.ahead = part.one_end = part.other_end = {};
+    part.ahead = part.aside = part.one_end = part.other_end = {};
   }
 }
 
@@ -124,7 +131,7 @@ void ProxyForce::start_patches(Part& part) {
 }
 
 bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
-                            const Eigen::Vector3d& about, double way, const Pose& target) {
+                            const Eigen::Vector3d& about, double way, double head_on, const Pose& target) {
   const Ellipsoid solid = part.solid.at(proxy_);
   if (sight.done) return true;
   const double moved = way_between(sight.from, solid);
@@ -132,7 +139,7 @@ bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats,
   const double detail = part.patches.detail();
   const Ellipsoid next{solid.center + way * along, solid.axes}, there = part.solid.at(target);
   const std::optional<double> clear = part.patches.look_ahead(
-      splats, solid, along, about, way, [&] { return touches(part, next) || touches(part, there); });
+      splats, solid, along, about, way, head_on, [&] { return touches(part, next) || touches(part, there); });
   if (!clear) return false;
   sight = {solid, along, std::min({*clear, 0.5 * part.reach, 0.5 * detail}), true};
   return true;
@@ -151,7 +158,7 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
     const double heading = part.heading.norm();
     if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
     sees = look_along(part, part.ahead, splats, along, farthest_point(solid, along),
-                      std::min(length, farthest) + ahead, target);
+                      std::min(length, farthest) + ahead, 0.0, target);
   }
   // Where it turns, its ends go opposite ways.
   Eigen::Index longest_axis = 0;
@@ -164,21 +171,40 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
   for (const double end : {1.0, -1.0}) {
     Sight& sight = end > 0.0 ? part.one_end : part.other_end;
     const Eigen::Vector3d tip = solid.center + end * solid.axes.col(longest_axis);
-    sees = look_along(part, sight, splats, end / swept * sweep, tip, std::min(swept, farthest) + ahead,
+    sees = look_along(part, sight, splats, end / swept * sweep, tip, std::min(swept, farthest) + ahead, 0.0,
                       target) &&
            sees;
   }
   return sees;
 }
 
-bool ProxyForce::find_obstacles(const Goal& goal) {
-  obstacles_.planes.clear();
-  obstacles_.properties.clear();
+bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) {
+  const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
+  if (splats.size == 0) return true;
+  const Ellipsoid solid = part.solid.at(proxy_);
+  const Eigen::Vector3d goes = motion.translation + motion.rotation.cross(solid.center - proxy_.position);
+  const double length = goes.norm();
+  if (length < kLeastSweep * part.patches.detail()) return true;
+  const Eigen::Vector3d along = goes / length;
+  if (along.dot(part.ahead.along) > kSameLook) return true;
+  const double way = std::min({length, step_, goal.longest}) + kAhead * part.patches.detail();
+  return look_along(part, part.aside, splats, along, farthest_point(solid, along), way, kHeadOn, goal.target);
+}
+
+bool ProxyForce::look_around(const Goal& goal) {
   bool sees = true;
   for (Part& part : parts_) {
     const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
     part.patches.follow(splats, part.solid.at(proxy_));
     sees = look_ahead(part, splats, goal) && sees;
+  }
+  return sees;
+}
+
+void ProxyForce::find_obstacles() {
+  obstacles_.planes.clear();
+  obstacles_.properties.clear();
+  for (const Part& part : parts_) {
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const double c = std::max(kLeastConfidence, patches[i].confidence);
@@ -189,10 +215,6 @@ bool ProxyForce::find_obstacles(const Goal& goal) {
       obstacles_.properties.back().confidence = c;
     }
   }
-  if (sees) {
-    for (Part& part : parts_) part.ahead.done = part.one_end.done = part.other_end.done = false;
-  }
-  return sees;
 }
 
 ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i) const {
@@ -253,14 +275,38 @@ Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double
   return blend(along, motion, share_within(rest, out, stretch, gyration_));
 }
 
+std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold& held) {
+  if (!look_around(goal)) return std::nullopt;
+  const Motion wanted = motion_between(proxy_, goal.target);
+  Motion motion;
+  for (int k = 0; k < kMostTurns; ++k) {
+    find_obstacles();
+    motion = constrained_motion(wanted, obstacles_.planes, gyration_);
+    held = hold();
+    if (share_within(wanted, motion, stretch, gyration_) < 1.0) motion = less_wound(wanted, motion, stretch);
+    if (held.push == 0.0) break;  // it goes where it has looked
+    bool found = false;
+    for (Part& part : parts_) {
+      const std::size_t known = part.patches.patches().size();
+      if (!look_aside(part, motion, goal)) return std::nullopt;
+      if (part.patches.patches().size() == known) continue;
+      part.aside.done = false;
+      found = true;
+    }
+    if (!found) break;
+  }
+  for (Part& part : parts_)
+    part.ahead.done = part.aside.done = part.one_end.done = part.other_end.done = false;
+  return motion;
+}
+
 double ProxyForce::step(const Pose& target, double longest, double stretch) {
   if (!waits_) goal_ = {target, longest};
-  waits_ = !find_obstacles(goal_);
+  Hold held;
+  const std::optional<Motion> found = way_to(goal_, stretch, held);
+  waits_ = !found;
   if (waits_) return 0.0;
-  const Motion wanted = motion_between(proxy_, goal_.target);
-  Motion motion = constrained_motion(wanted, obstacles_.planes, gyration_);
-  const Hold held = hold();
-  if (share_within(wanted, motion, stretch, gyration_) < 1.0) motion = less_wound(wanted, motion, stretch);
+  Motion motion = *found;
   held_ = held.push > 0.0;
   if (held_) {
     hold_ = held;  // what is let go slowly stays what it was

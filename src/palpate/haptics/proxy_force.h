@@ -138,7 +138,8 @@ class ProxyForce final : public ForceModel {
     /// Mean direction of the last way of the centre, over a quarter of the thinnest semi-axis; a unit vector
     /// if that was straight.
     Eigen::Vector3d heading = Eigen::Vector3d::Zero();
-    Sight ahead;               ///< the way that the centre goes
+    Sight ahead;               ///< the way that the centre wants to go
+    Sight aside;               ///< and the way that it goes, along what holds it
     Sight one_end, other_end;  ///< and the ends, where it turns
   };
 
@@ -180,14 +181,21 @@ class ProxyForce final : public ForceModel {
   /// there was no time to look. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
-  /// The patches of all parts as obstacles, on the way to the goal. \returns false if the budget did not
-  /// allow to look at all of it: what has been looked at is not again when it is asked for the same goal.
-  bool find_obstacles(const Goal& goal);
+  /// The motion towards the goal that what is seen allows, and what it is held by. \returns nothing if the
+  /// budget did not allow to look at all of it: what has been looked at is not again when it is asked for the
+  /// same goal.
+  std::optional<Motion> way_to(const Goal& goal, double stretch, Hold& held);
+  /// Follows the patches of all parts, and looks where they are about to go. \returns as look_ahead()
+  bool look_around(const Goal& goal);
+  /// The patches of all parts as obstacles.
+  void find_obstacles();
+  /// Looks where `part` goes with that motion. \returns as look_ahead()
+  bool look_aside(Part& part, const Motion& motion, const Goal& goal);
   /// Looks where `part` is about to go. \returns false if the budget was spent before.
   bool look_ahead(Part& part, const LocalSplats& splats, const Goal& goal);
   /// The same for one direction.
   bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
-                  const Eigen::Vector3d& about, double way, const Pose& target);
+                  const Eigen::Vector3d& about, double way, double head_on, const Pose& target);
   /// True if `part` touches an ellipsoid there.
   bool touches(Part& part, const Ellipsoid& solid);
   /// Patches of what the tool is in where it starts.

@@ -53,6 +53,8 @@ constexpr double kStill = 0.005;
 constexpr double kLinger = 0.5;
 /// A patch is whole where it covers this much of its window, and an edge where it covers no more than that.
 constexpr double kWhole = 0.5, kEdge = 0.2;
+/// And a wall if besides it is as confident as this.
+constexpr double kCertain = 0.9;
 /// The cosine of the most that a patch may turn in a look.
 constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
@@ -219,6 +221,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   patch.foot = view.at(foot.x(), foot.y(), depth);
   patch.roughness = fit.roughness();
   patch.confidence = confidence_of(fit.moments, true);
+  patch.covered = static_cast<double>(fit.moments.hit / fit.moments.aimed);
   seen_count_ = 0;
   double sum = 0.0;
   for (std::size_t k = 0; k < DepthView::kRegular; ++k) {
@@ -319,7 +322,7 @@ void SurfacePatches::carry_light(const Ellipsoid& solid, const Vector3d& along) 
 }
 
 double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& along,
-                            const Vector3d& about, double way, Meeting& meeting) {
+                            const Vector3d& about, double way, double head_on, Meeting& meeting) {
   const ViewFrame view = ViewFrame::along(along, solid.center, solid.axes.col(0));
   const Profile profile(solid, view);
   // The silhouette: the image of the unit sphere.
@@ -336,6 +339,7 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
     const double clearance = view_->clearance(k);
     if (clearance >= first || clearance >= DepthView::kNothing) continue;
     const Vector3d point = view.at(view_->x(k), view_->y(k), view_->depth(k));
+    if (head_on > 0.0 && -inward_normal(solid, point - clearance * along).dot(along) < head_on) continue;
     // Far ahead, patches cannot tell.
     if (clearance <= std::max(way, kFlat * detail_) && explained(solid, point)) continue;
     first = clearance;
@@ -344,7 +348,8 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   return first;
 }
 
-bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting) {
+bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting,
+                         bool only_wall) {
   SurfacePatch patch;
   patch.normal = -meeting.along;
   patch.tangent = meeting.along.unitOrthogonal();
@@ -362,6 +367,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
     patch.offset = patch.gap - seen.fitted;
     best = patch;
   }
+  if (only_wall && (best.covered < kWhole || best.confidence < kCertain)) return false;
   best.seen_at = best.foot;
   best.seen_by = best.looked_by = solid;
   return keep(best);

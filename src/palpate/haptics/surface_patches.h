@@ -23,6 +23,7 @@ struct SurfacePatch {
   /// Confidence that there is a surface, in [1/2, 1]: 1 where Gaussians cover what the tool touches and hide
   /// what is behind them, less at what floats alone and where light comes through.
   double confidence = 1.0;
+  double covered = 0.0;  ///< how much of its window something is seen in, weighted as in the fit
   /// Root mean square of the distance of what is seen from the fit. Unit: [m].
   double roughness = 0.0;
 
@@ -113,17 +114,19 @@ class SurfacePatches {
   /// patch explains, most closely about the point `about`; each such place becomes a patch if `admit()` lets
   /// it. \returns how far it may go without another look; nothing where the budget did not allow to
   /// look, or to look for what else there is. Unit: [m].
+  /// \param head_on if above 0, only walls count that the solid meets with its front: the least cosine
+  /// between `along` and its outward normal there
   template <class Admit>
   std::optional<double> look_ahead(const LocalSplats& splats, const Ellipsoid& solid,
                                    const Eigen::Vector3d& along, const Eigen::Vector3d& about, double way,
-                                   const Admit& admit) {
+                                   double head_on, const Admit& admit) {
     double clear = 0.0;
     while (size_ < kMost) {
       if (budget_.is_spent()) return std::nullopt;
       Meeting meeting;
-      clear = meet(splats, solid, along, about, way, meeting);
+      clear = meet(splats, solid, along, about, way, head_on, meeting);
       if (clear > way || !admit()) break;
-      if (!add(splats, solid, meeting)) break;
+      if (!add(splats, solid, meeting, head_on > 0.0)) break;
     }
     return clear;
   }
@@ -154,8 +157,8 @@ class SurfacePatches {
   };
 
   double meet(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
-              const Eigen::Vector3d& about, double way, Meeting& meeting);
-  bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting);
+              const Eigen::Vector3d& about, double way, double head_on, Meeting& meeting);
+  bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting, bool only_wall);
   bool look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, Look& look);
   /// Light that the rays of a free motion still have, for a look from `solid` along `along`.
   void carry_light(const Ellipsoid& solid, const Eigen::Vector3d& along);
