@@ -700,5 +700,76 @@ TEST(ProxyForce, TakesNothingFromTheHeap) {
   EXPECT_GT(force.z(), 1.0);
 }
 
+/// A floor in z = 0, and a wall of it in x = 0.05.
+std::vector<test::Splat> floor_and_wall() {
+  std::vector<test::Splat> splats;
+  const Eigen::Quaterniond upright = rotation_between(Vector3d::UnitZ(), Vector3d::UnitX());
+  for (int i = -20; i <= 20; ++i) {
+    for (int k = -10; k <= 10; ++k) {
+      splats.push_back(test::splat({0.005 * i, 0.005 * k, 0.0}, {0.004, 0.004, 0.0002}));
+      if (i >= 0)
+        splats.push_back(test::splat({0.05, 0.005 * k, 0.005 * i}, {0.004, 0.004, 0.0002}, upright));
+    }
+  }
+  return splats;
+}
+
+// However deep it is below the floor, and so wants to go down more than along.
+TEST(ProxyForce, ABallThatSlidesOnAFloorStopsAtAWall) {
+  const SceneIndex index(test::scene_of(floor_and_wall()), SceneFilter{}, Similarity{});
+  for (const double depth : {0.001, 0.01, 0.08}) {
+    for (const double friction : {0.0, 0.3}) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)),
+                       {.stiffness = kStiffness, .friction = friction});
+      ForceInput input;
+      input.dt = 1e-3;
+      for (double z = 2.0 * kRadius; z > kRadius - depth; z -= 1e-4) {
+        input.tool.position = {-0.03, 0.001, z};
+        model.evaluate(input);
+      }
+      double farthest = -1.0;
+      ForceOutput felt;
+      for (; input.tool.position.x() < 0.09; input.tool.position.x() += 1e-4) {
+        felt = model.evaluate(input);
+        farthest = std::max(farthest, felt.proxy.position.x());
+      }
+      EXPECT_NEAR(farthest, 0.05 - kRadius, 5e-4) << depth;
+      EXPECT_NEAR(felt.wrench.force.x(), -kStiffness * 0.06, 0.02 * kStiffness * 0.06) << depth;
+    }
+  }
+}
+
+// 0.2 m long on splats 1 mm apart: one look costs more than a tick has, and is not begun again for ever.
+TEST(ProxyForce, ALongRodOnADenseFloorIsFollowedAndLetGo) {
+  std::vector<test::Splat> splats;
+  for (int i = -110; i <= 110; ++i)
+    for (int k = -20; k <= 20; ++k)
+      splats.push_back(test::splat({0.001 * i, 0.001 * k, 0.0}, {0.0007, 0.0007, 0.0001}));
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  constexpr double kThin = 0.003;
+  ProxyForce model(index, Tool(Vector3d(0.1, kThin, kThin)), {.stiffness = kStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  const auto go = [&](double to) {
+    const double from = input.tool.position.z();
+    constexpr int kTicks = 20;
+    ForceOutput felt;
+    for (int k = 1; k <= kTicks; ++k) {
+      input.tool.position.z() = from + k * (to - from) / kTicks;
+      felt = model.evaluate(input);
+    }
+    for (int k = 0; k < 200; ++k) felt = model.evaluate(input);
+    return felt;
+  };
+  input.tool.position.z() = 0.1;
+  model.evaluate(input);
+  const ForceOutput pressed = go(-0.05);  // at 7.5 m/s
+  EXPECT_NEAR(pressed.proxy.position.z(), kThin, 0.25 * kThin);
+  EXPECT_NEAR(pressed.wrench.force.z(), kStiffness * (0.05 + kThin), 0.05 * kStiffness * 0.05);
+  const ForceOutput left = go(0.1);
+  EXPECT_EQ(left.wrench.force.norm(), 0.0);
+  EXPECT_EQ(left.proxy.position, input.tool.position);
+}
+
 }  // namespace
 }  // namespace palpate

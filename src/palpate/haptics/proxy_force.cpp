@@ -400,7 +400,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // What has never been held is with the tool, or on its way there; what is not held any more comes after it.
   const double in_contact = of_tool + catch_up() * input.dt;
   double way = held_ ? in_contact : std::max(in_contact, 2.0 * of_tool);
-  if (first || !trails_) way = std::numeric_limits<double>::infinity();
+  if (!trails_) way = std::numeric_limits<double>::infinity();
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;

@@ -51,35 +51,32 @@ ToolPart enlarged(const ToolPart& part, double reach);
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
 /// points):
 ///
-///  1. every part of the proxy looks along its motion, and along those of its ends where it turns, for what
-///  it
-///     would touch first, and follows the patches of surface that it has met (SurfacePatches). A patch begins
-///     only where an ellipsoid is touched;
-///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion(), with friction),
-///  at
-///     most half of the reach at once and never farther than it has looked, so that nothing is passed unseen
-///     (tested up to 2 m/s); what a tick leaves undone, or has no budget to look at (LookBudget), the next
-///     does. A patch of confidence c gives way, so that it is felt with c times the stiffness and does not
-///     hide what is behind;
+///  1. every part of the proxy looks along the way it wants to go, along those of its ends where it
+///     turns, and along the way that what holds it lets it go, for what it would touch first, and follows
+///     the patches of surface that it has met (SurfacePatches). A patch begins only where an ellipsoid is
+///     touched;
+///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion(), with
+///     friction), at most half of the reach at once and never farther than it has looked, so that nothing
+///     is passed unseen (tested up to 50 m/s); what a tick leaves undone, or has no budget to look at
+///     (LookBudget), the next does;
 ///  3. again, until it hardly moves, at most kMostSteps times in contact, kMostFreeSteps times out of
-///  contact. In
-///     contact it moves no farther than the tool did and a little, so that the force does not jump where
-///     patches come and go;
-///  4. what is there may change from one moment to the next, where a fit finds another patch, and push the
-///  proxy away
-///     from the tool, which would wind up the spring with energy that no hand has put in. The spring is
-///     therefore no longer after the proxy has moved than before, for the tool where it is, but for a reserve
-///     that is filled by what the spring loses otherwise, kReserve at most. The proxy stays in such a patch
-///     until the tool has made way;
-///  5. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the tool's
-///  radius of
-///     gyration, or less, so that the spring holds no more than what the hand has put in and the reserve: a
-///     stiffness that changes on the way does no work. Zero where nothing has held the proxy since it was
-///     last with the tool. With damping b, the force changes by -b times the tool's velocity along it, by no
-///     more than there is.
+///     contact. In contact it moves no farther than the tool did and a little, so that the force does not
+///     jump where patches come and go;
+///  4. what is there may change from one moment to the next, where a fit finds another patch, and push
+///     the proxy away from the tool, which would wind up the spring with energy that no hand has put in.
+///     The spring is therefore no longer after the proxy has moved than before, for the tool where it is,
+///     but for a reserve that is filled by what the spring loses otherwise, kReserve at most. The proxy
+///     stays in such a patch until the tool has made way;
+///  5. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the
+///     tool's radius of gyration, or less, so that the spring holds no more than what the hand has put in
+///     and the reserve: a stiffness that changes on the way does no work. Zero where nothing has held the
+///     proxy since it was last with the tool. With damping b, the force changes by -b times the tool's
+///     velocity along it, by no more than there is.
 ///
-/// k, friction and damping are those of what holds the proxy: means over the Gaussians that the surface is
-/// made of there, and over the patches, by how hard they are pushed.
+/// k is the stiffness of what holds the proxy times the confidence that it is there.
+///
+/// Stiffness, friction and damping are those of what holds the proxy: means over the Gaussians that the
+/// surface is made of there, and over the patches, by how hard they are pushed.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
 /// its memory: an object serves one tool on one thread. Takes nothing from the heap after construction,
