@@ -183,4 +183,6 @@ Pose parse_pose(const std::string& text) {
   return pose;
 }
 
+bool is_given(const CLI::App& app, const std::string& option) { return app.count(option) > 0; }
+
 }  // namespace palpate::cli

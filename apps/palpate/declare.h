@@ -66,6 +66,9 @@ DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<s
 DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                          const std::string& type, const std::string& description);
 
+/// True if the option was said on the command line or in its file.
+bool is_given(const CLI::App& app, const std::string& option);
+
 /// A whole number from `low` to `high`. A default out of that range means "not given", and is not shown.
 DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
                          const std::string& description);

@@ -190,7 +190,12 @@ Command declare_evaluate(CLI::App& parent) {
   options->query.declare_tool(app);
   options->force.proxy.friction = 0.3;  // measured in slides and rests of its own
   options->force.declare_parameters(app);
-  return {&app, [=] { run(*options); }};
+  return {&app, [=, &app] {
+            // Captures and trials are of the model as it is by default.
+            const bool rubs = options->capture.scene.path.empty() && options->trials.strokes == 0;
+            if (!rubs && !is_given(app, "--friction")) options->force.proxy.friction = 0.0;
+            run(*options);
+          }};
 }
 
 }  // namespace palpate::cli

@@ -106,8 +106,10 @@ TEST(ProxyEnergy, StripesAreFeltOneAfterTheOther) {
   std::vector<double> soft, stiff;
   for (int k = 0; k < 4; ++k) {
     stroke.to(0.03, 0.0, 0.01);
+    stroke.rest(0.5);  // a stiffness goes where it is to go by and by
     stiff.push_back(stroke.force().z());
     stroke.to(-0.09, 0.0, 0.01);
+    stroke.rest(0.5);
     soft.push_back(stroke.force().z());
   }
   for (const double force : stiff) EXPECT_NEAR(force, stiff.front(), 0.1 * stiff.front());

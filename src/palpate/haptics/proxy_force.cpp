@@ -30,7 +30,10 @@ Motion blend(const Motion& a, const Motion& b, double of_b) {
 /// [m/s].
 constexpr double kCatchUp = 0.1;
 
-/// And what is left of that where it has no direction at all.
+/// A spring whose stiffness changes changes its force as if the proxy moved so fast. Unit: [m/s].
+constexpr double kSoften = 0.03;
+
+/// And what is left of kCatchUp where the proxy has no direction at all.
 constexpr double kLeastPurpose = 0.01;
 
 /// What gives way this much hardly holds anything. As a share of the stiffness.
@@ -358,7 +361,8 @@ void ProxyForce::wind(const Motion& pull, double length, const std::optional<Mot
   const Spring was = spring_;
   double k = hold_.stiffness * hold_.confidence;
   if (moved && was.felt > 0.0) {
-    const double change = hold_.stiffness * parameters_.hand_scale * kCatchUp * dt / std::max(length, 1e-12);
+    const double stiffer = std::max(hold_.stiffness, was.stiffness);
+    const double change = stiffer * parameters_.hand_scale * kSoften * dt / std::max(length, 1e-12);
     k = std::clamp(k, was.stiffness - change, was.stiffness + change);
   }
   spring_ = {.is_on = true,
