@@ -16,6 +16,7 @@
 #include <palpate/device/trajectory.h>
 #include <palpate/haptics/capture_evaluation.h>
 
+#include "figure_column.h"
 #include "markup.h"
 #include "output.h"
 #include "page.h"
@@ -48,12 +49,7 @@ struct Row {
   std::vector<CapturePush> pushes;
 };
 
-struct Column {
-  const char* name;  ///< in CSV and JSON
-  const char* text;  ///< in a table
-  const char* format;
-  double (*value)(const Row&);
-};
+using Column = FigureColumn<Row>;
 
 double of_likeness(const Row& row, double (*value)(const CaptureLikeness&)) {
   return row.likeness ? value(*row.likeness) : std::numeric_limits<double>::quiet_NaN();
@@ -107,18 +103,13 @@ bool is_shown(const Column& column, const std::vector<Row>& rows) {
   return std::ranges::any_of(rows, [&](const Row& row) { return !std::isnan(column.value(row)); });
 }
 
-std::string text_of(const Column& column, const Row& row) {
-  const double value = column.value(row);
-  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
-}
-
 void print_table(const std::vector<Row>& rows) {
   fmt::print("{:<66}", "");
   for (const Row& row : rows) fmt::print(" {:>8}", row.model);
   fmt::print("\n");
   for (const Column& column : columns()) {
     if (!is_shown(column, rows)) continue;
-    fmt::print("{:<66}", column.text);
+    fmt::print("{:<66}", column.heading);
     for (const Row& row : rows) fmt::print(" {:>8}", text_of(column, row));
     fmt::print("\n");
   }
@@ -128,26 +119,16 @@ Json to_json(const std::vector<Row>& rows) {
   Json json = Json::array();
   for (const Row& row : rows) {
     Json one{{"model", row.model}};
-    for (const Column& column : columns()) {
-      const double value = column.value(row);
-      one[column.name] = std::isnan(value) ? Json() : Json(value);
-    }
+    put_figures(columns(), row, one);
     json.push_back(std::move(one));
   }
   return json;
 }
 
 std::string to_csv(const std::vector<Row>& rows) {
-  std::string text = "model";
-  for (const Column& column : columns()) text += fmt::format(",{}", column.name);
-  for (const Row& row : rows) {
-    text += "\n" + row.model;
-    for (const Column& column : columns()) {
-      const double value = column.value(row);
-      text += std::isnan(value) ? "," : fmt::format(",{}", value);
-    }
-  }
-  return text + "\n";
+  std::string text = "model" + csv_names(columns()) + "\n";
+  for (const Row& row : rows) text += row.model + csv_figures(columns(), row) + "\n";
+  return text;
 }
 
 std::string to_html(const std::vector<Row>& rows) {
@@ -156,7 +137,7 @@ std::string to_html(const std::vector<Row>& rows) {
   html += "</tr>\n";
   for (const Column& column : columns()) {
     if (!is_shown(column, rows)) continue;
-    html += fmt::format("<tr><td>{}</td>", markup_escaped(column.text));
+    html += fmt::format("<tr><td>{}</td>", markup_escaped(column.heading));
     for (const Row& row : rows) html += fmt::format("<td>{}</td>", text_of(column, row));
     html += "</tr>\n";
   }

@@ -160,11 +160,6 @@ const std::vector<EvaluationSection>& evaluation_sections() {
   return all;
 }
 
-std::string text_of(const EvaluationColumn& column, const EvaluationRow& row) {
-  const double value = column.value(row);
-  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
-}
-
 void print_tables(const std::vector<EvaluationRow>& rows) {
   bool first = true;
   for (const Section& section : evaluation_sections()) {
@@ -187,12 +182,7 @@ Json evaluation_json(const std::vector<EvaluationRow>& rows) {
   Json json = Json::array();
   for (const Row& row : rows) {
     Json one{{"shape", row.shape}, {"spacing_m", row.spacing}, {"model", row.model}};
-    for (const Section& section : evaluation_sections()) {
-      for (const Column& c : section.columns) {
-        const double value = c.value(row);
-        one[c.name] = std::isnan(value) ? Json() : Json(value);
-      }
-    }
+    for (const Section& section : evaluation_sections()) put_figures(section.columns, row, one);
     one["curves"] = curves_json(row);
     json.push_back(std::move(one));
   }
@@ -201,18 +191,11 @@ Json evaluation_json(const std::vector<EvaluationRow>& rows) {
 
 std::string evaluation_csv(const std::vector<EvaluationRow>& rows) {
   std::string text = "shape,spacing_m,model";
-  for (const Section& section : evaluation_sections()) {
-    for (const Column& c : section.columns) text += fmt::format(",{}", c.name);
-  }
+  for (const Section& section : evaluation_sections()) text += csv_names(section.columns);
   text += '\n';
   for (const Row& row : rows) {
     text += fmt::format("{},{},{}", row.shape, row.spacing, row.model);
-    for (const Section& section : evaluation_sections()) {
-      for (const Column& c : section.columns) {
-        const double value = c.value(row);
-        text += std::isnan(value) ? "," : fmt::format(",{}", value);
-      }
-    }
+    for (const Section& section : evaluation_sections()) text += csv_figures(section.columns, row);
     text += '\n';
   }
   return text;

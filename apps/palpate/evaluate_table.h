@@ -9,6 +9,7 @@
 #include <palpate/haptics/crossings.h>
 #include <palpate/haptics/evaluation.h>
 
+#include "figure_column.h"
 #include "output.h"
 
 namespace palpate::cli {
@@ -25,13 +26,7 @@ struct EvaluationRow {
   std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; not there itself
 };
 
-/// A figure of a row.
-struct EvaluationColumn {
-  const char* name;     ///< in CSV and JSON
-  const char* heading;  ///< in a table
-  const char* format;
-  double (*value)(const EvaluationRow&);  ///< NaN if there is none
-};
+using EvaluationColumn = FigureColumn<EvaluationRow>;
 
 /// A table of some columns for people, with the rows that have something in it.
 struct EvaluationSection {
@@ -44,9 +39,6 @@ struct EvaluationSection {
 
 /// All columns, in order.
 const std::vector<EvaluationSection>& evaluation_sections();
-
-/// The text of a figure, or a dash where there is none.
-std::string text_of(const EvaluationColumn& column, const EvaluationRow& row);
 
 void print_tables(const std::vector<EvaluationRow>& rows);
 

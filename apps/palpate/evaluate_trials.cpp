@@ -16,6 +16,7 @@
 #include <palpate/haptics/trial_tools.h>
 #include <palpate/haptics/trials.h>
 
+#include "figure_column.h"
 #include "output.h"
 #include "result_files.h"
 #include "terminal.h"
@@ -32,12 +33,7 @@ struct Row {
   TrialFigures figures;
 };
 
-struct Column {
-  const char* name;     ///< in CSV and JSON
-  const char* heading;  ///< in a table; null: not shown
-  const char* format;
-  double (*value)(const TrialFigures&);  ///< NaN if there is none
-};
+using Column = FigureColumn<TrialFigures>;
 
 double number(std::size_t n) { return static_cast<double>(n); }
 
@@ -90,11 +86,6 @@ std::size_t width_of(const Column& column) {
   return std::max(kLeast, std::string_view(column.heading).size());
 }
 
-std::string text_of(const Column& column, const Row& row) {
-  const double value = column.value(row.figures);
-  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
-}
-
 void print_table(const std::vector<Row>& rows) {
   fmt::print(
       "Strokes in which nothing is felt deep inside, the proxy sinks in, or comes out behind, and at whose\n"
@@ -109,7 +100,7 @@ void print_table(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     fmt::print("{:<12} {:<7} {:<9}", row.tool, row.place, row.like);
     for (const Column& c : columns()) {
-      if (c.heading != nullptr) fmt::print(" {:>{}}", text_of(c, row), width_of(c));
+      if (c.heading != nullptr) fmt::print(" {:>{}}", text_of(c, row.figures), width_of(c));
     }
     fmt::print("\n");
   }
@@ -119,10 +110,7 @@ Json to_json(const std::vector<Row>& rows) {
   Json json = Json::array();
   for (const Row& row : rows) {
     Json one{{"tool", row.tool}, {"place", row.place}, {"like", row.like}};
-    for (const Column& c : columns()) {
-      const double value = c.value(row.figures);
-      one[c.name] = std::isnan(value) ? Json() : Json(value);
-    }
+    put_figures(columns(), row.figures, one);
     one["silent_strokes"] = row.figures.silent_strokes;
     one["sunk_strokes"] = row.figures.sunk_strokes;
     one["through_strokes"] = row.figures.through_strokes;
@@ -134,16 +122,10 @@ Json to_json(const std::vector<Row>& rows) {
 }
 
 std::string to_csv(const std::vector<Row>& rows) {
-  std::string text = "tool,place,like";
-  for (const Column& c : columns()) text += fmt::format(",{}", c.name);
-  for (const Row& row : rows) {
-    text += fmt::format("\n{},{},{}", row.tool, row.place, row.like);
-    for (const Column& c : columns()) {
-      const double value = c.value(row.figures);
-      text += std::isnan(value) ? "," : fmt::format(",{}", value);
-    }
-  }
-  return text + '\n';
+  std::string text = "tool,place,like" + csv_names(columns()) + "\n";
+  for (const Row& row : rows)
+    text += fmt::format("{},{},{}{}\n", row.tool, row.place, row.like, csv_figures(columns(), row.figures));
+  return text;
 }
 
 std::string ticks_csv(const std::vector<TrialTick>& ticks) {

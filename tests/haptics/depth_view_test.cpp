@@ -39,6 +39,24 @@ std::vector<test::Splat> layered(Random& random, int count) {
   return splats;
 }
 
+/// A ball at the origin that looks down on one splat.
+struct LooksDown {
+  explicit LooksDown(const test::Splat& splat)
+      : index(test::scene_of({splat}), SceneFilter{}, Similarity{}), tracker(index) {}
+
+  void look(const RayPattern& pattern) {
+    RayLight light;
+    image->look(tracker.around(larger), view, profile, larger, pattern, 0.0, light);
+  }
+
+  SceneIndex index;
+  SplatTracker tracker;
+  Ellipsoid solid = ball(Vector3d::Zero(), kRadius), larger = ball(Vector3d::Zero(), kRadius + kReach);
+  ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
+  Profile profile{solid, view};
+  std::unique_ptr<DepthView> image = std::make_unique<DepthView>();
+};
+
 using DepthViewTest = test::OnEveryTarget;
 
 TEST_F(DepthViewTest, SeesWhatCompositingInDoubleSees) {
@@ -74,18 +92,11 @@ TEST_F(DepthViewTest, SeesWhatCompositingInDoubleSees) {
 }
 
 TEST_F(DepthViewTest, ClearanceIsFromTheSolidToWhatIsSeen) {
-  const SceneIndex index(test::scene_of({test::splat({0, 0, -0.03}, {0.02, 0.02, 1e-5})}), SceneFilter{},
-                         Similarity{});
-  const Ellipsoid solid = ball(Vector3d::Zero(), kRadius), larger = ball(Vector3d::Zero(), kRadius + kReach);
-  SplatTracker tracker(index);
-  const LocalSplats& near = tracker.around(larger);
-  const auto image = std::make_unique<DepthView>();
-  const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
+  LooksDown ball(test::splat({0, 0, -0.03}, {0.02, 0.02, 1e-5}));
+  const auto& image = ball.image;
   Vector2d anchor = Vector2d::Zero();
   on_every_target([&] {
-    RayLight light;
-    image->look(near, view, Profile(solid, view), larger, RayPattern::on_lattice({0, 0}, 0.01, anchor), 0.0,
-                light);
+    ball.look(RayPattern::on_lattice({0, 0}, 0.01, anchor));
     const std::size_t nearest = image->nearest();
     ASSERT_LT(nearest, DepthView::kRays);
     EXPECT_NEAR(image->clearance(nearest), 0.01, 1e-6);  // straight below
@@ -134,25 +145,18 @@ TEST(Profile, IsTheFarSideOfTheSolid) {
 // At its very side a solid is steeper than a depth image can tell: a ray there has no clearance, whatever it
 // sees.
 TEST_F(DepthViewTest, HasNoClearanceAtTheSideOfTheSolid) {
-  const SceneIndex index(test::scene_of({test::splat({0, 0, -0.03}, {0.05, 0.05, 1e-5})}), SceneFilter{},
-                         Similarity{});
-  const Ellipsoid solid = ball(Vector3d::Zero(), kRadius), larger = ball(Vector3d::Zero(), kRadius + kReach);
-  SplatTracker tracker(index);
-  const LocalSplats& near = tracker.around(larger);
-  const auto image = std::make_unique<DepthView>();
-  const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
-  const Profile profile(solid, view);
+  LooksDown ball(test::splat({0, 0, -0.03}, {0.05, 0.05, 1e-5}));
+  const auto& image = ball.image;
   constexpr std::size_t kAimed = DepthView::kRegular + 1;
   on_every_target([&] {
     for (const double r : {0.9, 0.999, 0.9999, 1.01}) {
       Vector2d anchor = Vector2d::Zero();
       RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.03, anchor);
       pattern.aim = {0.0, r * kRadius};
-      RayLight light;
-      image->look(near, view, profile, larger, pattern, 0.0, light);
+      ball.look(pattern);
       EXPECT_EQ(image->clearance(kAimed) < DepthView::kNothing, r < 0.9998) << r;
       for (std::size_t k = 0; k < DepthView::kRays; ++k) {
-        const bool below = image->hits(k) && profile.below(image->x(k), image->y(k));
+        const bool below = image->hits(k) && ball.profile.below(image->x(k), image->y(k));
         EXPECT_EQ(image->clearance(k) < DepthView::kNothing, below) << k;
       }
     }
@@ -165,19 +169,13 @@ TEST_F(DepthViewTest, MomentsAreSumsOverTheRays) {
   const double slope = 0.2;
   const Eigen::Quaterniond turn(
       Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()));  // z = -0.03 - slope x
-  const SceneIndex index(test::scene_of({test::splat({0, 0, -0.03}, {2.0, 2.0, 1e-5}, turn, 0.95)}),
-                         SceneFilter{}, Similarity{});
-  const Ellipsoid solid = ball(Vector3d::Zero(), kRadius), larger = ball(Vector3d::Zero(), kRadius + kReach);
-  SplatTracker tracker(index);
-  const LocalSplats& near = tracker.around(larger);
-  const auto image = std::make_unique<DepthView>();
-  const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
+  LooksDown ball(test::splat({0, 0, -0.03}, {2.0, 2.0, 1e-5}, turn, 0.95));
+  const auto& image = ball.image;
   const DepthKernel kernel{{0.001, -0.002}, 0.008, 0.031, 1.5F, {0.05F, 0.1F, -0.2F, 0.3F}, 0.4F};
   on_every_target([&] {
     Vector2d anchor = Vector2d::Zero();
     const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
-    RayLight light;
-    image->look(near, view, Profile(solid, view), larger, pattern, 0.0, light);
+    ball.look(pattern);
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     double hit = 0.0, residual = 0.0, aimed = 0.0, through = 0.0;

@@ -21,11 +21,6 @@ constexpr double kSlide = 0.1, kSample = 1e-3;    // [m]
 constexpr double kSilent = 0.1, kStrong = 3.0;    // of stiffness times depth
 constexpr double kUntouched = 1.0;                // [N]
 
-double share(std::size_t part, std::size_t all) {
-  return all == 0 ? std::numeric_limits<double>::quiet_NaN()
-                  : static_cast<double>(part) / static_cast<double>(all);
-}
-
 }  // namespace
 
 std::vector<CaptureAim> capture_aims(const EllipsoidScene& kept, const SeenSurface& seen, const Tool& tool,
@@ -163,13 +158,13 @@ CaptureFigures CaptureEvaluation::figures(const std::vector<CapturePush>& pushes
     untouched += push.untouched_force > kUntouched ? 1 : 0;
     push_step.push_back(push.step);
   }
-  f.onset_within = share(within, pushes.size());
-  f.early = share(early, pushes.size());
-  f.late = share(pushes.size() - within - early, pushes.size());
-  f.silent_5mm = share(silent_5mm, pushes.size());
-  f.silent_10mm = share(silent_10mm, pushes.size());
-  f.untouched = share(untouched, pushes.size());
-  f.touched_within = share(touched, pushes.size());
+  f.onset_within = share_of(within, pushes.size());
+  f.early = share_of(early, pushes.size());
+  f.late = share_of(pushes.size() - within - early, pushes.size());
+  f.silent_5mm = share_of(silent_5mm, pushes.size());
+  f.silent_10mm = share_of(silent_10mm, pushes.size());
+  f.untouched = share_of(untouched, pushes.size());
+  f.touched_within = share_of(touched, pushes.size());
   f.onset = spread_of(std::move(onset));
   std::size_t ticks = 0, strong = 0, silent = 0;
   for (const CaptureSlide& slide : slides) {
@@ -178,8 +173,8 @@ CaptureFigures CaptureEvaluation::figures(const std::vector<CapturePush>& pushes
     silent += slide.silent;
     slide_step.push_back(slide.step);
   }
-  f.slide_strong = share(strong, ticks);
-  f.slide_silent = share(silent, ticks);
+  f.slide_strong = share_of(strong, ticks);
+  f.slide_silent = share_of(silent, ticks);
   f.push_step = spread_of(std::move(push_step));
   f.slide_step = spread_of(std::move(slide_step));
   f.tick = spread_of(hand_->ticks());
@@ -205,7 +200,7 @@ CaptureLikeness capture_likeness(CaptureEvaluation& first, CaptureEvaluation& se
   result.p10 = quantile(ratios, 0.1);
   result.p90 = quantile(ratios, 0.9);
   result.ratio = spread_of(std::move(ratios));
-  result.silent_in_one = share(silent, aims.size());
+  result.silent_in_one = share_of(silent, aims.size());
   return result;
 }
 

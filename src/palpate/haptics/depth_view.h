@@ -94,6 +94,9 @@ struct DepthMoments {
   float residual = 0.0F;                  ///< of w (z - fit)^2
   float aimed = 0.0F;                     ///< of the kernel alone, over all regular rays
   float seen_through = 0.0F;              ///< of w times the transmittance that is left behind what was hit
+
+  /// How much of the kernel something is seen in. \pre `aimed` is above zero
+  double covered() const { return static_cast<double>(hit / aimed); }
 };
 
 /// What moments() weighs rays with: w = h (1 - (x^2 + y^2) / end^2)^3 / (1 + (z - fit)^2 / spread^2), with h

@@ -1,6 +1,8 @@
 #include <palpate/haptics/evaluation_hand.h>
 
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <palpate/geometry/solids.h>
@@ -16,6 +18,17 @@ Vector3d random_direction(Random& random) {
     const Vector3d v(random.normal(), random.normal(), random.normal());
     if (v.norm() > 1e-3) return v.normalized();
   }
+}
+
+Vector3d even_direction(int k, int count) {
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const double z = 1.0 - (2.0 * k + 1.0) / count, r = std::sqrt(1.0 - z * z);
+  return {r * std::cos(golden * k), r * std::sin(golden * k), z};
+}
+
+double share_of(std::size_t part, std::size_t all) {
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN()
+                  : static_cast<double>(part) / static_cast<double>(all);
 }
 
 double reach(const Tool& tool, const Vector3d& n) { return tool.support(-n); }

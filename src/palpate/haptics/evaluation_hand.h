@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -24,6 +25,12 @@ Tool ball(double radius);
 
 /// A unit vector, all directions alike.
 Eigen::Vector3d random_direction(Random& random);
+
+/// Of `count` unit vectors that are evenly spread, number `k`: a spiral of golden angles.
+Eigen::Vector3d even_direction(int k, int count);
+
+/// NaN of none.
+double share_of(std::size_t part, std::size_t all);
 
 /// Where the tool's centre is when its point that is first to touch is `depth` below `place`. The tool is
 /// oriented as the world. Unit: [m].

@@ -36,9 +36,6 @@ constexpr double kSoften = 0.03;
 /// And what is left of kCatchUp where the proxy has no direction at all.
 constexpr double kLeastPurpose = 0.01;
 
-/// What gives way this much hardly holds anything. As a share of the stiffness.
-constexpr double kLeastConfidence = 1e-3;
-
 /// No hand moves so far in a tick: a tool that does is taken for one that starts there. Unit: [m].
 constexpr double kJump = 1.0;
 
@@ -210,21 +207,20 @@ void ProxyForce::find_obstacles() {
   for (const Part& part : parts_) {
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
-      const double c = std::max(kLeastConfidence, patches[i].confidence);
       const Properties properties = properties_of(part.patches, i);
       obstacles_.planes.push_back(
           {patches[i].normal, patches[i].foot - proxy_.position, patches[i].gap, properties.friction});
       obstacles_.properties.push_back(properties);
-      obstacles_.properties.back().confidence = c;
     }
   }
 }
 
 ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i) const {
-  const Properties usual{parameters_.stiffness, parameters_.friction, 0.0};
+  const double confidence = patches.patches()[i].confidence;
+  const Properties usual{parameters_.stiffness, parameters_.friction, 0.0, confidence};
   const std::span<const PatchWitness> witnesses = patches.witnesses(i);
   if (!parameters_.materials || parameters_.materials->empty() || witnesses.empty()) return usual;
-  Properties sum{};
+  Properties sum{0.0, 0.0, 0.0, confidence};
   for (const PatchWitness& witness : witnesses) {
     const Material material = parameters_.materials->of(witness.id, witness.position);
     sum.stiffness += witness.weight * material.stiffness.value_or(usual.stiffness);
@@ -365,8 +361,7 @@ void ProxyForce::wind(const Motion& pull, double length, const std::optional<Mot
     const double change = stiffer * parameters_.hand_scale * kSoften * dt / std::max(length, 1e-12);
     k = std::clamp(k, was.stiffness - change, was.stiffness + change);
   }
-  spring_ = {.is_on = true,
-             .along = length > 0.0 ? blend({}, pull, 1.0 / length) : Motion{},
+  spring_ = {.along = length > 0.0 ? blend({}, pull, 1.0 / length) : Motion{},
              .felt = length,
              .stiffness = k,
              .reserve = was.reserve};
@@ -410,8 +405,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const Eigen::Vector3d before = proxy_.position;
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
-  const double more =
-      spring_.is_on ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
+  const double more = trails_ ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
   const double stretch = first ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
   const int most_held = first ? kMostFreeSteps : kMostSteps;
   int held_steps = 0;
@@ -424,7 +418,6 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   remember(proxy_.position - before);
   // On its way through free space, nothing is felt.
   if (!trails_) {
-    spring_.is_on = false;
     spring_.felt = 0.0;
     return {Wrench{}, proxy_, 1.0, spring_.reserve};
   }

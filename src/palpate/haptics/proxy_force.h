@@ -149,7 +149,7 @@ class ProxyForce final : public ForceModel {
   /// What something is made of, nothing left open.
   struct Properties {
     double stiffness, friction, damping;
-    double confidence = 1.0;  ///< that it is there
+    double confidence;  ///< that it is there
   };
 
   /// What the proxy must not enter, and what that is made of.
@@ -167,7 +167,6 @@ class ProxyForce final : public ForceModel {
 
   /// What the hand feels.
   struct Spring {
-    bool is_on = false;
     Motion along;               ///< from tool to proxy, of length 1; zero where both are in one place
     double felt = 0.0;          ///< how much of its length. Unit: [m].
     double stiffness = 0.0;     ///< Unit: [N/m].

@@ -168,7 +168,7 @@ Vector3d inward_normal(const Ellipsoid& solid, const Vector3d& point) {
 /// flank meets something, an edge or a thing that is thin, as the tool does where it touches: a plane would
 /// go on below the tool where nothing is.
 Vector3d towards_contact(const Fit& fit, const ViewFrame& view, const Vector3d& contact) {
-  const double covered = static_cast<double>(fit.moments.hit / fit.moments.aimed);
+  const double covered = fit.moments.covered();
   const double whole = smooth_step((covered - kEdge) / (kWhole - kEdge));
   Vector3d normal = (whole * fit.normal(view) + (1.0 - whole) * contact).normalized();
   // No farther than can be seen in one look.
@@ -181,7 +181,7 @@ Vector3d towards_contact(const Fit& fit, const ViewFrame& view, const Vector3d& 
 double confidence_of(const DepthMoments& moments, bool seen) {
   const double least = seen ? kSeen : 0.0;
   if (!(moments.hit > 0.0F)) return least;
-  const double covered = static_cast<double>(moments.hit / moments.aimed);
+  const double covered = moments.covered();
   const double hidden = 1.0 - static_cast<double>(moments.seen_through / moments.hit);
   const double whole = smooth_step(covered / kCovered);
   return least + (1.0 - least) * whole * std::clamp((hidden - kHalf) / (kOpaque - kHalf), 0.0, 1.0);
@@ -221,7 +221,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   patch.foot = view.at(foot.x(), foot.y(), depth);
   patch.roughness = fit.roughness();
   patch.confidence = confidence_of(fit.moments, true);
-  patch.covered = static_cast<double>(fit.moments.hit / fit.moments.aimed);
+  patch.covered = fit.moments.covered();
   seen_count_ = 0;
   double sum = 0.0;
   for (std::size_t k = 0; k < DepthView::kRegular; ++k) {

@@ -136,11 +136,7 @@ double deepest(const AnalyticSurface& surface, const Tool& tool, const Pose& pos
   constexpr int kDirections = 48;
   static const std::vector<Vector3d> directions = [] {
     std::vector<Vector3d> all{Vector3d::Zero()};
-    const double golden = pi * (3.0 - std::sqrt(5.0));
-    for (int k = 0; k < kDirections; ++k) {
-      const double z = 1.0 - (2.0 * k + 1.0) / kDirections, r = std::sqrt(1.0 - z * z);
-      all.emplace_back(r * std::cos(golden * k), r * std::sin(golden * k), z);
-    }
+    for (int k = 0; k < kDirections; ++k) all.push_back(even_direction(k, kDirections));
     for (Eigen::Index k = 0; k < 3; ++k) {
       for (const double share : {0.25, 0.5, 0.75, 1.0}) {
         all.emplace_back(share * Vector3d::Unit(k));

@@ -109,10 +109,8 @@ std::vector<Vector3d> front_of(const Tool& tool, const Vector3d& along, double s
                  ca = std::pow(a[2] * a[0], kP);
     const double area = 4.0 * pi * std::pow((ab + bc + ca) / 3.0, 1.0 / kP);
     const int count = static_cast<int>(std::clamp(2.0 * area / (spacing * spacing), kFewest, kMost));
-    const double golden = pi * (3.0 - std::sqrt(5.0));
     for (int k = 0; k < count; ++k) {
-      const double z = 1.0 - (2.0 * k + 1.0) / count, r = std::sqrt(1.0 - z * z);
-      const Vector3d u(r * std::cos(golden * k), r * std::sin(golden * k), z);
+      const Vector3d u = even_direction(k, count);
       if (u.dot(solid.axes.inverse() * along) > 0.0) points.emplace_back(solid.center + solid.axes * u);
     }
   }
@@ -283,11 +281,6 @@ class Trial {
   bool lets_in_ = false;  ///< the tool starts inside, and the proxy has come out on the inner side
 };
 
-double share(std::size_t part, std::size_t all) {
-  return all == 0 ? std::numeric_limits<double>::quiet_NaN()
-                  : static_cast<double>(part) / static_cast<double>(all);
-}
-
 /// What many strokes come to.
 class Sum {
  public:
@@ -319,8 +312,8 @@ class Sum {
     f_.onset = spread_of(std::move(onset_));
     f_.onset_depth = spread_of(std::move(depth_));
     f_.late = spread_of(std::move(late_));
-    f_.within_half_mm = share(half_mm_, f_.onsets);
-    f_.within_1mm = share(mm_, f_.onsets);
+    f_.within_half_mm = share_of(half_mm_, f_.onsets);
+    f_.within_1mm = share_of(mm_, f_.onsets);
     f_.magnitude = spread_of(std::move(magnitude_));
     f_.step = spread_of(std::move(step_));
     f_.tick = spread_of(std::move(times));

@@ -168,12 +168,8 @@ void append_in_air(const Vector3d& position, const Vector3d& sigma, double alpha
                    GaussianScene& scene) {
   Eigen::Vector4d q(random.normal(), random.normal(), random.normal(), random.normal());
   if (!(q.norm() > 1e-6)) q = Eigen::Vector4d::UnitX();
-  scene.id.push_back(static_cast<std::uint32_t>(scene.size()));
-  scene.position.push_back(position.cast<float>());
-  scene.scale.push_back(sigma.array().log().matrix().cast<float>());
-  scene.rotation.push_back(q.normalized().cast<float>());
-  scene.opacity.push_back(logit(alpha));
-  scene.color.push_back(kGrey);
+  const Eigen::Vector4d unit = q.normalized();
+  scene.append({position, Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]), sigma, alpha}, kGrey);
 }
 
 Eigen::AlignedBox3d air_around(const GaussianScene& scene) {

@@ -30,6 +30,17 @@ Gaussian GaussianScene::gaussian(std::size_t i) const {
   return g;
 }
 
+void GaussianScene::append(const Gaussian& activated, const std::array<std::uint8_t, 3>& rgb) {
+  const Eigen::Quaterniond& q = activated.rotation;
+  const double alpha = activated.opacity;
+  id.push_back(static_cast<std::uint32_t>(size()));
+  position.push_back(activated.position.cast<float>());
+  scale.push_back(activated.sigma.array().log().matrix().cast<float>());
+  rotation.push_back(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()).cast<float>());
+  opacity.push_back(static_cast<float>(std::log(alpha / (1.0 - alpha))));
+  color.push_back(rgb);
+}
+
 void GaussianScene::reserve(std::size_t n) {
   id.reserve(n);
   position.reserve(n);

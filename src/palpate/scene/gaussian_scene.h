@@ -61,6 +61,10 @@ struct GaussianScene {
   /// sigma' = sqrt(sigma^2 + f^2) and alpha' = alpha * prod(sigma / sigma').
   Gaussian gaussian(std::size_t i) const;
 
+  /// Adds one, encoded as kLog and kLogit, with the next id. \pre the scene has these and a
+  /// colour for each, and neither origin nor filter
+  void append(const Gaussian& activated, const std::array<std::uint8_t, 3>& rgb);
+
   /// Makes room in all arrays; what is not used in the end is never touched.
   void reserve(std::size_t n);
 };

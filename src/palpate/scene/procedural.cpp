@@ -162,13 +162,7 @@ void append_splat(const SurfaceSample& sample, const Color& color, const Procedu
   const double sigma_y = tangent_sigma();
   const Vector3d sigma(sigma_x, sigma_y, kNormalSigma * sample.spacing);
   const double alpha = random.uniform(kOpacityMin, kOpacityMax);
-
-  scene.id.push_back(static_cast<std::uint32_t>(scene.size()));
-  scene.position.push_back(position.cast<float>());
-  scene.scale.push_back(sigma.array().log().matrix().cast<float>());
-  scene.rotation.push_back(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()).cast<float>());
-  scene.opacity.push_back(static_cast<float>(std::log(alpha / (1.0 - alpha))));
-  scene.color.push_back(color);
+  scene.append({position, q, sigma, alpha}, color);
 }
 
 }  // namespace

@@ -1,0 +1,59 @@
+/// \file
+/// Figures of an evaluation as a column of a table, of CSV and of JSON.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "output.h"
+
+namespace palpate::cli {
+
+/// A figure of a row.
+template <class Row>
+struct FigureColumn {
+  const char* name;     ///< in CSV and JSON
+  const char* heading;  ///< in a table; null: not shown there
+  const char* format;
+  double (*value)(const Row&);  ///< NaN if there is none
+};
+
+/// The text of a figure, or a dash where there is none.
+template <class Row>
+std::string text_of(const FigureColumn<Row>& column, const Row& row) {
+  const double value = column.value(row);
+  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
+}
+
+/// Adds the row's figures to an object; null where there is none.
+template <class Row>
+void put_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row, Json& json) {
+  for (const FigureColumn<Row>& column : columns) {
+    const double value = column.value(row);
+    json[column.name] = std::isnan(value) ? Json() : Json(value);
+  }
+}
+
+/// The names for the first line of CSV, each after a comma.
+template <class Row>
+std::string csv_names(const std::vector<FigureColumn<Row>>& columns) {
+  std::string text;
+  for (const FigureColumn<Row>& column : columns) text += fmt::format(",{}", column.name);
+  return text;
+}
+
+/// The row's figures for a line of CSV, each after a comma; nothing where there is none.
+template <class Row>
+std::string csv_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row) {
+  std::string text;
+  for (const FigureColumn<Row>& column : columns) {
+    const double value = column.value(row);
+    text += std::isnan(value) ? "," : fmt::format(",{}", value);
+  }
+  return text;
+}
+
+}  // namespace palpate::cli
