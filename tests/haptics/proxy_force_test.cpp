@@ -172,6 +172,27 @@ TEST_P(OnShapes, IsNeverPulledThrough) {
 
 INSTANTIATE_TEST_SUITE_P(Proxy, OnShapes, testing::Values("sphere", "cylinder", "torus", "plane", "shell"));
 
+// What a patch looks at is looked up, wherever the tool touches: at the tip of a rod, too.
+TEST(EnlargedPart, HoldsTheWindowThatATipTouchesWith) {
+  constexpr double kDetail = 0.004, kReach = 0.001;
+  for (const Vector3d& axes : {Vector3d(0.1, 0.003, 0.003), Vector3d(0.1, 0.1, 0.01),
+                               Vector3d(0.05, 0.02, 0.006), Vector3d(0.02, 0.02, 0.02)}) {
+    const ToolPart part{"", axes};
+    const Vector3d larger = enlarged(part, kDetail, kReach).semi_axes;
+    const double w = 0.88 * SurfacePatches::kWindow * kDetail;
+    for (Eigen::Index tip = 0; tip < 3; ++tip) {
+      for (Eigen::Index aside = 0; aside < 3; ++aside) {
+        if (aside == tip) continue;
+        const Vector3d point = axes[tip] * Vector3d::Unit(tip) + w * Vector3d::Unit(aside);
+        EXPECT_LE(point.cwiseQuotient(larger).norm(), 1.0 + 1e-9) << axes.transpose();
+      }
+    }
+    EXPECT_TRUE((larger.array() >= axes.array() + kReach).all());
+    // Of a ball, no more than that.
+    if (axes[0] == axes[2]) EXPECT_NEAR(larger[0], std::hypot(axes[0], w), 1e-12);
+  }
+}
+
 TEST(ProxyForce, IsZeroAndFollowsTheToolOutOfContact) {
   Bench bench("plane", noisy(931));
   for (double z = 0.1; z > kRadius + 0.006; z -= 1e-3) {

@@ -171,7 +171,7 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
     const Ellipsoid solid = Ellipsoid::from_semi_axes({above, Eigen::Quaterniond::Identity()}, rod);
     SplatTracker tracker(index);
     LookBudget budget;
-    SurfacePatches patches(0.01, 0.01, budget);
+    SurfacePatches patches(0.01, (rod.array() + 0.01) / rod.array(), budget);
     const LocalSplats& splats = tracker.around(enlarged(solid, 0.01));
     patches.look_ahead(splats, solid, -Vector3d::UnitZ(), above - 0.02 * Vector3d::UnitZ(), 0.002, 0.0,
                        [] { return true; });
@@ -210,7 +210,7 @@ TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
   SplatTracker tracker(index);
   const LocalSplats& splats = tracker.around(enlarged(solid, 0.005));
   LookBudget budget;
-  SurfacePatches patches(0.003, 0.005, budget);
+  SurfacePatches patches(0.003, Vector3d::Constant((kRadius + 0.005) / kRadius), budget);
   for (const test::Splat& splat : hollow) {
     budget.refill();
     patches.add_at(splats, solid, -splat.position.normalized(), splat.position);

@@ -181,6 +181,35 @@ TEST(Trials, CanBeRepeatedAlone) {
   EXPECT_NE(run_trials(proxy).step.max, f.step.max);
 }
 
+struct Sinks {
+  const char *tool, *place;
+};
+
+class ToolsThatAreNotRound : public testing::TestWithParam<Sinks> {};
+
+// Nothing rubs: a rod, disc or plate slides and turns on what it lies on, and stays out of it.
+TEST_P(ToolsThatAreNotRound, DoNotSinkInWhereTheySlide) {
+  const Tool tool = *trial_tool(GetParam().tool);
+  const ForceModelMaker model = [](const SceneIndex& index, const Tool& held, double) {
+    return std::make_unique<ProxyForce>(index, held, ProxyParameters{.stiffness = kStiffness});
+  };
+  const TrialFigures figures = run_trials({.place = GetParam().place,
+                                           .tool = tool,
+                                           .model = model,
+                                           .stiffness = kStiffness,
+                                           .strokes = 30,
+                                           .seed = 9});
+  EXPECT_EQ(figures.sunk, 0U) << "stroke " << (figures.sunk > 0 ? figures.sunk_strokes.front() : 0U);
+  EXPECT_EQ(figures.through, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, ToolsThatAreNotRound,
+                         testing::Values(Sinks{"rod", "face"}, Sinks{"rod", "plate"}, Sinks{"plate", "edge"},
+                                         Sinks{"plate", "hole"}, Sinks{"disc", "edge"}),
+                         [](const auto& info) {
+                           return std::string(info.param.tool) + "_" + info.param.place;
+                         });
+
 TEST(Deepest, IsThatOfTheLowestPoint) {
   const TrialPlace face("face", Tool(Vector3d::Constant(0.02)), 0);
   const double top = face.top();

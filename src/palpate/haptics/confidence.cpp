@@ -14,7 +14,7 @@ std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const 
   for (const Contact& contact : contacts) {
     const ToolPart& part = tool.parts()[contact.part];
     const double detail = detail_of(part, parameters), reach = reach_of(part, detail, extent);
-    const Ellipsoid solid = part.at(pose), larger = enlarged(part, reach).at(pose);
+    const Ellipsoid solid = part.at(pose), larger = enlarged(part, detail, reach).at(pose);
     const LocalSplats& splats = tracker.around(larger);
     const ViewFrame view = ViewFrame::along(-contact.normal, solid.center, contact.normal.unitOrthogonal());
     const Eigen::Vector3d from = contact.point - view.origin;

@@ -26,6 +26,7 @@ struct ViewJob {
   Eigen::Vector2f center;  ///< of the rays
   float reach;             ///< from there
   float since, start;      ///< depths: of the light that comes in, and from where on something is seen
+  float known;             ///< depth that rays begin before, whatever the solid hides
   float end;               ///< the depth that the larger solid reaches
   Eigen::Vector2f anchor;  ///< see RayPattern
   Eigen::Matrix2f to_cell;
@@ -251,7 +252,7 @@ HWY_INLINE auto is_drawn(DepthViewLanes& lanes, std::size_t k, V t, V m2) {
 }
 
 /// Where the rays are in the larger solid, and where they begin: a quarter of their way through the solid, so
-/// that what is behind it is not taken for what is in front.
+/// that what is behind it is not taken for what is in front, and before what is known to be there.
 void Bound(const ViewJob& job, const Profile& solid, const Profile& larger, DepthViewLanes lanes) {
   const D d;
   for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
@@ -262,7 +263,7 @@ void Bound(const ViewJob& job, const Profile& solid, const Profile& larger, Dept
     const Chord own(solid, x, y);
     const V quarter = hn::MulAdd(set(0.25F), own.far(), hn::Mul(set(0.75F), own.near()));
     const V begin = hn::IfThenElse(hn::Gt(own.facing, hn::Zero(d)), quarter, set(job.start));
-    hn::Store(hn::Max(begin, set(job.start)), d, lanes.begin() + k);
+    hn::Store(hn::Min(hn::Max(begin, set(job.start)), set(job.known)), d, lanes.begin() + k);
   }
 }
 
@@ -514,7 +515,9 @@ RayPattern RayPattern::on_lattice(const Eigen::Vector2d& center, double radius, 
 }
 
 void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile,
-                     const Ellipsoid& larger, const RayPattern& pattern, double start, RayLight& light) {
+                     const Ellipsoid& larger, const RayPattern& pattern, double start, RayLight& light,
+                     double known) {
+  start = std::min(start, known);
   ViewJob job{view.u.cast<float>(),
               view.v.cast<float>(),
               view.w.cast<float>(),
@@ -522,6 +525,7 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
               static_cast<float>(pattern.reach),
               static_cast<float>(std::min(start, light.since)),
               static_cast<float>(start),
+              static_cast<float>(known),
               static_cast<float>((larger.axes.transpose() * view.w).norm()),
               pattern.anchor.cast<float>(),
               pattern.to_cell.cast<float>()};

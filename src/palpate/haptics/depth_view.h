@@ -139,8 +139,11 @@ class DepthView {
   /// is the view's origin. Nothing is seen that is nearer than the depth `start`, but from `light.since` on
   /// it takes light away: half of it at most, since what has not been felt there will not be. `light` is then
   /// what is left at `start`. Unit: [m].
+  /// \param known a depth that rays begin at least at, even where that is behind the solid: where something
+  /// has been seen before. Unit: [m].
   void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
-            const RayPattern& pattern, double start, RayLight& light);
+            const RayPattern& pattern, double start, RayLight& light,
+            double known = std::numeric_limits<double>::infinity());
 
   /// Of the last look: Gaussians that rays may have met.
   std::size_t drawn() const { return image_count_; }

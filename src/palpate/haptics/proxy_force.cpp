@@ -61,6 +61,9 @@ constexpr int kMostTurns = 3;
 /// turns, and one whose ends hardly move, in details, over next to nothing.
 constexpr double kRound = 1.05, kLeastSweep = 1e-3;
 
+/// How much of a patch's window is looked at.
+constexpr double kShown = 0.88;
+
 /// Time constant of the velocity that damping goes by: a tenth of the shortest time that a hand takes to turn
 /// round. Unit: [s].
 constexpr double kVelocityFilter = 0.005;
@@ -74,14 +77,30 @@ double detail_of(const ToolPart& part, const ProxyParameters& parameters) {
 /// (a + reach)^2 = a^2 + w^2 shows the plane under a ball of radius a out to w: to where the kernel has a
 /// hundredth of its weight. A ray also meets Gaussians whose ellipsoids end before it.
 double reach_of(const ToolPart& part, double detail, double extent) {
-  constexpr double kShown = 0.88;
   const double a_min = part.semi_axes.minCoeff();
   return std::max(std::hypot(a_min, kShown * SurfacePatches::kWindow * detail) - a_min, 0.5 * extent);
 }
 
-ToolPart enlarged(const ToolPart& part, double reach) {
+/// With semi-axes sqrt(p a_i^2 + q): of those that hold a disc of radius w where it touches the part at an
+/// end of its longest axis and of its shortest, the one of least volume. With a and b the squares of both,
+/// that is
+///
+///     a / (p a + q) + w^2 / (p b + q) = 1,    p b + q >= b + w^2,    1 < p <= 1 + w^2 / b
+ToolPart enlarged(const ToolPart& part, double detail, double reach) {
+  constexpr int kTries = 32;
+  const Eigen::Array3d squared = part.semi_axes.array().square();
+  const double a = squared.maxCoeff(), b = squared.minCoeff();
+  const double w2 = std::pow(kShown * SurfacePatches::kWindow * detail, 2);
+  Eigen::Array3d best = squared * (1.0 + w2 / b);
+  for (int k = 1; k < kTries; ++k) {
+    const double p = 1.0 + k * w2 / (kTries * b);
+    const double half = 0.5 * (a + w2 - p * (a + b)), rest = p * a * (b + w2 - p * b);
+    const double q = std::max(half + std::sqrt(std::max(0.0, half * half + rest)), b + w2 - p * b);
+    const Eigen::Array3d tried = p * squared + q;
+    if (tried.prod() < best.prod()) best = tried;
+  }
   ToolPart larger = part;
-  larger.semi_axes.array() += reach;
+  larger.semi_axes = best.sqrt().max(part.semi_axes.array() + reach);
   return larger;
 }
 

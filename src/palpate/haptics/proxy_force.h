@@ -44,8 +44,9 @@ double detail_of(const ToolPart& part, const ProxyParameters& parameters);
 /// extent SceneIndex::usual_extent()
 double reach_of(const ToolPart& part, double detail, double extent);
 
-/// A part that is larger by `reach` on all sides.
-ToolPart enlarged(const ToolPart& part, double reach);
+/// A part that is larger by `reach` on all sides, and so much larger that the window of a patch is in it
+/// where the part touches: at the tip of a rod, too, right before which a body of longer semi-axes ends.
+ToolPart enlarged(const ToolPart& part, double detail, double reach);
 
 /// A god-object (Zilles and Salisbury 1995), in six degrees of freedom (Ortega, Redon and Coquillart 2007),
 /// on a surface that is made of the contacts themselves where the proxy is (Ryden and Chizeck 2013 do so on
@@ -121,10 +122,10 @@ class ProxyForce final : public ForceModel {
          Lookahead* lookahead, LookBudget& budget)
         : solid(part),
           reach(reach_of(part, detail_of(part, parameters), extent)),
-          larger(enlarged(part, reach)),
+          larger(enlarged(part, detail_of(part, parameters), reach)),
           splats(index, lookahead),
           touched(index, Precision::kDouble, lookahead),
-          patches(detail_of(part, parameters), reach, budget) {}
+          patches(detail_of(part, parameters), larger.semi_axes.cwiseQuotient(part.semi_axes), budget) {}
 
     ToolPart solid;
     double reach;     ///< Unit: [m].

@@ -55,6 +55,9 @@ constexpr double kLinger = 0.5;
 constexpr double kWhole = 0.5, kEdge = 0.2;
 /// And a wall if besides it is as confident as this.
 constexpr double kCertain = 0.9;
+/// Rays begin so far before where the surface was, at least, in details, and one that the tool is in no
+/// deeper than this: a tip that is under it loses sight of it else.
+constexpr double kKnown = 0.5, kIn = 1.0;
 /// The cosine of the most that a patch may turn in a look.
 constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
@@ -91,6 +94,14 @@ double start_of(const Profile& profile, const Vector2d& place) {
   return depth_of(profile, place) - 1.5 * half;
 }
 
+/// Where the first of all rays through the solid begins: the least of (x, y) m - half(x, y) / 2 over the
+/// silhouette, m the slope of their middles, is -sqrt(M^2 + H^2 / 4), with M the largest of the middles, H
+/// the longest half, and M^2 + H^2 the square of how far the solid reaches.
+double start_of_all(const Profile& profile, const Ellipsoid& solid, const Vector3d& along) {
+  const double reach_squared = (solid.axes.transpose() * along).squaredNorm();
+  return -std::sqrt(std::max(0.0, reach_squared - 0.75 / static_cast<double>(profile.cc)));
+}
+
 Eigen::Vector4d solve(const DepthMoments& moments) {
   const auto& m = moments.normal_matrix;
   Eigen::Matrix4d matrix;
@@ -103,6 +114,34 @@ Eigen::Vector4d solve(const DepthMoments& moments) {
   const auto& b = moments.right;
   return matrix.ldlt().solve(Eigen::Vector4f(b[0], b[1], b[2], b[3]).cast<double>());
 }
+
+/// How the far side of the solid runs at a place below it: slope and curvature of its depth.
+struct ToolSide {
+  ToolSide(const Profile& p, const Vector2d& place) {
+    Eigen::Matrix2d form;
+    form << p.aa, p.ab, p.ab, p.bb;
+    const Vector2d of = form * place;
+    const double facing = p.cc - place.dot(of), root = std::sqrt(facing);
+    slope = -(of / root + Vector2d(p.d, p.e)) / p.cc;
+    curvature = (form + of * of.transpose() / facing) / (root * p.cc);
+  }
+
+  /// How much of a surface's curvature makes up for what the tool has less.
+  double more_than_tool(double bend) const {
+    const double mean = 0.5 * curvature.trace();
+    const double least = mean - std::sqrt(std::max(0.0, mean * mean - curvature.determinant()));
+    return std::max(0.0, bend - least);
+  }
+
+  /// The way to where a surface of that slope here, and of that curvature, runs as the tool does: where there
+  /// is the least between them.
+  Vector2d to_least(const Vector2d& surface, double bend) const {
+    return (curvature + bend * Eigen::Matrix2d::Identity()).inverse() * (slope - surface);
+  }
+
+  Vector2d slope;
+  Eigen::Matrix2d curvature;  ///< positive. Unit: [1/m].
+};
 
 /// A quadric over the image.
 struct Fit {
@@ -118,10 +157,9 @@ struct Fit {
   double roughness() const {
     return deviation * std::sqrt(static_cast<double>(moments.residual) / static_cast<double>(moments.hit));
   }
-  /// Towards the viewer.
-  Vector3d normal(const ViewFrame& view) const {
-    return (of[1] * view.u + of[2] * view.v - view.w).normalized();
-  }
+  Vector2d slope() const { return {of[1], of[2]}; }
+  /// Across an edge, along which there is none: the mean is half of it.
+  double bend() const { return std::max(0.0, 4.0 * of[3] / deviation); }
 };
 
 /// False if hardly anything is seen.
@@ -153,6 +191,10 @@ double smooth_step(double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+Ellipsoid scaled(const Ellipsoid& solid, const Vector3d& by) {
+  return {solid.center, solid.axes * by.asDiagonal()};
+}
+
 /// The unit normal of the solid at a point of its surface, into it.
 Vector3d inward_normal(const Ellipsoid& solid, const Vector3d& point) {
   const Vector3d from = solid.center - point;
@@ -167,10 +209,12 @@ Vector3d inward_normal(const Ellipsoid& solid, const Vector3d& point) {
 /// Which way a patch faces. Where it covers what is below the tool, as the fit does; where only the tool's
 /// flank meets something, an edge or a thing that is thin, as the tool does where it touches: a plane would
 /// go on below the tool where nothing is.
-Vector3d towards_contact(const Fit& fit, const ViewFrame& view, const Vector3d& contact) {
+Vector3d towards_contact(const Fit& fit, const ViewFrame& view, const Vector2d& slope,
+                         const Vector3d& contact) {
+  const Vector3d fitted = (slope.x() * view.u + slope.y() * view.v - view.w).normalized();
   const double covered = fit.moments.covered();
   const double whole = smooth_step((covered - kEdge) / (kWhole - kEdge));
-  Vector3d normal = (whole * fit.normal(view) + (1.0 - whole) * contact).normalized();
+  Vector3d normal = (whole * fitted + (1.0 - whole) * contact).normalized();
   // No farther than can be seen in one look.
   while (-normal.dot(view.w) < kTurned) normal = (normal - 0.3 * view.w).normalized();
   return normal;
@@ -192,13 +236,17 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const ViewFrame view = ViewFrame::along(-patch.normal, solid.center, patch.tangent);
   const Profile profile(solid, view);
   const Vector2d lowest = image_of(view, farthest_point(solid, -patch.normal));
-  const Vector2d place = towards(image_of(view, patch.on_surface()), lowest, detail_);
+  const Vector2d was = image_of(view, patch.on_surface());
+  const Vector2d place = towards(was, lowest, detail_);
   if (!is_below(profile, place)) return false;
   Vector2d anchor = image_of(view, patch.anchor);
   RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
   pattern.aim = image_of(view, patch.sight);
   RayLight light(patch.light);
-  view_->look(splats, view, profile, enlarged(solid, reach_), pattern, start_of(profile, place), light);
+  const double known = patch.gap > -kIn * detail_
+                           ? (solid.center - patch.on_surface()).dot(patch.normal) - kKnown * detail_
+                           : std::numeric_limits<double>::infinity();
+  view_->look(splats, view, profile, scaled(solid, larger_), pattern, start_of(profile, place), light, known);
   budget_.spend(splats.size, view_->drawn());
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
@@ -206,10 +254,16 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   Fit fit;
   if (!fit_image(*view_, place, detail_, clearance + depth_of(profile, place), fit)) return false;
   const Vector3d touching = view.at(view_->x(nearest), view_->y(nearest), view_->depth(nearest) - clearance);
-  const Vector3d normal = towards_contact(fit, view, inward_normal(solid, touching));
+  const ToolSide side(profile, place);
+  const double bend = side.more_than_tool(fit.bend());
+  const Vector2d to_least = side.to_least(fit.slope(), bend);
+  const Vector3d normal =
+      towards_contact(fit, view, fit.slope() + bend * to_least, inward_normal(solid, touching));
   const double facing = normal.dot(patch.normal);
   if (facing < kLeastFacing) return false;
-  Vector2d foot = towards(place, image_of(view, farthest_point(solid, -normal)), detail_);
+  Vector2d foot =
+      towards(place, bend > 0.0 ? Vector2d(place + to_least) : image_of(view, farthest_point(solid, -normal)),
+              detail_);
   if (!is_below(profile, foot)) foot = place;
   const double depth = depth_of(profile, foot);
   look.fitted = facing * (fit.depth(foot) - depth);
@@ -330,8 +384,8 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
   const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
   carry_light(solid, along);
-  view_->look(splats, view, profile, enlarged(solid, reach_),
-              RayPattern::over_ellipse(root, image_of(view, about)), start_of(profile, Vector2d::Zero()),
+  view_->look(splats, view, profile, scaled(solid, larger_),
+              RayPattern::over_ellipse(root, image_of(view, about)), start_of_all(profile, solid, along),
               light_);
   budget_.spend(splats.size, view_->drawn());
   double first = std::numeric_limits<double>::infinity();

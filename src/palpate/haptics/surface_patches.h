@@ -90,11 +90,10 @@ class SurfacePatches {
   /// As many constraints as a rigid body has degrees of freedom, and two to choose from.
   static constexpr std::size_t kMost = 8;
 
-  /// \param detail the scale of the fit \param reach how far around the solid the scene is
-  /// looked at. Unit: [m]. > 0
-  /// \param budget of all parts of a tool, which must outlive it
-  SurfacePatches(double detail, double reach, LookBudget& budget)
-      : detail_(detail), reach_(reach), budget_(budget), view_(std::make_unique<DepthView>()) {}
+  /// \param detail the scale of the fit. Unit: [m]. > 0 \param larger how many times its semi-axes are those
+  /// of the solid that the scene is looked at in \param budget of all parts of a tool, which must outlive it
+  SurfacePatches(double detail, const Eigen::Vector3d& larger, LookBudget& budget)
+      : detail_(detail), larger_(larger), budget_(budget), view_(std::make_unique<DepthView>()) {}
 
   /// Radius of the window of a patch, in details: its kernel, of the form (1 - r^2)^3, has a deviation of
   /// 0.32 of that.
@@ -170,7 +169,8 @@ class SurfacePatches {
   bool keep(const SurfacePatch& patch);
   void remember_witnesses(std::size_t i);
 
-  double detail_, reach_;
+  double detail_;
+  Eigen::Vector3d larger_;
   LookBudget& budget_;
   std::unique_ptr<DepthView> view_;
   RayLight light_;  ///< of the last look along a free motion
