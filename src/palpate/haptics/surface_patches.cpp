@@ -236,8 +236,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const ViewFrame view = ViewFrame::along(-patch.normal, solid.center, patch.tangent);
   const Profile profile(solid, view);
   const Vector2d lowest = image_of(view, farthest_point(solid, -patch.normal));
-  const Vector2d was = image_of(view, patch.on_surface());
-  const Vector2d place = towards(was, lowest, detail_);
+  const Vector2d place = towards(image_of(view, patch.on_surface()), lowest, detail_);
   if (!is_below(profile, place)) return false;
   Vector2d anchor = image_of(view, patch.anchor);
   RayPattern pattern = RayPattern::on_lattice(place, kWindow * detail_, anchor);
