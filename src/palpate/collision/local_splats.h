@@ -37,4 +37,11 @@ struct LocalSplats {
   Eigen::Vector3d position(std::size_t i) const { return {center[0][i], center[1][i], center[2][i]}; }
 };
 
+struct CandidateSet;
+struct CapturedFrame;
+
+/// What find_magnified(..., times, `from`) found, as splatting draws it. Takes nothing from the heap.
+/// \param frame of the index that it was found in
+void fill_splats(const CandidateSet& from, const CapturedFrame& frame, float times, LocalSplats& result);
+
 }  // namespace palpate

@@ -39,6 +39,7 @@ struct DepthViewLanes {
   static constexpr std::size_t kRegular = DepthView::kRegular, kRays = DepthView::kRays;
   /// Where a splat ends, in standard deviations.
   static constexpr float kEnd = Neighbourhood::kDrawn;
+  static constexpr std::uint32_t kBins = DepthView::kBins;
   static constexpr float kMostAlpha = 0.99F;
   /// What the mean depth is the mean over.
   static constexpr float kBright = 0.75F, kDim = 0.25F;
@@ -71,6 +72,9 @@ struct DepthViewLanes {
   float* half_height() { return view.half_height_.data(); }
   float* below() { return view.below_.data(); }
   std::uint32_t* number() { return view.number_.data(); }
+  std::uint32_t* chosen() { return view.chosen_.data(); }
+  std::uint32_t* chosen_blocks() { return view.chosen_blocks_.data(); }
+  std::uint32_t* bin() { return view.bin_.data(); }
   std::span<const SplatImage> images() const { return {view.images_.data(), view.image_count_}; }
   const DepthView::RayBlocks& blocks() const { return view.blocks_; }
 };
@@ -216,6 +220,63 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
   lanes.size() = size;
 }
 
+/// The numbers of the splats that are nearest below the solid, nearest first. \returns how many there are.
+std::size_t FindNearest(DepthViewLanes lanes, std::span<std::uint32_t> found) {
+  const D d;
+  const float* below = lanes.below();
+  std::size_t count = 0;
+  float most = DepthView::kNothing;
+  for (std::size_t first = 0; first < lanes.size(); first += hn::Lanes(d)) {
+    if (hn::AllFalse(d, hn::Lt(hn::LoadU(d, below + first), set(most)))) continue;
+    const std::size_t end = std::min(first + hn::Lanes(d), lanes.size());
+    for (std::size_t i = first; i < end; ++i) {
+      if (!(below[i] < most)) continue;
+      std::size_t at = count < found.size() ? count++ : count - 1;
+      for (; at > 0 && below[found[at - 1]] > below[i]; --at) found[at] = found[at - 1];
+      found[at] = static_cast<std::uint32_t>(i);
+      if (count == found.size()) most = below[found[count - 1]];
+    }
+  }
+  return count;
+}
+
+/// Which splats of the window rays may meet, of which blocks, and where they are in the order.
+/// \returns how many there are.
+std::size_t Choose(const ViewJob& job, DepthViewLanes lanes) {
+  constexpr std::uint32_t kExtraBlocks = ~0U << (DepthView::kRegular / DepthView::kBlock);
+  const D d;
+  const DU du;
+  const hn::RebindToSigned<D> di;
+  const DepthView::RayBlocks& blocks = lanes.blocks();
+  const float range = job.end - job.since;
+  const V per_bin = set(range > 0.0F ? static_cast<float>(DepthViewLanes::kBins) / range : 0.0F);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < lanes.size(); i += hn::Lanes(d)) {
+    const V px = hn::LoadU(d, lanes.px() + i), wide = hn::LoadU(d, lanes.half_width() + i);
+    const V py = hn::LoadU(d, lanes.py() + i), high = hn::LoadU(d, lanes.half_height() + i);
+    const V low_x = hn::Sub(px, wide), high_x = hn::Add(px, wide), low_y = hn::Sub(py, high),
+            high_y = hn::Add(py, high);
+    auto near = hn::Zero(du);
+    for (std::size_t b = 0; b < DepthView::kBlocks; ++b) {
+      const auto in_x = hn::And(hn::Le(set(blocks.low_x[b]), high_x), hn::Ge(set(blocks.high_x[b]), low_x));
+      const auto in_y = hn::And(hn::Le(set(blocks.low_y[b]), high_y), hn::Ge(set(blocks.high_y[b]), low_y));
+      const auto in = hn::RebindMask(du, hn::And(in_x, in_y));
+      near = hn::Or(near, hn::IfThenElseZero(in, hn::Set(du, std::uint32_t{1} << b)));
+    }
+    const auto regular = hn::RebindMask(du, hn::Gt(hn::LoadU(d, lanes.regular() + i), hn::Zero(d)));
+    near = hn::IfThenElse(regular, near, hn::And(near, hn::Set(du, kExtraBlocks)));
+    const auto keep = hn::And(hn::Ne(near, hn::Zero(du)), hn::FirstN(du, lanes.size() - i));
+    const V depth = hn::ZeroIfNegative(hn::Sub(hn::LoadU(d, lanes.key() + i), set(job.since)));
+    const auto bin = hn::Min(hn::BitCast(du, hn::ConvertTo(di, hn::Mul(depth, per_bin))),
+                             hn::Set(du, DepthViewLanes::kBins - 1));
+    const auto number = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(i)));
+    hn::CompressStore(near, keep, du, lanes.chosen_blocks() + count);
+    hn::CompressStore(bin, keep, du, lanes.bin() + count);
+    count += hn::CompressStore(number, keep, du, lanes.chosen() + count);
+  }
+  return count;
+}
+
 /// A splat, in all lanes.
 struct Drawn {
   V t0, tx, ty, px, py, quu, quv, qvv, log_alpha;
@@ -236,9 +297,11 @@ struct Drawn {
     return hn::MulAdd(dx, hn::MulAdd(dx, quu, hn::Mul(dy, quv)), hn::Mul(hn::Mul(dy, dy), qvv));
   }
   HWY_INLINE V depth(V x, V y) const { return hn::MulAdd(x, tx, hn::MulAdd(y, ty, t0)); }
+  /// \param m2 what is beyond the end is taken for the end: exponentials that underflow are slow.
   HWY_INLINE V alpha(V m2) const {
     const D d;
-    return hn::Min(set(DepthViewLanes::kMostAlpha), hn::Exp(d, hn::MulAdd(m2, set(-0.5F), log_alpha)));
+    const V drawn = hn::Min(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd));
+    return hn::Min(set(DepthViewLanes::kMostAlpha), hn::Exp(d, hn::MulAdd(drawn, set(-0.5F), log_alpha)));
   }
 };
 
@@ -269,9 +332,8 @@ void Bound(const ViewJob& job, const Profile& solid, const Profile& larger, Dept
 
 /// Calls `visit(k)` for the vectors of rays that may meet the splat, of the blocks in `lit`.
 template <class Visit>
-HWY_INLINE void for_rays(const DepthView::RayBlocks& blocks, const SplatImage& image, std::uint32_t lit,
-                         const Visit& visit) {
-  for (std::uint32_t left = lit & blocks.near(image); left != 0; left &= left - 1) {
+HWY_INLINE void for_rays(const SplatImage& image, std::uint32_t lit, const Visit& visit) {
+  for (std::uint32_t left = lit & image.blocks; left != 0; left &= left - 1) {
     const std::size_t first = DepthView::kBlock * static_cast<std::size_t>(std::countr_zero(left));
     for (std::size_t k = first; k < first + DepthView::kBlock; k += hn::Lanes(D())) visit(k);
   }
@@ -282,7 +344,7 @@ void Shade(const ViewJob& job, DepthViewLanes lanes) {
   const D d;
   for (const SplatImage& image : lanes.images()) {
     const Drawn splat(image);
-    for_rays(lanes.blocks(), image, ~0U, [&](std::size_t k) HWY_ATTR {
+    for_rays(image, ~0U, [&](std::size_t k) HWY_ATTR {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
       const V t = splat.depth(x, y), m2 = splat.m2(x, y);
       const auto drawn =
@@ -322,11 +384,10 @@ void Cast(DepthViewLanes lanes) {
     if (lit == 0) break;
     const Drawn splat(image);
     const auto number = hn::Set(du, image.number);
-    for_rays(lanes.blocks(), image, lit, [&](std::size_t k) HWY_ATTR {
+    for_rays(image, lit, [&](std::size_t k) HWY_ATTR {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
       const V t = splat.depth(x, y), m2 = splat.m2(x, y);
       const auto drawn = hn::And(is_drawn(lanes, k, t, m2), hn::Gt(t, hn::Load(d, lanes.begin() + k)));
-      if (hn::AllFalse(d, drawn)) return;
       const V before = hn::Load(d, lanes.left() + k);
       const V after = hn::IfThenElse(drawn, hn::NegMulAdd(before, splat.alpha(m2), before), before);
       hn::Store(after, d, lanes.left() + k);
@@ -422,6 +483,8 @@ namespace palpate {
 namespace {
 
 HWY_EXPORT(Project);
+HWY_EXPORT(FindNearest);
+HWY_EXPORT(Choose);
 HWY_EXPORT(Bound);
 HWY_EXPORT(Shade);
 HWY_EXPORT(Cast);
@@ -545,7 +608,7 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   aim_extra_rays(pattern, light);
   HWY_DYNAMIC_DISPATCH(Bound)(job, profile, larger_profile, lanes);
   bound_blocks();
-  order(job.since, job.end);
+  order(HWY_DYNAMIC_DISPATCH(Choose)(job, lanes));
   if (job.since < job.start) HWY_DYNAMIC_DISPATCH(Shade)(job, lanes);
   for (std::size_t k = 0; k < kRays; ++k) {
     left_[k] = std::max(left_[k], kHalf);
@@ -561,26 +624,20 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
 /// In the middle, where it is asked for, through what is nearest below the solid, and about where it is asked
 /// for.
 void DepthView::aim_extra_rays(const RayPattern& pattern, const RayLight& light) {
-  constexpr std::size_t kFixed = 2, kMostFound = kSought - kFixed;
-  std::array<std::uint16_t, kMostFound> found;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < size_; ++i) {
-    const float below = below_[i];
-    if (!(below < kNothing) || (count == kMostFound && below >= below_[found[kMostFound - 1]])) continue;
-    std::size_t at = count < kMostFound ? count++ : kMostFound - 1;
-    for (; at > 0 && below_[found[at - 1]] > below; --at) found[at] = found[at - 1];
-    found[at] = static_cast<std::uint16_t>(i);
-  }
+  constexpr std::size_t kFixed = 2;
+  std::array<std::uint32_t, kSought - kFixed> found;
+  const std::size_t count = HWY_DYNAMIC_DISPATCH(FindNearest)(DepthViewLanes{*this}, found);
   std::array<Eigen::Vector2f, kExtra> places;
   places.fill(Eigen::Vector2f::Constant(kFarAway));
   places[0] = pattern.center.cast<float>();
   places[1] = pattern.aim.cast<float>();
   for (std::size_t k = 0; k < count; ++k) places[kFixed + k] = {px_[found[k]], py_[found[k]]};
   std::copy_n(pattern.around.begin(), pattern.around_size, &places[kSought]);
+  const bool even = std::ranges::count(light.left, light.left[0]) == std::ssize(light.left);
   for (std::size_t k = 0; k < kExtra; ++k) {
     x_[kRegular + k] = places[k].x();
     y_[kRegular + k] = places[k].y();
-    left_[kRegular + k] = light.left[nearest_regular(places[k].x(), places[k].y())];
+    left_[kRegular + k] = light.left[even ? 0 : nearest_regular(places[k].x(), places[k].y())];
   }
 }
 
@@ -613,23 +670,12 @@ void DepthView::bound_blocks() {
   }
 }
 
-/// Those that a ray may meet, by depth, to a part of the whole range that is finer than what is felt.
-void DepthView::order(float least, float most) {
-  constexpr std::size_t kBins = 512;
-  constexpr std::uint32_t kExtraBlocks = ~0U << (kRegular / kBlock);
-  std::array<std::uint16_t, kBins + 1> first{};
-  const float per_bin = most > least ? static_cast<float>(kBins) / (most - least) : 0.0F;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < size_; ++i) {
-    if (regular_[i] == 0.0F && (blocks_.near(image(i)) & kExtraBlocks) == 0) continue;
-    const float bin = (key_[i] - least) * per_bin;
-    bin_[count] = bin > 0.0F ? static_cast<std::uint16_t>(std::min(bin, static_cast<float>(kBins - 1)))
-                             : std::uint16_t{0};
-    ++first[bin_[count] + 1];
-    chosen_[count++] = static_cast<std::uint16_t>(i);
-  }
-  for (std::size_t b = 0; b < kBins; ++b) first[b + 1] = static_cast<std::uint16_t>(first[b + 1] + first[b]);
-  for (std::size_t n = 0; n < count; ++n) images_[first[bin_[n]]++] = image(chosen_[n]);
+/// The chosen ones by depth, to a part of the whole range that is finer than what is felt.
+void DepthView::order(std::size_t count) {
+  std::array<std::uint32_t, kBins + 1> first{};
+  for (std::size_t n = 0; n < count; ++n) ++first[bin_[n] + 1];
+  for (std::size_t b = 0; b < kBins; ++b) first[b + 1] += first[b];
+  for (std::size_t n = 0; n < count; ++n) images_[first[bin_[n]]++] = image(chosen_[n], chosen_blocks_[n]);
   image_count_ = count;
 }
 

@@ -110,14 +110,15 @@ struct DepthKernel {
   float spread = 1.0F;
 };
 
-/// A splat in a view: what is drawn of it is in a rectangle about (px, py), m^2 = quu dx^2 + quv dx dy + qvv
-/// dy^2 of the way from there, and a ray at (x, y) meets it at the depth t0 + x tx + y ty. Unit: [m].
+/// A splat in a view: about (px, py), m^2 = quu dx^2 + quv dx dy + qvv dy^2 of the way from there, and a ray
+/// at (x, y) meets it at the depth t0 + x tx + y ty. Unit: [m].
 struct SplatImage {
-  float px, py, half_width, half_height;
+  float px, py;
   float t0, tx, ty;
   float quu, quv, qvv;
   float log_alpha;
   std::uint32_t number;
+  std::uint32_t blocks;  ///< a bit for each block of rays that may meet it
 };
 
 /// Splatting for touch (Kerbl et al. 2023, for a handful of rays instead of pixels). A Gaussian is met where
@@ -179,18 +180,6 @@ class DepthView {
   /// The rectangles that they are in.
   struct RayBlocks {
     std::array<float, kBlocks> low_x, high_x, low_y, high_y;
-
-    /// A bit for each that some of the splat is drawn in.
-    std::uint32_t near(const SplatImage& image) const {
-      std::uint32_t bits = 0;
-      for (std::size_t b = 0; b < kBlocks; ++b) {
-        const bool meets =
-            (low_x[b] <= image.px + image.half_width) & (high_x[b] >= image.px - image.half_width) &
-            (low_y[b] <= image.py + image.half_height) & (high_y[b] >= image.py - image.half_height);
-        bits |= static_cast<std::uint32_t>(meets) << b;
-      }
-      return bits;
-    }
   };
 
  private:
@@ -204,10 +193,10 @@ class DepthView {
   void aim_extra_rays(const RayPattern& pattern, const RayLight& light);
   std::size_t nearest_regular(float x, float y) const;
   void bound_blocks();
-  void order(float least, float most);
-  SplatImage image(std::size_t i) const {
-    return {px_[i], py_[i],  half_width_[i], half_height_[i], t0_[i],        tx_[i],
-            ty_[i], quu_[i], quv_[i],        qvv_[i],         log_alpha_[i], number_[i]};
+  void order(std::size_t count);
+  SplatImage image(std::size_t i, std::uint32_t blocks) const {
+    return {px_[i],  py_[i],  t0_[i],        tx_[i],     ty_[i], quu_[i],
+            quv_[i], qvv_[i], log_alpha_[i], number_[i], blocks};
   }
 
   alignas(64) PerRay<float> x_{}, y_{}, depth_{}, sum_{}, share_{}, left_{}, incoming_{}, near_{}, far_{},
@@ -220,10 +209,12 @@ class DepthView {
   alignas(64) PerSplat<float> t0_, tx_, ty_, px_, py_, quu_, quv_, qvv_, log_alpha_;
   alignas(64) PerSplat<float> key_, below_, regular_, half_width_, half_height_;
   alignas(64) PerSplat<std::uint32_t> number_;
-  // Of those that rays may meet, front to back.
+  // Of those that rays may meet: number in the above, blocks of rays and part of the order.
+  static constexpr std::uint32_t kBins = 512;
+  alignas(64) PerSplat<std::uint32_t> chosen_, chosen_blocks_, bin_;
+  // The same, front to back.
   std::size_t image_count_ = 0;
   std::array<SplatImage, kMost> images_;
-  std::array<std::uint16_t, kMost> chosen_, bin_;
   RayBlocks blocks_;
 };
 
