@@ -33,6 +33,7 @@ const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
            share_ > kSmallest)
       share_ *= kSmaller;
   }
+  taken_up_ = 0;
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);
   return *splats_;
 }
@@ -41,6 +42,7 @@ void SplatTracker::fill_from(const Neighbourhood& known) {
   known.splats(index_, *splats_);
   filled_from_ = &known;
   filled_at_ = known.searches();
+  taken_up_ = splats_->size;
 }
 
 }  // namespace palpate

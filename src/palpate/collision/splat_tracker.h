@@ -2,6 +2,7 @@
 /// The Gaussians around a tool that moves little from tick to tick.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -23,6 +24,10 @@ class SplatTracker {
   /// besides; the same until the next call. Where they are more than LocalSplats has room for, those of a
   /// smaller solid about the same centre. \pre as ContactQuery::query.
   const LocalSplats& around(const Ellipsoid& solid);
+  /// What around() gave last. \pre it has been called
+  const LocalSplats& newest() const { return *splats_; }
+  /// How many Gaussians around() took up anew in its last call; none if what it had was enough.
+  std::size_t taken_up() const { return taken_up_; }
 
  private:
   void fill_from(const Neighbourhood& known);
@@ -33,6 +38,7 @@ class SplatTracker {
   double share_ = 1.0;  ///< of the solid that is looked at; less where that has too many
   const Neighbourhood* filled_from_ = nullptr;
   std::uint64_t filled_at_ = 0;  ///< Neighbourhood::searches() then
+  std::size_t taken_up_ = 0;
   std::unique_ptr<LocalSplats> splats_;
 };
 

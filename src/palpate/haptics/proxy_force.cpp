@@ -198,7 +198,7 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
 }
 
 bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) {
-  const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
+  const LocalSplats& splats = part.splats.newest();
   if (splats.size == 0) return true;
   const Ellipsoid solid = part.solid.at(proxy_);
   const Eigen::Vector3d goes = motion.translation + motion.rotation.cross(solid.center - proxy_.position);
@@ -213,9 +213,13 @@ bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) 
 bool ProxyForce::look_around(const Goal& goal) {
   bool sees = true;
   for (Part& part : parts_) {
-    const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
-    part.patches.follow(splats, part.solid.at(proxy_));
-    sees = look_ahead(part, splats, goal) && sees;
+    const bool looks = !budget_.is_spent();
+    if (looks) {
+      part.splats.around(part.larger.at(proxy_));
+      budget_.spend_on_search(part.splats.taken_up());
+    }
+    part.patches.follow(part.splats.newest(), part.solid.at(proxy_));
+    sees = looks && look_ahead(part, part.splats.newest(), goal) && sees;
   }
   return sees;
 }

@@ -55,7 +55,7 @@ double confidence_of(const DepthMoments& moments, bool seen);
 /// however dense the scene and however many parts the tool has.
 class LookBudget {
  public:
-  /// In Gaussians drawn, about 30 ns each. The last look may go beyond it.
+  /// In Gaussians drawn, about 16 ns each. The last look may go beyond it.
   static constexpr double kTick = 12000.0;
 
   void refill() { left_ = kTick; }
@@ -64,9 +64,11 @@ class LookBudget {
   void spend(std::size_t near, std::size_t drawn) {
     left_ -= kPerLook + kPerNear * static_cast<double>(near) + static_cast<double>(drawn);
   }
+  /// \param found Gaussians that were searched for and taken up
+  void spend_on_search(std::size_t found) { left_ -= kPerFound * static_cast<double>(found); }
 
  private:
-  static constexpr double kPerLook = 100.0, kPerNear = 0.2;
+  static constexpr double kPerLook = 100.0, kPerNear = 0.2, kPerFound = 2.5;
   double left_ = kTick;
 };
 
