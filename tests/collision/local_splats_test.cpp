@@ -1,6 +1,8 @@
 // Gaussians as splatting draws them, against their own parameters.
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -41,7 +43,7 @@ TEST_F(LocalSplatsOnEveryTarget, WhitenTheGaussians) {
   const Vector3d middle = world * Vector3d(0, 0, 0);
   on_every_target([&] {
     Neighbourhood near;
-    ASSERT_TRUE(near.search_drawn(index, Ellipsoid{middle, Matrix3d::Identity()}));
+    near.search_drawn(index, Ellipsoid{middle, Matrix3d::Identity()});
     LocalSplats local;
     near.splats(index, local);
     ASSERT_EQ(local.size, splats.size());
@@ -63,6 +65,85 @@ TEST_F(LocalSplatsOnEveryTarget, WhitenTheGaussians) {
           << splat.sigma.transpose();
     }
   });
+}
+
+constexpr double kLarge = 0.05;
+
+/// A square of 1 m of small discs side by side, and some large ones, of which there are many more than fit.
+std::vector<Splat> crowded_square(Random& random) {
+  constexpr int kSide = 250;
+  std::vector<Splat> splats;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vector3d at((i % kSide + random.uniform(0, 1)) / kSide, (i / kSide + random.uniform(0, 1)) / kSide,
+                      0.0);
+    const double sigma = i % 1000 == 0 ? kLarge : random.log_uniform(1e-3, 3e-3);
+    splats.push_back(test::splat(at, {sigma, sigma, 1e-4}));
+  }
+  return splats;
+}
+
+LocalSplats around_square(const SceneIndex& index, double radius) {
+  Neighbourhood near;
+  near.search_drawn(index, {Vector3d(0.5, 0.5, 0.0), radius * Matrix3d::Identity()});
+  LocalSplats local;
+  near.splats(index, local);
+  return local;
+}
+
+TEST_F(LocalSplatsOnEveryTarget, HideAsMuchWhereASampleStandsForThem) {
+  constexpr int kCells = 8;
+  using Cells = Eigen::Array<double, kCells, kCells>;
+  Random random(912);
+  const std::vector<Splat> splats = crowded_square(random);
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  const auto add = [](Cells& cells, const Vector3d& at, double sigma) {
+    const auto cell = [](double x) { return std::clamp(static_cast<int>(kCells * x), 0, kCells - 1); };
+    cells(cell(at.x()), cell(at.y())) += sigma * sigma;
+  };
+  Cells all = Cells::Zero();
+  std::size_t large = 0;
+  for (const Splat& splat : splats) {
+    if (splat.sigma.x() == kLarge) {
+      ++large;
+    } else {
+      add(all, splat.position, splat.sigma.x());
+    }
+  }
+  on_every_target([&] {
+    const LocalSplats local = around_square(index, 2.0);
+    EXPECT_LE(local.size, LocalSplats::kCapacity);
+    EXPECT_GE(local.size, LocalSplats::kCapacity / 3);
+    Cells drawn = Cells::Zero();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < local.size; ++i) {
+      if (splats[local.id[i]].sigma.x() == kLarge) {
+        ++kept;
+      } else {
+        add(drawn, local.position(i), local.radius[i]);
+      }
+    }
+    // None of the large ones is left out, all hides as much as it did, and every part of the square does,
+    // more evenly than if 45 in each were drawn by lot.
+    EXPECT_EQ(kept, large);
+    EXPECT_NEAR(drawn.sum() / all.sum(), 1.0, 0.02);
+    EXPECT_LT(std::sqrt((drawn / all - 1.0).square().mean()), 0.8 / std::sqrt(45.0)) << drawn / all;
+  });
+}
+
+TEST(LocalSplats, OfALargerSolidAreAmongThoseOfASmallerOne) {
+  Random random(913);
+  const SceneIndex index(test::scene_of(crowded_square(random)), SceneFilter{}, Similarity{});
+  const LocalSplats fewer = around_square(index, 2.0), more = around_square(index, 0.3);
+  const std::set<std::uint32_t> known(more.id.begin(),
+                                      more.id.begin() + static_cast<std::ptrdiff_t>(more.size));
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < fewer.size; ++i) {
+    if ((fewer.position(i) - Vector3d(0.5, 0.5, 0.0)).norm() > 0.29) continue;
+    ++inside;
+    EXPECT_TRUE(known.contains(fewer.id[i]));
+  }
+  EXPECT_GT(inside, 300U);
+  EXPECT_GT(more.size, 3 * inside);
 }
 
 }  // namespace

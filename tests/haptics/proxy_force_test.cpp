@@ -464,6 +464,18 @@ TEST(ProxyForce, HoldsAToolOfManyPartsOnADenseScene) {
 }
 
 // The part that touches is looked at as well as those before it, which see much and touch nothing.
+// A sample stands for the Gaussians near a tool that is large for how dense they are: 30,000 here.
+TEST(ProxyForce, HoldsAToolThatIsLargeForTheSceneAsOneThatIsNot) {
+  constexpr double kLarge = 0.1;
+  const Tool tool(Vector3d::Constant(kLarge));
+  Bench dense("plane", even(0.0016), {}, tool), sparse("plane", even(0.01), {}, tool);
+  for (Bench* bench : {&dense, &sparse}) {
+    for (double z = kLarge + 0.02; z > kLarge - 0.03; z -= 0.001) bench->at({0.003, -0.002, z});
+    const double force = bench->at({0.003, -0.002, kLarge - 0.03}).wrench.force.z();
+    EXPECT_NEAR(force, kStiffness * 0.03, 0.05 * kStiffness * 0.03);
+  }
+}
+
 TEST(ProxyForce, HoldsTheLastOfManyParts) {
   constexpr double kSmall = 0.008, kLower = 0.006, kDepth = 0.004;
   const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <type_traits>
 
+#include <palpate/collision/candidate_sample.h>
 #include <palpate/collision/pair_buffer.h>
 #include <palpate/collision/simd_target.h>
 #include <palpate/collision/whitened_pairs.h>
@@ -224,17 +225,37 @@ void append_candidates(const IndexView& index, const PairBuffer& buffer, const W
   candidates.size += n;
 }
 
-template <Precision kPrecision, class L, class Size>
-bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Size& size,
+/// Of candidates that are too many, none are kept.
+struct AllOrNone {
+  static bool make_room(CandidateSet&) { return false; }
+  static void added(CandidateSet&, std::size_t) {}
+};
+
+/// Or a sample.
+struct Sampled {
+  static bool make_room(CandidateSet& candidates) {
+    coarsen(candidates);
+    return true;
+  }
+  static void added(CandidateSet& candidates, std::size_t first) { sample(candidates, first); }
+};
+
+template <Precision kPrecision, class L, class Size, class Crowd>
+bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Size& size, const Crowd& crowd,
                         CandidateSet& candidates) {
   PairBuffer buffer;
   WhitenedPairs<float> singles;
   bool fits = true;
   candidates.size = 0;
+  candidates.grain = 0.0F;
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
     screen<kPrecision, Kept::kPair>(pairs, tool, singles);
-    fits = fits && candidates.size + pairs.size <= CandidateSet::kCapacity;
-    if (fits) append_candidates<L>(index, pairs, singles, candidates);
+    fits = fits && (candidates.size + pairs.size <= CandidateSet::kCapacity || crowd.make_room(candidates));
+    if (fits) {
+      const std::size_t first = candidates.size;
+      append_candidates<L>(index, pairs, singles, candidates);
+      crowd.added(candidates, first);
+    }
     pairs.size = 0;
   };
   candidates.walked = walk<kPrecision>(index, tool, size, buffer, flush);
@@ -245,13 +266,14 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Siz
 
 bool FindCandidates(const IndexView& index, const ToolFrame& tool, Precision precision,
                     CandidateSet& candidates) {
-  return precision == Precision::kSingle
-             ? find_candidates_in<Precision::kSingle, Floats>(index, tool, AsTheyAre{}, candidates)
-             : find_candidates_in<Precision::kDouble, Doubles>(index, tool, AsTheyAre{}, candidates);
+  return precision == Precision::kSingle ? find_candidates_in<Precision::kSingle, Floats>(
+                                               index, tool, AsTheyAre{}, AllOrNone(), candidates)
+                                         : find_candidates_in<Precision::kDouble, Doubles>(
+                                               index, tool, AsTheyAre{}, AllOrNone(), candidates);
 }
 
-bool FindMagnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
-  return find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, candidates);
+void FindMagnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
+  find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, Sampled(), candidates);
 }
 
 /// Candidates from i on, as solids.
@@ -316,8 +338,8 @@ bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision pr
   return HWY_DYNAMIC_DISPATCH(FindCandidates)(index, tool, precision, candidates);
 }
 
-bool find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
-  return HWY_DYNAMIC_DISPATCH(FindMagnified)(index, tool, times, candidates);
+void find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
+  HWY_DYNAMIC_DISPATCH(FindMagnified)(index, tool, times, candidates);
 }
 
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,

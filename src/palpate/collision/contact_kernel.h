@@ -44,6 +44,8 @@ struct CandidateSet {
   alignas(64) Array<float> t;  ///< lambda / (1 - lambda) where K was least when last seen
   alignas(64) Array<GaussianSlot> slot;
   alignas(64) Array<GaussianLabel> label;
+  /// Of find_magnified(): Gaussians of less extent than this are a sample. Unit: [captured units].
+  float grain;
 };
 
 /// All contacts of `tool`, into `result`, in the order of the blocks. Allocates only if they do not fit its
@@ -56,7 +58,13 @@ bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision pr
 
 /// As find_candidates in single precision, of Gaussians whose ellipsoids are `times` as large, times >= 1: so
 /// are their axes in `candidates`. Not for contacts_among().
-bool find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates);
+///
+/// Where they do not fit, a sample of the smaller ones stands for them: of those whose extent e is below a
+/// grain, as small a grain as fits, a share (e / grain)^2, so that they hide as much where each is drawn
+/// grain / e times as large (as for stochastic simplification: Cook et al. 2007). Which they are depends on
+/// their place in the index, where neighbours follow each other, and on the grain, not on the tool; of a
+/// larger grain, they are among those of a smaller one.
+void find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates);
 
 /// As find_contacts, among `candidates` alone, found with the same precision, whose t is kept up to date.
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,

@@ -100,6 +100,11 @@ void thicken(LocalSplats& splats, std::size_t i) {
   }
 }
 
+void magnify(LocalSplats& splats, std::size_t i, float times) {
+  for (auto& lane : splats.whitening) lane[i] /= times;
+  splats.radius[i] *= times;
+}
+
 }  // namespace
 
 void fill_splats(const CandidateSet& from, const CapturedFrame& frame, float times, LocalSplats& result) {
@@ -111,6 +116,7 @@ void fill_splats(const CandidateSet& from, const CapturedFrame& frame, float tim
     bool is_flat = false;
     for (std::size_t k = 0; k < 3; ++k) is_flat |= row_of(result, k, i).isZero(0.0F);
     if (is_flat) thicken(result, i);
+    if (from.label[i].extent < from.grain) magnify(result, i, from.grain / from.label[i].extent);
     result.opacity[i] = static_cast<float>(from.label[i].opacity);
     result.id[i] = from.label[i].id;
   }

@@ -40,7 +40,8 @@ struct LocalSplats {
 struct CandidateSet;
 struct CapturedFrame;
 
-/// What find_magnified(..., times, `from`) found, as splatting draws it. Takes nothing from the heap.
+/// What find_magnified(..., times, `from`) found, as splatting draws it; what stands for others is larger for
+/// it. Takes nothing from the heap.
 /// \param frame of the index that it was found in
 void fill_splats(const CandidateSet& from, const CapturedFrame& frame, float times, LocalSplats& result);
 

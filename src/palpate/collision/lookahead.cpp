@@ -41,8 +41,12 @@ void Lookahead::Line::finish() {
   Neighbourhood& found = found_.back();
   for (int k = 0; k < kMostHalvings; ++k, margin *= 0.5) {
     const Ellipsoid solid = enlarged(ahead, margin);
-    const bool fits =
-        precision_ ? found.search(index_, solid, *precision_) : found.search_drawn(index_, solid);
+    bool fits = true;
+    if (precision_) {
+      fits = found.search(index_, solid, *precision_);
+    } else {
+      found.search_drawn(index_, solid);
+    }
     if (fits && (found.size() <= kEasy || margin <= needed)) break;
   }
   known_ = ahead;

@@ -23,9 +23,9 @@ bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Prec
   return valid_;
 }
 
-bool Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid) {
-  remember(solid, find_magnified(index.view(), ToolFrame(solid, index.frame()), kDrawn, *candidates_));
-  return valid_;
+void Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid) {
+  find_magnified(index.view(), ToolFrame(solid, index.frame()), kDrawn, *candidates_);
+  remember(solid, true);
 }
 
 void Neighbourhood::remember(const Ellipsoid& solid, bool fits) {

@@ -22,9 +22,9 @@ class Neighbourhood {
   /// Looks for what `solid` touches. \returns false if that is too much to keep; it then covers nothing.
   bool search(const SceneIndex& index, const Ellipsoid& solid, Precision precision);
 
-  /// The same of what splatting draws: Gaussians whose ellipsoids are kDrawn times as large. For splats()
-  /// alone.
-  bool search_drawn(const SceneIndex& index, const Ellipsoid& solid);
+  /// The same of what splatting draws: Gaussians whose ellipsoids are kDrawn times as large, or a sample of
+  /// them that is not too much; see find_magnified(). For splats() alone.
+  void search_drawn(const SceneIndex& index, const Ellipsoid& solid);
 
   /// What is drawn of an ellipsoid of one standard deviation ends here: 0.99 exp(-3^2 / 2) is 0.011.
   static constexpr float kDrawn = 3.0F;

@@ -1,16 +1,10 @@
 #include <palpate/collision/splat_tracker.h>
 
-#include <algorithm>
-
 namespace palpate {
 namespace {
 
 /// How much larger the solid is made for a search, in its own radii; see ContactTracker.
 constexpr double kMargin = 0.1;
-/// Of a solid that touches too many Gaussians, this much is left at each attempt to find fewer, and a part of
-/// it at least.
-constexpr double kSmaller = 0.7;
-constexpr double kSmallest = 0.01;
 
 }  // namespace
 
@@ -25,13 +19,9 @@ const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
     ahead_->want(solid);
     if (ahead_->newest().covers(solid)) known = &ahead_->newest();
   }
-  // Where it is crowded, what was enough for the last search is, until that must be left.
-  if (!known->covers({solid.center, share_ * solid.axes})) {
+  if (!known->covers(solid)) {
     known = &near_;
-    share_ = std::min(1.0, share_ / kSmaller);
-    while (!near_.search_drawn(index_, {solid.center, (1.0 + kMargin) * share_ * solid.axes}) &&
-           share_ > kSmallest)
-      share_ *= kSmaller;
+    if (!known->covers(solid)) near_.search_drawn(index_, {solid.center, (1.0 + kMargin) * solid.axes});
   }
   taken_up_ = 0;
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);

@@ -21,8 +21,8 @@ class SplatTracker {
   explicit SplatTracker(const SceneIndex& index, Lookahead* lookahead = nullptr);
 
   /// All Gaussians that splatting draws something of inside `solid` (Neighbourhood::kDrawn), and some
-  /// besides; the same until the next call. Where they are more than LocalSplats has room for, those of a
-  /// smaller solid about the same centre. \pre as ContactQuery::query.
+  /// besides; the same until the next call. Where they are more than LocalSplats has room for, a sample that
+  /// hides as much; see find_magnified(). \pre as ContactQuery::query.
   const LocalSplats& around(const Ellipsoid& solid);
   /// What around() gave last. \pre it has been called
   const LocalSplats& newest() const { return *splats_; }
@@ -35,7 +35,6 @@ class SplatTracker {
   const SceneIndex& index_;
   Lookahead::Line* ahead_;
   Neighbourhood near_;
-  double share_ = 1.0;  ///< of the solid that is looked at; less where that has too many
   const Neighbourhood* filled_from_ = nullptr;
   std::uint64_t filled_at_ = 0;  ///< Neighbourhood::searches() then
   std::size_t taken_up_ = 0;

@@ -56,7 +56,7 @@ double confidence_of(const DepthMoments& moments, bool seen);
 class LookBudget {
  public:
   /// In Gaussians drawn, about 16 ns each. The last look may go beyond it.
-  static constexpr double kTick = 12000.0;
+  static constexpr double kTick = 16000.0;
 
   void refill() { left_ = kTick; }
   bool is_spent() const { return left_ <= 0.0; }

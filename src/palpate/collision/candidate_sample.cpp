@@ -1,0 +1,67 @@
+#include <palpate/collision/candidate_sample.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+namespace palpate {
+namespace {
+
+/// The first grain, of the median extent, and how much larger the next one is.
+constexpr float kFirstGrain = 0.5F, kCoarser = 1.25F;
+
+/// A sample that is made takes no more than this, so that there is room for more.
+constexpr std::size_t kFull = CandidateSet::kCapacity * 3 / 4;
+
+/// Multiples of the golden ratio, by place in the index: of neighbours there, any share is evenly spread.
+float lot_of(GaussianSlot slot) {
+  constexpr std::uint32_t kGolden = 2654435769U;
+  return static_cast<float>(slot.number * kGolden) * 0x1p-32F;
+}
+
+bool is_in_sample(GaussianSlot slot, float extent, float grain) {
+  const float share = extent / grain;
+  return share >= 1.0F || lot_of(slot) < share * share;
+}
+
+float median_extent(const CandidateSet& candidates) {
+  std::array<float, CandidateSet::kCapacity> extents;
+  const std::span<float> all(extents.data(), candidates.size);
+  std::ranges::transform(std::span(candidates.label.data(), candidates.size), all.begin(),
+                         &GaussianLabel::extent);
+  const auto middle = all.begin() + std::ssize(all) / 2;
+  std::ranges::nth_element(all, middle);
+  return *middle;
+}
+
+void move(CandidateSet& c, std::size_t from, std::size_t to) {
+  for (auto& lane : c.center) lane[to] = lane[from];
+  for (auto& lane : c.rounded_axes) lane[to] = lane[from];
+  c.t[to] = c.t[from];
+  c.slot[to] = c.slot[from];
+  c.label[to] = c.label[from];
+}
+
+}  // namespace
+
+void sample(CandidateSet& candidates, std::size_t first) {
+  if (candidates.grain == 0.0F) return;
+  std::size_t kept = first;
+  for (std::size_t i = first; i < candidates.size; ++i) {
+    if (is_in_sample(candidates.slot[i], candidates.label[i].extent, candidates.grain))
+      move(candidates, i, kept++);
+  }
+  candidates.size = kept;
+}
+
+void coarsen(CandidateSet& candidates) {
+  if (candidates.grain == 0.0F)
+    candidates.grain = std::max(kFirstGrain * median_extent(candidates), std::numeric_limits<float>::min());
+  while (candidates.size > kFull) {
+    candidates.grain *= kCoarser;
+    sample(candidates, 0);
+  }
+}
+
+}  // namespace palpate
