@@ -171,23 +171,23 @@ TEST_F(DepthViewTest, MomentsAreSumsOverTheRays) {
       Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()));  // z = -0.03 - slope x
   LooksDown ball(test::splat({0, 0, -0.03}, {2.0, 2.0, 1e-5}, turn, 0.95));
   const auto& image = ball.image;
-  const DepthKernel kernel{{0.001, -0.002}, 0.008, 0.031, 1.5F, {0.05F, 0.1F, -0.2F, 0.3F}, 0.4F};
+  const DepthKernel kernel{{0.001, -0.002}, 0.008, 0.031, 1.5F, {0.05F, 0.1F, -0.2F, 0.3F, -0.15F, 0.25F}, 0.4F};
   on_every_target([&] {
     Vector2d anchor = Vector2d::Zero();
     const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
     ball.look(pattern);
-    Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Vector<double, 6> right = Eigen::Vector<double, 6>::Zero();
     double hit = 0.0, residual = 0.0, aimed = 0.0, through = 0.0;
     for (std::size_t k = 0; k < pattern.size; ++k) {
       const double x = (image->x(k) - kernel.center.x()) / kernel.unit,
                    y = (image->y(k) - kernel.center.y()) / kernel.unit;
       const double z = (0.03 + slope * image->x(k) - kernel.level) / kernel.unit, r = x * x + y * y;
-      const Eigen::Vector4d b(1.0, x, y, r);
+      const Eigen::Vector<double, 6> b{{1.0, x, y, r, x * x - y * y, 2.0 * x * y}};
       const double end = kernel.end, spread = kernel.spread;
       const double aim = std::pow(std::max(0.0, 1.0 - r / (end * end)), 3);
       double fit = 0.0;
-      for (int i = 0; i < 4; ++i) fit += b[i] * kernel.fit[static_cast<std::size_t>(i)];
+      for (int i = 0; i < 6; ++i) fit += b[i] * kernel.fit[static_cast<std::size_t>(i)];
       const double off = z - fit, w = aim / (1.0 + off * off / (spread * spread));
       matrix += w * b * b.transpose();
       right += w * z * b;
@@ -199,9 +199,9 @@ TEST_F(DepthViewTest, MomentsAreSumsOverTheRays) {
     const DepthMoments found = image->moments(kernel);
     const double close = 1e-3 * hit;
     std::size_t at = 0;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 6; ++i) {
       EXPECT_NEAR(found.right[static_cast<std::size_t>(i)], right[i], close) << i;
-      for (int j = i; j < 4; ++j) EXPECT_NEAR(found.normal_matrix[at++], matrix(i, j), close) << i << j;
+      for (int j = i; j < 6; ++j) EXPECT_NEAR(found.normal_matrix[at++], matrix(i, j), close) << i << j;
     }
     EXPECT_NEAR(found.hit, hit, close);
     EXPECT_NEAR(found.residual, residual, close);

@@ -419,56 +419,48 @@ void Clear(const Profile& solid, DepthViewLanes lanes) {
 }
 
 DepthMoments Moments(DepthViewLanes lanes, const DepthKernel& kernel) {
+  constexpr std::size_t kTerms = DepthMoments::kTerms;
   const D d;
   const V zero = hn::Zero(d), one = set(1.0F);
-  const auto unit = static_cast<float>(1.0 / kernel.unit);
+  const V unit = set(static_cast<float>(1.0 / kernel.unit)), level = set(static_cast<float>(kernel.level));
+  const V center_x = set(static_cast<float>(kernel.center.x())),
+          center_y = set(static_cast<float>(kernel.center.y()));
   const float per_end = 1.0F / (kernel.end * kernel.end);
-  V w0 = zero, wx = zero, wy = zero, wr = zero, wxx = zero, wxy = zero, wxr = zero, wyy = zero, wyr = zero,
-    wrr = zero, wz = zero, wxz = zero, wyz = zero, wrz = zero, ws = zero, all = zero, through = zero;
+  V matrix[kTerms * (kTerms + 1) / 2], right[kTerms];
+  std::fill(std::begin(matrix), std::end(matrix), zero);
+  std::fill(std::begin(right), std::end(right), zero);
+  V residual = zero, all = zero, through = zero;
   for (std::size_t k = 0; k < DepthViewLanes::kRegular; k += hn::Lanes(d)) {
-    const V x =
-        hn::Mul(set(unit), hn::Sub(hn::Load(d, lanes.x() + k), set(static_cast<float>(kernel.center.x()))));
-    const V y =
-        hn::Mul(set(unit), hn::Sub(hn::Load(d, lanes.y() + k), set(static_cast<float>(kernel.center.y()))));
+    const V x = hn::Mul(unit, hn::Sub(hn::Load(d, lanes.x() + k), center_x));
+    const V y = hn::Mul(unit, hn::Sub(hn::Load(d, lanes.y() + k), center_y));
     const V share = hn::Load(d, lanes.share() + k);
     const auto hit = hn::Gt(share, zero);
     const V depth = hn::Div(hn::Load(d, lanes.sum() + k), hn::Max(share, set(1e-12F)));
-    const V z =
-        hn::IfThenElse(hit, hn::Mul(set(unit), hn::Sub(depth, set(static_cast<float>(kernel.level)))), zero);
-    const V r = hn::MulAdd(x, x, hn::Mul(y, y));
+    const V z = hn::IfThenElse(hit, hn::Mul(unit, hn::Sub(depth, level)), zero);
+    const V xx = hn::Mul(x, x), yy = hn::Mul(y, y), xy = hn::Mul(x, y), r = hn::Add(xx, yy);
+    const V terms[kTerms] = {one, x, y, r, hn::Sub(xx, yy), hn::Add(xy, xy)};
+    V fit = set(kernel.fit[0]);
+    for (std::size_t i = 1; i < kTerms; ++i) fit = hn::MulAdd(set(kernel.fit[i]), terms[i], fit);
     const V g = hn::ZeroIfNegative(hn::NegMulAdd(r, set(per_end), one));
     const V aim = hn::Mul(g, hn::Mul(g, g));
-    const V fit =
-        hn::MulAdd(set(kernel.fit[1]), x,
-                   hn::MulAdd(set(kernel.fit[2]), y, hn::MulAdd(set(kernel.fit[3]), r, set(kernel.fit[0]))));
     const V off = hn::Mul(hn::Sub(z, fit), set(1.0F / kernel.spread)), off2 = hn::Mul(off, off);
     const V w = hn::IfThenElseZero(hit, hn::Div(hn::Mul(share, aim), hn::Add(one, off2)));
-    const V x_of_w = hn::Mul(w, x), y_of_w = hn::Mul(w, y), r_of_w = hn::Mul(w, r);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < kTerms; ++i) {
+      const V weighted = hn::Mul(w, terms[i]);
+      right[i] = hn::MulAdd(weighted, z, right[i]);
+      for (std::size_t j = i; j < kTerms; ++j, ++at) matrix[at] = hn::MulAdd(weighted, terms[j], matrix[at]);
+    }
     all = hn::Add(all, aim);
-    w0 = hn::Add(w0, w);
-    wx = hn::Add(wx, x_of_w);
-    wy = hn::Add(wy, y_of_w);
-    wr = hn::Add(wr, r_of_w);
-    wxx = hn::MulAdd(x_of_w, x, wxx);
-    wxy = hn::MulAdd(x_of_w, y, wxy);
-    wxr = hn::MulAdd(x_of_w, r, wxr);
-    wyy = hn::MulAdd(y_of_w, y, wyy);
-    wyr = hn::MulAdd(y_of_w, r, wyr);
-    wrr = hn::MulAdd(r_of_w, r, wrr);
-    wz = hn::MulAdd(w, z, wz);
-    wxz = hn::MulAdd(x_of_w, z, wxz);
-    wyz = hn::MulAdd(y_of_w, z, wyz);
-    wrz = hn::MulAdd(r_of_w, z, wrz);
-    ws = hn::MulAdd(w, off2, ws);
+    residual = hn::MulAdd(w, off2, residual);
     through = hn::MulAdd(w, hn::Load(d, lanes.left() + k), through);
   }
   const auto sum = [d](V v) HWY_ATTR { return hn::GetLane(hn::SumOfLanes(d, v)); };
   DepthMoments result;
-  result.normal_matrix = {sum(w0),  sum(wx),  sum(wy),  sum(wr),  sum(wxx),
-                          sum(wxy), sum(wxr), sum(wyy), sum(wyr), sum(wrr)};
-  result.right = {sum(wz), sum(wxz), sum(wyz), sum(wrz)};
-  result.hit = sum(w0);
-  result.residual = sum(ws) * kernel.spread * kernel.spread;
+  for (std::size_t i = 0; i < result.normal_matrix.size(); ++i) result.normal_matrix[i] = sum(matrix[i]);
+  for (std::size_t i = 0; i < kTerms; ++i) result.right[i] = sum(right[i]);
+  result.hit = result.normal_matrix[0];
+  result.residual = sum(residual) * kernel.spread * kernel.spread;
   result.aimed = sum(all);
   result.seen_through = sum(through);
   return result;

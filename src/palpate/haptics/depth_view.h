@@ -85,15 +85,17 @@ struct RayLight {
   std::array<float, RayPattern::kMost> left;    ///< in [0.5, 1]
 };
 
-/// Sums over the regular rays that hit something, with b = (1, x, y, x^2 + y^2), x and y from the kernel's
-/// centre and all lengths in its unit.
+/// Sums over the regular rays that hit something, with b = (1, x, y, x^2 + y^2, x^2 - y^2, 2 x y), x and y
+/// from the kernel's centre and all lengths in its unit.
 struct DepthMoments {
-  std::array<float, 10> normal_matrix{};  ///< of w b_i b_j: the upper triangle, row by row
-  std::array<float, 4> right{};           ///< of w b_i z
-  float hit = 0.0F;                       ///< of w
-  float residual = 0.0F;                  ///< of w (z - fit)^2
-  float aimed = 0.0F;                     ///< of the kernel alone, over all regular rays
-  float seen_through = 0.0F;              ///< of w times the transmittance that is left behind what was hit
+  static constexpr std::size_t kTerms = 6;
+  std::array<float, kTerms*(kTerms + 1) / 2>
+      normal_matrix{};                ///< of w b_i b_j: the upper triangle, row by row
+  std::array<float, kTerms> right{};  ///< of w b_i z
+  float hit = 0.0F;                   ///< of w
+  float residual = 0.0F;              ///< of w (z - fit)^2
+  float aimed = 0.0F;                 ///< of the kernel alone, over all regular rays
+  float seen_through = 0.0F;          ///< of w times the transmittance that is left behind what was hit
 
   /// How much of the kernel something is seen in. \pre `aimed` is above zero
   double covered() const { return static_cast<double>(hit / aimed); }
@@ -106,7 +108,7 @@ struct DepthKernel {
   double unit;             ///< of all other lengths. Unit: [m].
   double level;            ///< depth that z is counted from. Unit: [m].
   float end;               ///< where it ends
-  std::array<float, 4> fit{};
+  std::array<float, DepthMoments::kTerms> fit{};
   float spread = 1.0F;
 };
 

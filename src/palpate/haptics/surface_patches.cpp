@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <palpate/geometry/solids.h>
@@ -16,7 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// Slope and curvature are held back as by this share of all rays, at one detail, that say there is none.
-constexpr double kSlopePrior = 5e-4, kCurvaturePrior = 1e-3;
+constexpr double kSlopePrior = 5e-4, kCurvaturePrior = 1e-3, kSaddlePrior = 5e-2;
 /// Fits of what is seen, each less moved by what is far from the one before.
 constexpr int kFits = 3;
 /// What is farther from the first fit than this counts half; from a later one, what is farther than kFar
@@ -102,17 +103,19 @@ double start_of_all(const Profile& profile, const Ellipsoid& solid, const Vector
   return -std::sqrt(std::max(0.0, reach_squared - 0.75 / static_cast<double>(profile.cc)));
 }
 
-Eigen::Vector4d solve(const DepthMoments& moments) {
-  const auto& m = moments.normal_matrix;
-  Eigen::Matrix4d matrix;
-  matrix << m[0], m[1], m[2], m[3],  //
-      m[1], m[4], m[5], m[6],        //
-      m[2], m[5], m[7], m[8],        //
-      m[3], m[6], m[8], m[9];
-  const double all = moments.aimed;
-  matrix.diagonal() += all * Eigen::Vector4d(0.0, kSlopePrior, kSlopePrior, kCurvaturePrior);
-  const auto& b = moments.right;
-  return matrix.ldlt().solve(Eigen::Vector4f(b[0], b[1], b[2], b[3]).cast<double>());
+using Terms = Eigen::Matrix<double, DepthMoments::kTerms, 1>;
+
+Terms solve(const DepthMoments& moments) {
+  Eigen::Matrix<double, DepthMoments::kTerms, DepthMoments::kTerms> matrix;
+  std::size_t at = 0;
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    for (Eigen::Index j = i; j < matrix.cols(); ++j)
+      matrix(i, j) = matrix(j, i) = moments.normal_matrix[at++];
+  Terms priors;
+  priors << 0.0, kSlopePrior, kSlopePrior, kCurvaturePrior, kSaddlePrior, kSaddlePrior;
+  matrix.diagonal() += static_cast<double>(moments.aimed) * priors;
+  return matrix.ldlt().solve(
+      Eigen::Map<const Eigen::Matrix<float, DepthMoments::kTerms, 1>>(moments.right.data()).cast<double>());
 }
 
 /// How the far side of the solid runs at a place below it: slope and curvature of its depth.
@@ -127,16 +130,18 @@ struct ToolSide {
   }
 
   /// How much of a surface's curvature makes up for what the tool has less.
-  double more_than_tool(double bend) const {
+  Eigen::Matrix2d more_than_tool(const Eigen::Matrix2d& bend) const {
     const double mean = 0.5 * curvature.trace();
     const double least = mean - std::sqrt(std::max(0.0, mean * mean - curvature.determinant()));
-    return std::max(0.0, bend - least);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(bend);
+    const Vector2d more = (axes.eigenvalues().array() - least).max(0.0);
+    return axes.eigenvectors() * more.asDiagonal() * axes.eigenvectors().transpose();
   }
 
   /// The way to where a surface of that slope here, and of that curvature, runs as the tool does: where there
   /// is the least between them.
-  Vector2d to_least(const Vector2d& surface, double bend) const {
-    return (curvature + bend * Eigen::Matrix2d::Identity()).inverse() * (slope - surface);
+  Vector2d to_least(const Vector2d& surface, const Eigen::Matrix2d& bend) const {
+    return (curvature + bend).inverse() * (slope - surface);
   }
 
   Vector2d slope;
@@ -147,19 +152,24 @@ struct ToolSide {
 struct Fit {
   Vector2d center;
   double deviation, level;
-  Eigen::Vector4d of;  ///< height, slopes, mean curvature; in details
+  Terms of;  ///< height, slopes, mean curvature and its difference; in details
   DepthMoments moments;
 
   double depth(const Vector2d& place) const {
     const Vector2d u = (place - center) / deviation;
-    return level + deviation * of.dot(Eigen::Vector4d(1.0, u.x(), u.y(), u.squaredNorm()));
+    Terms terms;
+    terms << 1.0, u.x(), u.y(), u.squaredNorm(), u.x() * u.x() - u.y() * u.y(), 2.0 * u.x() * u.y();
+    return level + deviation * of.dot(terms);
   }
   double roughness() const {
     return deviation * std::sqrt(static_cast<double>(moments.residual) / static_cast<double>(moments.hit));
   }
   Vector2d slope() const { return {of[1], of[2]}; }
-  /// Across an edge, along which there is none: the mean is half of it.
-  double bend() const { return std::max(0.0, 4.0 * of[3] / deviation); }
+  Eigen::Matrix2d bend() const {
+    Eigen::Matrix2d hessian;
+    hessian << of[3] + of[4], of[5], of[5], of[3] - of[4];
+    return 2.0 / deviation * hessian;
+  }
 };
 
 /// False if hardly anything is seen.
@@ -172,8 +182,7 @@ bool fit_image(const DepthView& image, const Vector2d& center, double deviation,
     fit.moments = image.moments(kernel);
     if (!(fit.moments.hit > kAnything * fit.moments.aimed)) return false;
     fit.of = solve(fit.moments);
-    for (Eigen::Index i = 0; i < 4; ++i)
-      kernel.fit[static_cast<std::size_t>(i)] = static_cast<float>(fit.of[i]);
+    Eigen::Map<Eigen::Matrix<float, DepthMoments::kTerms, 1>>(kernel.fit.data()) = fit.of.cast<float>();
     if (k > 0)
       kernel.spread = static_cast<float>(std::max(
           kLeastSpread, kFar * std::sqrt(static_cast<double>(fit.moments.residual / fit.moments.hit))));
@@ -254,15 +263,15 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   if (!fit_image(*view_, place, detail_, clearance + depth_of(profile, place), fit)) return false;
   const Vector3d touching = view.at(view_->x(nearest), view_->y(nearest), view_->depth(nearest) - clearance);
   const ToolSide side(profile, place);
-  const double bend = side.more_than_tool(fit.bend());
+  const Eigen::Matrix2d bend = side.more_than_tool(fit.bend());
   const Vector2d to_least = side.to_least(fit.slope(), bend);
   const Vector3d normal =
       towards_contact(fit, view, fit.slope() + bend * to_least, inward_normal(solid, touching));
   const double facing = normal.dot(patch.normal);
   if (facing < kLeastFacing) return false;
-  Vector2d foot =
-      towards(place, bend > 0.0 ? Vector2d(place + to_least) : image_of(view, farthest_point(solid, -normal)),
-              detail_);
+  Vector2d foot = towards(
+      place, bend.trace() > 0.0 ? Vector2d(place + to_least) : image_of(view, farthest_point(solid, -normal)),
+      detail_);
   if (!is_below(profile, foot)) foot = place;
   const double depth = depth_of(profile, foot);
   look.fitted = facing * (fit.depth(foot) - depth);
