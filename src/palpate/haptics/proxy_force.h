@@ -105,7 +105,7 @@ class ProxyForce final : public ForceModel {
   static constexpr double kReserve = 2e-4;
 
   static constexpr int kMostSteps = 4;       ///< in contact
-  static constexpr int kMostFreeSteps = 32;  ///< out of contact
+  static constexpr int kMostFreeSteps = 64;  ///< out of contact
   static constexpr std::size_t kRoom = 4096;
 
  private:
