@@ -267,7 +267,7 @@ void ForceOptions::declare_parameters(CLI::App& app) {
              "of proxy: Coulomb's coefficient")
       .in_group(kForceGroup);
   add_parsed(app, "--detail", "m",
-             "of proxy: what is smaller is smoothed away (default: 0.6 of the tool's thinnest semi-axis)",
+             "of proxy: what is smaller is smoothed away (default: 0.65 of the tool's thinnest semi-axis)",
              [this](const std::string& text) { proxy.detail = parse_positive(text); })
       .in_group(kForceGroup);
   add_number(app, "--k-base", density.k_base, 0.0, kMost, "N",

@@ -189,7 +189,9 @@ TEST(EnlargedPart, HoldsTheWindowThatATipTouchesWith) {
     }
     EXPECT_TRUE((larger.array() >= axes.array() + kReach).all());
     // Of a ball, no more than that.
-    if (axes[0] == axes[2]) EXPECT_NEAR(larger[0], std::hypot(axes[0], w), 1e-12);
+    if (axes[0] == axes[2]) {
+      EXPECT_NEAR(larger[0], std::hypot(axes[0], w), 1e-12);
+    }
   }
 }
 

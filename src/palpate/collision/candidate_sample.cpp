@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -43,12 +44,28 @@ void move(CandidateSet& c, std::size_t from, std::size_t to) {
   c.label[to] = c.label[from];
 }
 
+void move(PairBuffer& pairs, std::size_t from, std::size_t to) {
+  for (auto& lane : pairs.position) lane[to] = lane[from];
+  for (auto& lane : pairs.length_high) lane[to] = lane[from];
+  for (auto& lane : pairs.rotation) lane[to] = lane[from];
+  pairs.slot[to] = pairs.slot[from];
+}
+
 }  // namespace
 
-void sample(CandidateSet& candidates, std::size_t first) {
-  if (candidates.grain == 0.0F) return;
-  std::size_t kept = first;
-  for (std::size_t i = first; i < candidates.size; ++i) {
+void sample(PairBuffer& pairs, float grain) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < pairs.size; ++i) {
+    const auto length = [&](std::size_t axis) { return pairs.length_high[axis][i]; };
+    const float extent = std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2));
+    if (is_in_sample(pairs.slot[i], extent, grain)) move(pairs, i, kept++);
+  }
+  pairs.size = kept;
+}
+
+void sample(CandidateSet& candidates) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < candidates.size; ++i) {
     if (is_in_sample(candidates.slot[i], candidates.label[i].extent, candidates.grain))
       move(candidates, i, kept++);
   }
@@ -60,7 +77,7 @@ void coarsen(CandidateSet& candidates) {
     candidates.grain = std::max(kFirstGrain * median_extent(candidates), std::numeric_limits<float>::min());
   while (candidates.size > kFull) {
     candidates.grain *= kCoarser;
-    sample(candidates, 0);
+    sample(candidates);
   }
 }
 

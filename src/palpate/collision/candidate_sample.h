@@ -3,11 +3,14 @@
 #pragma once
 
 #include <palpate/collision/contact_kernel.h>
+#include <palpate/collision/pair_buffer.h>
 
 namespace palpate {
 
-/// Leaves out what, from number `first` on, is not in the sample of `candidates.grain`; see find_magnified().
-void sample(CandidateSet& candidates, std::size_t first);
+/// Leaves out what is not in the sample of a grain, that of the candidates themselves; see find_magnified().
+/// Of single precision. \pre the grain is positive
+void sample(PairBuffer& pairs, float grain);
+void sample(CandidateSet& candidates);
 
 /// Makes room, with a larger grain. \pre more than three quarters of it are taken
 void coarsen(CandidateSet& candidates);

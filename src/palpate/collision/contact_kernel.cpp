@@ -227,17 +227,19 @@ void append_candidates(const IndexView& index, const PairBuffer& buffer, const W
 
 /// Of candidates that are too many, none are kept.
 struct AllOrNone {
+  static void thin(PairBuffer&, const CandidateSet&) {}
   static bool make_room(CandidateSet&) { return false; }
-  static void added(CandidateSet&, std::size_t) {}
 };
 
 /// Or a sample.
 struct Sampled {
+  static void thin(PairBuffer& pairs, const CandidateSet& candidates) {
+    if (candidates.grain > 0.0F) sample(pairs, candidates.grain);
+  }
   static bool make_room(CandidateSet& candidates) {
     coarsen(candidates);
     return true;
   }
-  static void added(CandidateSet& candidates, std::size_t first) { sample(candidates, first); }
 };
 
 template <Precision kPrecision, class L, class Size, class Crowd>
@@ -249,13 +251,10 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Siz
   candidates.size = 0;
   candidates.grain = 0.0F;
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
+    crowd.thin(pairs, candidates);
     screen<kPrecision, Kept::kPair>(pairs, tool, singles);
     fits = fits && (candidates.size + pairs.size <= CandidateSet::kCapacity || crowd.make_room(candidates));
-    if (fits) {
-      const std::size_t first = candidates.size;
-      append_candidates<L>(index, pairs, singles, candidates);
-      crowd.added(candidates, first);
-    }
+    if (fits) append_candidates<L>(index, pairs, singles, candidates);
     pairs.size = 0;
   };
   candidates.walked = walk<kPrecision>(index, tool, size, buffer, flush);
@@ -274,6 +273,8 @@ bool FindCandidates(const IndexView& index, const ToolFrame& tool, Precision pre
 
 void FindMagnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
   find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, Sampled(), candidates);
+  // What came with the last change of the grain, too.
+  if (candidates.grain > 0.0F) sample(candidates);
 }
 
 /// Candidates from i on, as solids.

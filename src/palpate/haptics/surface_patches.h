@@ -78,9 +78,9 @@ class LookBudget {
 /// A patch looks at the scene against its normal, in a window of kWindow details around its foot
 /// (DepthView). Which way it faces comes from all that is seen there,
 ///
-///     minimise  sum_k w_k (z_k - a - b . u_k - c |u_k|^2)^2
+///     minimise  sum_k w_k (z_k - a - b . u_k - u_k . C u_k)^2
 ///
-/// over height a, slope b and mean curvature c, z_k the depth that ray k sees at u_k: moving least squares
+/// over height a, slope b and curvature C, z_k the depth that ray k sees at u_k: moving least squares
 /// (Levin 1998; Alexa et al. 2003) on the depth image instead of on points, so that what is hidden does not
 /// count, nor how many Gaussians lie over each other. Where it is comes from the ray that the solid would
 /// touch first: the felt surface is the fit, moved by an offset that follows, over two details of the way
