@@ -189,7 +189,7 @@ class Trial {
                            depth_at(upright(position)),
                            depth_at(felt.proxy),
                            felt.confidence};
-      if (i < in && result_.slow()) on_the_way_in(ways[i], i == 0 ? 0.0 : ways[i - 1], tick);
+      if (i < in && result_.slow()) on_the_way_in(ways[i], i == 0 ? 0.0 : ways[i - 1], tick, felt.proxy);
       judge(tick, felt.proxy, i + 1 == in);
       if (ticks != nullptr) ticks->push_back(tick);
     }
@@ -202,7 +202,12 @@ class Trial {
  private:
   /// How deep the tool is; below a plate or sheet, of which it must not come out behind, from its near side.
   double depth_at(const Pose& pose) const {
-    if (!scene_.place.thickness()) return deepest(scene_.place.surface(), aim_.tool, pose);
+    return scene_.place.thickness() ? below_the_plane(pose)
+                                    : deepest(scene_.place.surface(), aim_.tool, pose);
+  }
+
+  /// How deep the tool is below the plane of a flat place.
+  double below_the_plane(const Pose& pose) const {
     double most = -std::numeric_limits<double>::infinity();
     for (const ToolPart& part : aim_.tool.parts()) {
       const Ellipsoid solid = part.at(pose);
@@ -232,13 +237,16 @@ class Trial {
             depth};
   }
 
-  void on_the_way_in(double s, double before, const TrialTick& tick) {
+  void on_the_way_in(double s, double before, const TrialTick& tick, const Pose& proxy) {
     const auto touching = [&](double at) { return overlaps(scene_.index, aim_.tool, way_.at(at)); };
     if (!result_.touched && touching(s)) result_.touched = where_begins(before, s, touching);
     const double force = tick.force.norm();
     if (!result_.felt && force > 0.0) result_.felt = 0.5 * (before + s);
     if (!scene_.place.is_flat() || !result_.seen) return;
-    const double depth = (s - *result_.seen) * std::abs(way_.along.dot(aim_.normal));
+    // Of the tool turned as it is where it is held: an end that gives way by turning is not as deep.
+    const double turned =
+        below_the_plane({tick.tool, proxy.orientation}) - below_the_plane(upright(tick.tool));
+    const double depth = (s - *result_.seen) * std::abs(way_.along.dot(aim_.normal)) + turned;
     if (depth > std::min(kFelt, setup_.tool.thinnest()))
       result_.magnitude.push_back(force / (setup_.stiffness * depth));
   }

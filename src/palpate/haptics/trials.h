@@ -83,7 +83,8 @@ struct TrialFigures {
   Spread late;         ///< TrialStroke::late(). Unit: [m].
   double within_half_mm = 0.0, within_1mm = 0.0;  ///< shares whose `late` is as small; never felt is not
   /// Of slow strokes at flat places on the way in, where deeper than 4 mm or the tool's thinnest semi-axis:
-  /// |F| over stiffness times the depth below the seen surface.
+  /// |F| over stiffness times the depth below the seen surface of the tool turned as the proxy is: an end
+  /// that gives way by turning is not as deep.
   Spread magnitude;
   /// Strokes in which the force stays below a tenth of the stiffness times how deep the deepest point of the
   /// tool is, 5 ms after that is more than the larger of 5 mm and half of the thinnest semi-axis (or all of
