@@ -171,7 +171,8 @@ TEST_F(DepthViewTest, MomentsAreSumsOverTheRays) {
       Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()));  // z = -0.03 - slope x
   LooksDown ball(test::splat({0, 0, -0.03}, {2.0, 2.0, 1e-5}, turn, 0.95));
   const auto& image = ball.image;
-  const DepthKernel kernel{{0.001, -0.002}, 0.008, 0.031, 1.5F, {0.05F, 0.1F, -0.2F, 0.3F, -0.15F, 0.25F}, 0.4F};
+  const DepthKernel kernel{
+      {0.001, -0.002}, 0.008, 0.031, 1.5F, {0.05F, 0.1F, -0.2F, 0.3F, -0.15F, 0.25F}, 0.4F};
   on_every_target([&] {
     Vector2d anchor = Vector2d::Zero();
     const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
