@@ -74,8 +74,8 @@ std::vector<Splat> crowded_square(Random& random) {
   constexpr int kSide = 250;
   std::vector<Splat> splats;
   for (int i = 0; i < kSide * kSide; ++i) {
-    const Vector3d at((i % kSide + random.uniform(0, 1)) / kSide, (i / kSide + random.uniform(0, 1)) / kSide,
-                      0.0);
+    const int column = i % kSide, row = i / kSide;
+    const Vector3d at((column + random.uniform(0, 1)) / kSide, (row + random.uniform(0, 1)) / kSide, 0.0);
     const double sigma = i % 1000 == 0 ? kLarge : random.log_uniform(1e-3, 3e-3);
     splats.push_back(test::splat(at, {sigma, sigma, 1e-4}));
   }
