@@ -465,8 +465,7 @@ TEST(ProxyForce, HoldsAToolOfManyPartsOnADenseScene) {
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
 }
 
-// The part that touches is looked at as well as those before it, which see much and touch nothing.
-// A sample stands for the Gaussians near a tool that is large for how dense they are: 30,000 here.
+// A sample stands for the Gaussians near a tool where they are more than there is room for.
 TEST(ProxyForce, HoldsAToolThatIsLargeForTheSceneAsOneThatIsNot) {
   constexpr double kLarge = 0.1;
   const Tool tool(Vector3d::Constant(kLarge));
@@ -478,6 +477,7 @@ TEST(ProxyForce, HoldsAToolThatIsLargeForTheSceneAsOneThatIsNot) {
   }
 }
 
+// The part that touches is looked at as well as those before it, which see much and touch nothing.
 TEST(ProxyForce, HoldsTheLastOfManyParts) {
   constexpr double kSmall = 0.008, kLower = 0.006, kDepth = 0.004;
   const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();

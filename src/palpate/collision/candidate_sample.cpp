@@ -51,25 +51,27 @@ void move(PairBuffer& pairs, std::size_t from, std::size_t to) {
   pairs.slot[to] = pairs.slot[from];
 }
 
+/// \param extent_of what number i has
+template <class Gaussians, class ExtentOf>
+void sample_by(Gaussians& gaussians, float grain, const ExtentOf& extent_of) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < gaussians.size; ++i) {
+    if (is_in_sample(gaussians.slot[i], extent_of(i), grain)) move(gaussians, i, kept++);
+  }
+  gaussians.size = kept;
+}
+
 }  // namespace
 
 void sample(PairBuffer& pairs, float grain) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < pairs.size; ++i) {
+  sample_by(pairs, grain, [&](std::size_t i) {
     const auto length = [&](std::size_t axis) { return pairs.length_high[axis][i]; };
-    const float extent = std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2));
-    if (is_in_sample(pairs.slot[i], extent, grain)) move(pairs, i, kept++);
-  }
-  pairs.size = kept;
+    return std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2));
+  });
 }
 
 void sample(CandidateSet& candidates) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < candidates.size; ++i) {
-    if (is_in_sample(candidates.slot[i], candidates.label[i].extent, candidates.grain))
-      move(candidates, i, kept++);
-  }
-  candidates.size = kept;
+  sample_by(candidates, candidates.grain, [&](std::size_t i) { return candidates.label[i].extent; });
 }
 
 void coarsen(CandidateSet& candidates) {
