@@ -195,7 +195,7 @@ void LiveGateway::add_switches() {
   add("/palpate/resume", "std_srvs/Trigger", [this](const Value&) { system_.tick().governor().resume(); });
   add("/palpate/pause", "std_srvs/SetBool", [this](const Value& arguments) {
     SafetyGovernor& governor = system_.tick().governor();
-    flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.resume();
+    flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.unpause();
   });
   add("/palpate/clutch", "std_srvs/SetBool",
       [this](const Value& arguments) { system_.tick().press_clutch(flag_of(arguments)); });

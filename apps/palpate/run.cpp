@@ -133,7 +133,7 @@ class Console {
   }
 
   static constexpr const char* kHelp =
-      "keys: space pause and resume, e emergency stop, m model, + - stiffness, c clutch, q quit";
+      "keys: space pause and go on, e emergency stop, r resume after a fault, m model, + - stiffness, c clutch, q quit";
 
  private:
   void clear() const {
@@ -184,12 +184,9 @@ bool Console::act(char key) {
   SafetyGovernor& governor = system_.tick().governor();
   switch (key) {
     case ' ':
-      if (traits(view_.newest().fault).latched) {
-        governor.resume();
-      } else {
-        governor.stop(Fault::kPaused);
-      }
+      view_.newest().fault == Fault::kPaused ? governor.unpause() : governor.stop(Fault::kPaused);
       break;
+    case 'r': governor.resume(); break;
     case 'e': governor.stop(); break;
     case 'm':
       system_.change([](LiveSettings& settings) { settings.model = (settings.model + 1) % kModels.size(); });

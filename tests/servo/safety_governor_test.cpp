@@ -17,6 +17,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kTick = 1e-3;
+constexpr double kRounding = 1e-9;  // of a clock that tells hours, in what is of milliseconds. Unit: [N].
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -41,26 +42,29 @@ class Loop {
     Wrench wanted;
     double contacts_age = 0.0;
     bool answers = true;  ///< there is a new reading
+    double late = 0.0;    ///< by which the next one is. Unit: [s].
   };
 
   Wrench tick(const std::function<void(Tick&)>& change = {}) {
-    t += kTick;
+    const double last = t;
+    t += period + late;
     ++count;
     Tick now;
     now.reading.t = t;
     now.reading.pose.position = center + 1e-5 * Vector3d(std::sin(0.05 * count), std::cos(0.05 * count), 0.0);
     now.wanted = wanted;
     if (change) change(now);
+    late = now.late;
     if (now.answers) said = now.reading;
     governor.admit(said, t);
     const Wrench before = sent;
     sent = governor.release(now.wanted, now.contacts_age);
-    EXPECT_LE((sent.force - before.force).norm(), limits.force_slew * kTick);
+    EXPECT_LE((sent.force - before.force).norm(), limits.force_slew * (t - last));
     return sent;
   }
 
   void run(double seconds, const std::function<void(Tick&)>& change = {}) {
-    for (int k = 0; k < std::lround(seconds / kTick); ++k) tick(change);
+    for (int k = 0; k < std::lround(seconds / period); ++k) tick(change);
   }
 
   /// Until all of `f` is felt.
@@ -78,6 +82,7 @@ class Loop {
   Wrench wanted, sent;
   DeviceReading said;
   Vector3d center = Vector3d::Zero();
+  double period = kTick, late = 0.0;
   double t = 100.0;  // a clock that did not start with the loop
   int count = 0;
 };
@@ -259,6 +264,8 @@ INSTANTIATE_TEST_SUITE_P(Everything, SafetyGovernorOn,
                                      [](Loop&, Loop::Tick& t) { t.contacts_age = kNan; }},
                              Trouble{"OneReadingInThree", Fault::kSlowDevice, 0.35,
                                      [](Loop& loop, Loop::Tick& t) { t.answers = loop.count % 3 == 0; }},
+                             Trouble{"TicksAreLate", Fault::kLateTick, 0.06,
+                                     [](Loop&, Loop::Tick& t) { t.late = 18e-3; }},
                              Trouble{"PushesByItself", Fault::kOverEnergy,
                                      0.2,  // 5 N along 10 mm make 0.05 J
                                      [](Loop& loop, Loop::Tick& t) {
@@ -292,6 +299,172 @@ TEST(SafetyGovernor, TheGravestReasonIsKept) {
   loop.run(1.0);
   EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
   EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+}
+
+TEST(SafetyGovernor, OnlyAResumeEndsAnEmergencyStop) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.governor.stop(Fault::kPaused);
+  loop.governor.stop();
+  loop.run(0.5);
+  loop.governor.unpause();
+  loop.run(1.0);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+  EXPECT_EQ(loop.governor.fault(), Fault::kEmergencyStop);
+  loop.governor.resume();
+  loop.run(0.3);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+}
+
+TEST(SafetyGovernor, APauseThatIsTakenBackEndsThroughTheGate) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.governor.stop(Fault::kPaused);
+  loop.run(0.5);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+  loop.governor.unpause();
+  loop.run(1.0);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+  EXPECT_EQ(loop.sent.force, Vector3d::Zero());
+  loop.feel({3, 0, 4});
+}
+
+TEST(SafetyGovernor, WhatLatchedUnderAPauseOutlivesIt) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.governor.stop(Fault::kRecorder);
+  loop.run(0.2);
+  loop.governor.stop(Fault::kPaused);
+  loop.run(0.2);
+  loop.governor.unpause();
+  loop.run(1.0);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kStopped);
+  EXPECT_EQ(loop.governor.fault(), Fault::kRecorder);
+}
+
+// The fault that is told is taken back; the one behind it is told then.
+TEST(SafetyGovernor, WhatIsLeftOfTwoFaultsIsTold) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.governor.stop(Fault::kPaused);
+  loop.run(0.5);
+  loop.governor.unpause();
+  loop.tick([](Loop::Tick& t) { t.contacts_age = 1.0; });
+  EXPECT_EQ(loop.governor.fault(), Fault::kLateContacts);
+}
+
+// A driver whose clients send at 4 kHz makes ticks of a quarter of a millisecond.
+TEST(SafetyGovernor, SlewIsOfTheTimeThatHasPassed) {
+  for (const double period : {0.25e-3, 1e-3, 1.5e-3}) {
+    Loop loop;
+    loop.feel({0, 0, 0.1});
+    loop.period = period;
+    loop.wanted = force({0, 0, 8});
+    const double begin = loop.t;
+    loop.run(6e-3);
+    EXPECT_NEAR(loop.sent.force.z(), 0.1 + (loop.t - begin) * 800.0, 1e-6) << period;
+  }
+}
+
+TEST(SafetyGovernor, OneTickThatIsLateMakesNoStep) {
+  Loop loop;
+  loop.feel({0, 0, 0.1});
+  loop.wanted = force({0, 0, 8});
+  loop.period = 15e-3;
+  const Wrench before = loop.sent;
+  loop.tick();
+  EXPECT_NEAR((loop.sent.force - before.force).norm(), 800.0 * 2 * kTick, 1e-6);
+  EXPECT_EQ(loop.governor.fault(), Fault::kNone);
+}
+
+// Stopped by a debugger, say, for a third of a second.
+TEST(SafetyGovernor, AGapInTimeEndsInTheGate) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.wanted = force({0, 0, 8});
+  loop.t += 0.3;
+  loop.tick();
+  EXPECT_EQ(loop.governor.fault(), Fault::kLateTick);
+  for (int k = 0; k < 30; ++k) {
+    const double before = loop.sent.force.norm();
+    EXPECT_LT(loop.tick().force.norm(), before + 1e-12);
+  }
+  loop.run(2.0);
+  EXPECT_EQ(loop.sent.force, Vector3d::Zero());
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+}
+
+TEST(SafetyGovernor, TicksThatAreLateNowAndThenAreForgiven) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  for (int k = 0; k < 50; ++k) {
+    loop.run(0.1);
+    loop.t += 9e-3;
+  }
+  EXPECT_EQ(loop.governor.state(), GovernorState::kActive);
+  loop.period = 19e-3;
+  loop.run(0.06);
+  EXPECT_EQ(loop.governor.fault(), Fault::kLateTick);
+}
+
+TEST(SafetyGovernor, AQuickTurnOfASlowTrackerIsNoJump) {
+  DeviceCapabilities slow = device();
+  slow.rate = 60.0;
+  Loop loop(slow);
+  loop.period = 1.0 / 60.0;
+  loop.limits = SafetyLimits::of(slow, loop.period);
+  SafetyGovernor governor(loop.limits);
+  double t = 0.0, angle = 0.0;
+  const auto turn = [&](double speed) {
+    t += loop.period;
+    angle += speed * loop.period;
+    DeviceReading reading{t, {}, {}};
+    reading.pose.orientation = Eigen::AngleAxisd(angle, Vector3d::UnitX());
+    governor.admit(reading, t);
+    governor.release({}, 0.0);
+    return governor.fault();
+  };
+  for (int k = 0; k < 60; ++k) EXPECT_EQ(turn(36.0), Fault::kNone);  // 0.6 rad a reading
+  EXPECT_EQ(turn(60.0), Fault::kOverSpeed);                          // by its poses: it tells no velocity
+  for (int k = 0; k < 60; ++k) turn(0.0);
+  EXPECT_EQ(turn(180.0), Fault::kJump);
+}
+
+// Ten thousand readings a second do not permit ten thousand times the noise.
+TEST(SafetyGovernor, ManyReadingsPermitNoMoreSpeed) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.period = 1e-4;
+  const double begin = loop.t;
+  while (loop.governor.fault() == Fault::kNone && loop.t < begin + 0.1)
+    loop.tick([&](Loop::Tick& t) {
+      loop.center.y() += 4.0 * loop.period;
+      t.reading.pose.position.y() = loop.center.y();
+    });
+  EXPECT_EQ(loop.governor.fault(), Fault::kOverSpeed);
+}
+
+TEST(SafetyGovernor, ADeviceThatHasSaidNothingIsAwaited) {
+  SafetyGovernor governor(SafetyLimits::of(device(), kTick));
+  double t = 5.0;
+  const auto silent = [&](double seconds) {
+    for (double end = t + seconds; t < end; t += kTick) {
+      governor.admit_none(t);
+      EXPECT_EQ(governor.release(force({0, 0, 5}), 0.0).force, Vector3d::Zero());
+    }
+  };
+  silent(0.01);
+  EXPECT_EQ(governor.fault(), Fault::kNone);
+  silent(1.0);
+  EXPECT_EQ(governor.fault(), Fault::kStalePose);
+  DeviceReading reading;  // far from the origin: no jump, since there was nothing before it
+  reading.pose.position = {1, 2, 3};
+  for (int k = 0; k < 500; ++k, t += kTick) {
+    reading.t = t;
+    EXPECT_EQ(governor.admit(reading, t), true);
+    governor.release({}, 0.0);
+  }
+  EXPECT_EQ(governor.fault(), Fault::kNone);
 }
 
 TEST(SafetyGovernor, AnEmergencyStopOutranksAPause) {
@@ -387,7 +560,8 @@ TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
   const test::AllocationGuard guard;
   for (std::size_t k = 0; k < hostile_ticks(); ++k) {
     hostile.turn();
-    t += hostile.evil() ? 0.03 : kTick;
+    const double passed = !hostile.evil() ? kTick : hostile.below(2) == 0 ? 0.03 : 1e-4;
+    t += passed;
     DeviceReading reading{t, {}, {}};
     reading.pose.position = 1e-3 * Vector3d(std::sin(0.01 * static_cast<double>(k)), 0, 0);
     Wrench wanted = force({0, 0, k / 300 % 3 == 2 ? 9.0 : 0.1});
@@ -398,16 +572,22 @@ TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
     if (hostile.evil()) reading.velocity = {hostile.vector(), hostile.vector()};
     if (hostile.evil()) wanted = {hostile.vector(), hostile.vector()};
     if (hostile.evil()) age = hostile.number();
-    if (hostile.evil()) governor.stop();
+    if (hostile.evil()) governor.stop(static_cast<Fault>(1 + hostile.below(kFaultCount - 1)));
     if (hostile.below(500) == 0) governor.resume();
-    governor.admit(reading, t);
+    if (hostile.below(500) == 0) governor.unpause();
+    hostile.below(1000) == 0 ? governor.admit_none(t) : void(governor.admit(reading, t));
     const Wrench sent = governor.release(wanted, age);
-    const bool held = sent.force.norm() <= limits.force_max && sent.torque.norm() <= limits.torque_max &&
-                      (sent.force - before.force).norm() <= limits.force_slew * kTick &&
-                      (sent.torque - before.torque).norm() <= limits.torque_slew * kTick;
     const GovernorState state = governor.state();
     const bool off = state == GovernorState::kWaiting || state == GovernorState::kStopped;
-    const bool calm = !off || (sent.force.isZero(0.0) && sent.torque.isZero(0.0));
+    // A fall is no steeper than all the force in the shortest time of a fault, a tick ahead.
+    const double time = state == GovernorState::kFalling ? (passed + kTick) * SafetyLimits::kSlewTime / 0.03
+                                                         : std::min(passed, 2.0 * kTick);
+    const bool held = sent.force.norm() <= limits.force_max && sent.torque.norm() <= limits.torque_max &&
+                      (sent.force - before.force).norm() <= limits.force_slew * time + kRounding &&
+                      (sent.torque - before.torque).norm() <= limits.torque_slew * time + kRounding;
+    const bool falls = state != GovernorState::kFalling || (sent.force.norm() <= before.force.norm() &&
+                                                            sent.torque.norm() <= before.torque.norm());
+    const bool calm = falls && (!off || (sent.force.isZero(0.0) && sent.torque.isZero(0.0)));
     broken += held && calm && governor.reading().pose.position.allFinite() ? 0 : 1;  // NaN compares false
     ++visits[static_cast<std::size_t>(state)];
     before = sent;

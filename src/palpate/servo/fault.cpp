@@ -26,6 +26,7 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
     {"paused", "resume when you like", kGently, true},
     {"recorder", "the recording failed; free some room on its disk and begin anew", kGently, true},
     {"emergency-stop", "resume when it is safe", kSoon, true},
+    {"late-tick", "the loop was held up; permit real-time priority, or close other programs", kSoon, false},
 }};
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Why force is held back.
+/// Why force is held back. Recordings have the numbers: new ones go to the end.
 enum class Fault : std::uint8_t {
   kNone,
   kBadPose,        ///< a reading with NaN, infinity, or a quaternion that is no rotation
@@ -24,8 +24,9 @@ enum class Fault : std::uint8_t {
   kPaused,         ///< someone wants no force for a while
   kRecorder,       ///< the recording failed, and what is felt would be lost
   kEmergencyStop,  ///< someone pressed it
+  kLateTick,       ///< the loop's ticks come too late: SafetyLimits::late_max
 };
-inline constexpr std::size_t kFaultCount = 14;
+inline constexpr std::size_t kFaultCount = 15;
 
 /// What is known of a fault.
 struct FaultTraits {

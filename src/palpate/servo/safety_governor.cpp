@@ -47,6 +47,8 @@ Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, 
 Wrench operator-(const Wrench& a, const Wrench& b) { return {a.force - b.force, a.torque - b.torque}; }
 bool is_zero(const Wrench& w) { return w.force.isZero(0.0) && w.torque.isZero(0.0); }
 
+constexpr unsigned bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
+
 /// Which of two faults is told.
 int gravity(Fault fault) {
   if (!traits(fault).latched) return 0;
@@ -64,8 +66,9 @@ SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
   limits.torque_slew = device.torque_max / kSlewTime;
   limits.tick = tick;
   limits.reading_period = 1.0 / device.rate;
-  constexpr double kMissed = 3.0;  // readings in a row: then it is not just late
+  constexpr double kMissed = 3.0;  // readings or ticks in a row: then it is not just late
   limits.stale_after = std::max(limits.stale_after, kMissed * limits.reading_period);
+  limits.late_max = std::max(limits.late_max, kMissed * tick);
   return limits;
 }
 
@@ -74,28 +77,51 @@ std::string_view to_string(GovernorState state) {
   return kNames[static_cast<std::size_t>(state)];
 }
 
-SafetyGovernor::SafetyGovernor(const SafetyLimits& limits) : limits_(limits) {}
+bool SafetyGovernor::SpeedBound::take(double way, double dt, double period) {
+  left = std::min(left + speed * dt, noise + speed * std::max(dt, period));
+  const bool has = way <= left;  // NaN is too long
+  left = has ? left - way : 0.0;
+  return has;
+}
 
-Fault SafetyGovernor::check(const DeviceReading& reading) const {
+SafetyGovernor::SafetyGovernor(const SafetyLimits& limits)
+    : limits_(limits),
+      jump_{limits.jump_speed, limits.noise, limits.noise},
+      quick_{limits.speed_max, limits.noise, limits.noise},
+      angular_jump_{limits.jump_angular_speed, limits.angular_noise, limits.angular_noise},
+      angular_quick_{limits.angular_speed_max, limits.angular_noise, limits.angular_noise} {}
+
+Fault SafetyGovernor::check(const DeviceReading& reading) {
   if (!started_) return Fault::kNone;
-  const double dt = std::clamp(reading.t - newest_.t, limits_.reading_period, limits_.stale_after);
+  const double dt = std::min(reading.t - newest_.t, limits_.stale_after), period = limits_.reading_period;
   const double way = (reading.pose.position - newest_.pose.position).norm();
   const double turn = turn_between(newest_.pose.orientation, reading.pose.orientation).norm();
-  const double surplus = way - limits_.jump_distance;  // over what may be noise
-  if (!(surplus <= limits_.jump_speed * dt && turn <= limits_.jump_turn)) return Fault::kJump;
-  const bool quick = surplus > limits_.speed_max * dt || reading.velocity.linear.norm() > limits_.speed_max ||
+  const bool there = jump_.take(way, dt, period), turned = angular_jump_.take(turn, dt, period);
+  const bool slow = quick_.take(way, dt, period), calm = angular_quick_.take(turn, dt, period);
+  if (!there || !turned) return Fault::kJump;
+  const bool quick = !slow || !calm || reading.velocity.linear.norm() > limits_.speed_max ||
                      reading.velocity.angular.norm() > limits_.angular_speed_max;
   return quick ? Fault::kOverSpeed : Fault::kNone;
 }
 
-bool SafetyGovernor::admit(const DeviceReading& said, double t) {
+void SafetyGovernor::begin_tick(double t) {
+  passed_ = begun_ ? std::max(0.0, t - t_) : 0.0;
   t_ = t;
   if (!begun_) {
     begun_ = true;
     arrived_ = moved_ = small_since_ = since_ = t;
   }
+  watch_lateness();
   hear();
+}
 
+void SafetyGovernor::admit_none(double t) {
+  begin_tick(t);
+  if (t - arrived_ > limits_.stale_after) raise(Fault::kStalePose);
+}
+
+bool SafetyGovernor::admit(const DeviceReading& said, double t) {
+  begin_tick(t);
   const bool good = is_pose(said);
   if (!good) raise(Fault::kBadPose);
   // Not from the future: a device whose clock runs away would otherwise never be stale.
@@ -131,10 +157,25 @@ void SafetyGovernor::hear() {
   const unsigned asked = stop_asked_.exchange(0, std::memory_order_relaxed);
   for (unsigned fault = 1; fault < kFaultCount; ++fault)
     if ((asked >> fault & 1U) != 0U) raise(static_cast<Fault>(fault));
-  const bool stopped = (asked >> static_cast<unsigned>(Fault::kEmergencyStop) & 1U) != 0U;
   const bool resumes = resume_asked_.exchange(false, std::memory_order_relaxed);
-  if (resumes && !stopped) resumed_ = fault_ != Fault::kNone;
+  const bool unpauses = unpause_asked_.exchange(false, std::memory_order_relaxed);
+  if (resumes) forgive(held_ & ~asked);
+  if (unpauses) forgive(bit(Fault::kPaused) & ~asked);
 }
+
+void SafetyGovernor::forgive(unsigned faults) {
+  held_ &= ~faults;
+  if (holds(fault_)) return;
+  // The one that is told is over; another may not be.
+  for (unsigned k = 1; k < kFaultCount; ++k) {
+    const auto fault = static_cast<Fault>(k);
+    if ((held_ & bit(fault)) != 0U && (!holds(fault_) || gravity(fault) > gravity(fault_))) fault_ = fault;
+  }
+  if (holds(fault_)) remember();
+}
+
+/// One that does not latch holds until the governor goes back to waiting.
+bool SafetyGovernor::holds(Fault fault) const { return !traits(fault).latched || (held_ & bit(fault)) != 0U; }
 
 /// The force was held from one reading to the next, so that this is exact but for the delay of the device.
 void SafetyGovernor::watch_energy(const Pose& from, const Pose& to, double dt) {
@@ -148,10 +189,20 @@ void SafetyGovernor::watch_energy(const Pose& from, const Pose& to, double dt) {
   }
 }
 
+/// A reading speaks for the time that was promised until the next one or, in a loop that is slower than the
+/// device, for the tick.
 void SafetyGovernor::watch_rate(bool fresh) {
-  const double promised = std::min(1.0, limits_.tick / limits_.reading_period);  // readings a tick
-  fresh_ += std::min(1.0, limits_.tick / kRateFilter) * ((fresh ? 1.0 : 0.0) / promised - fresh_);
+  const double spoken_for = fresh ? std::max(limits_.reading_period, passed_) : 0.0;
+  fresh_ = std::min(1.0, fresh_ * std::exp(-passed_ / kRateFilter) + spoken_for / kRateFilter);
   if (fresh_ < 0.5) raise(Fault::kSlowDevice);
+}
+
+void SafetyGovernor::watch_lateness() {
+  constexpr double kForgiven = 0.1;
+  late_ = std::max(0.0, late_ - kForgiven * passed_) + std::max(0.0, passed_ - 2.0 * limits_.tick);
+  if (late_ <= limits_.late_max) return;
+  late_ = limits_.late_max;
+  raise(Fault::kLateTick);
 }
 
 void SafetyGovernor::enter(GovernorState state) {
@@ -169,20 +220,22 @@ void SafetyGovernor::remember() {
   ++transition_count_;
 }
 
-/// The first fault tells the reason, unless a later one is graver.
+/// The first fault tells the reason, unless a later one is graver; the one that asks for the shortest time
+/// sets the pace.
 void SafetyGovernor::raise(Fault fault) {
   wrong_at_ = t_;
   const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;
-  const bool graver = gravity(fault) > gravity(fault_);
-  if (traits(fault).latched) resumed_ = false;
-  if (down && !graver) return;
-  fault_ = fault;
-  if (down) {
-    remember();  // a fall that has begun does not begin anew
-    return;
+  const bool told = down && holds(fault_) && gravity(fault) <= gravity(fault_);
+  if (traits(fault).latched) held_ |= bit(fault);
+  const double end = t_ + traits(fault).fall_time;
+  if (!down || end < fall_end_) {
+    at_fall_ = sent_;
+    fall_from_ = t_;
+    fall_end_ = end;
   }
-  at_fall_ = sent_;
-  enter(GovernorState::kFalling);
+  if (told) return;
+  fault_ = fault;
+  down ? remember() : enter(GovernorState::kFalling);
 }
 
 void SafetyGovernor::advance(bool small) {
@@ -196,12 +249,11 @@ void SafetyGovernor::advance(bool small) {
       if (passed >= limits_.rise_time) enter(GovernorState::kActive);
       break;
     case GovernorState::kFalling:
-      if (is_zero(sent_) && passed >= traits(fault_).fall_time) enter(GovernorState::kStopped);
+      if (is_zero(sent_) && t_ - fall_from_ >= fall_end_ - fall_from_) enter(GovernorState::kStopped);
       break;
     case GovernorState::kStopped:
-      if ((resumed_ || !traits(fault_).latched) && t_ - wrong_at_ >= limits_.recover_after) {
+      if (held_ == 0U && t_ - wrong_at_ >= limits_.recover_after) {
         fault_ = Fault::kNone;
-        resumed_ = false;
         enter(GovernorState::kWaiting);
       }
       break;
@@ -217,7 +269,7 @@ double SafetyGovernor::share() const {
     case GovernorState::kActive: return 1.0;
     // A tick ahead, so that it is over in time.
     case GovernorState::kFalling:
-      return std::max(0.0, 1.0 - (passed + limits_.tick) / traits(fault_).fall_time);
+      return std::max(0.0, 1.0 - (t_ + limits_.tick - fall_from_) / (fall_end_ - fall_from_));
     default: return 0.0;
   }
 }
@@ -229,10 +281,12 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
   const Wrench asked = good ? shortened(wanted, limits_.force_max, limits_.torque_max) : Wrench{};
   advance(asked.force.norm() <= limits_.gate_share * limits_.force_max &&
           asked.torque.norm() <= limits_.gate_share * limits_.torque_max);
-  const Wrench target = share() * (state_ == GovernorState::kFalling ? at_fall_ : asked);
-  const Wrench change =
-      shortened(target - sent_, limits_.force_slew * limits_.tick, limits_.torque_slew * limits_.tick);
-  sent_ = sent_ + change;
+  if (state_ == GovernorState::kFalling) {  // at its own pace, however late the tick
+    sent_ = share() * at_fall_;
+    return sent_;
+  }
+  const double time = std::min(passed_, 2.0 * limits_.tick);
+  sent_ = sent_ + shortened(share() * asked - sent_, limits_.force_slew * time, limits_.torque_slew * time);
   return sent_;
 }
 

@@ -20,7 +20,6 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       map_(options.map),
       gain_(options.gain),
       passive_gain_(options.gain),
-      period_(options.period),
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
                  device.capabilities().damping_max),
@@ -45,8 +44,9 @@ double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
 }
 
 /// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
-void ServoTick::change() {
-  gain_ += -std::expm1(-period_ / kGainFilter) * (wanted_gain_.load(std::memory_order_relaxed) - gain_);
+/// \param passed since the last tick. Unit: [s].
+void ServoTick::change(double passed) {
+  gain_ += -std::expm1(-passed / kGainFilter) * (wanted_gain_.load(std::memory_order_relaxed) - gain_);
   changing_ = next_.update() || changing_;
   clutched_ = clutch_pressed_.load(std::memory_order_relaxed);
   if (changing_ || clutched_) governor_.stop(Fault::kChanging);
@@ -107,10 +107,17 @@ void ServoTick::tell() {
   record_.margin = record_.felt.stiffness > 0.0 ? bound / record_.felt.stiffness : 0.0;
 }
 
+/// \returns true if there is a good new reading.
+bool ServoTick::listen(double t) {
+  heard_ = device_.read(t, said_) || heard_;
+  if (heard_) return governor_.admit(said_, t);
+  governor_.admit_none(t);
+  return false;
+}
+
 const TickRecord& ServoTick::run(double t) {
-  change();
-  device_.read(t, said_);
-  const bool fresh = governor_.admit(said_, t);
+  change(std::max(0.0, t - record_.t));
+  const bool fresh = listen(t);
   const GovernorState before = governor_.state();
   const bool on = before != GovernorState::kFalling && before != GovernorState::kStopped;
   record_.t = t;

@@ -99,7 +99,8 @@ class ServoTick {
   /// @}
 
  private:
-  void change();
+  void change(double passed);
+  bool listen(double t);
   void feel();
   void tell();
 
@@ -108,10 +109,10 @@ class ServoTick {
   WorkspaceMap map_;
   double gain_;
   PassiveGain passive_gain_;
-  double period_;
   SafetyGovernor governor_;
   PassivityController passivity_;
   DeviceReading said_;
+  bool heard_ = false;  ///< the device has said something
   bool clutched_ = false;
   bool asked_ = false;     ///< the model was, since it was reset
   double asked_at_ = 0.0;  ///< DeviceReading::t of the last time. Unit: [s].
