@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -623,6 +624,28 @@ TEST(ProxyForce, DampingNeitherPullsNorPushesMoreThanTheSpringDoes) {
     most = std::max(most, force.norm() / std::max(1.0, spring.norm()));
   }
   EXPECT_GT(most, 1.9) << "and it damps";
+}
+
+// A material of 40 N s/m through a device that shows 10 is one of 10.
+TEST(ProxyForce, DampingIsNoMoreThanTheDeviceShows) {
+  const auto force_with = [](double damping, double damping_max) {
+    ProxyParameters parameters;
+    parameters.materials = everywhere({.damping = damping});
+    Bench bench("plane", even(0.004), parameters);
+    ForceInput input;
+    input.dt = 1e-3;
+    input.damping_max = damping_max;
+    Vector3d force;
+    for (int tick = 0; tick <= 60; ++tick) {
+      input.tool.position = {0.003, 0.001, kRadius + 0.005 - 2e-4 * tick};
+      input.velocity.linear = {0, 0, -0.2};
+      force = bench.model->evaluate(input).wrench.force;
+    }
+    return force;
+  };
+  const double unlimited = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(force_with(40.0, 10.0), force_with(10.0, unlimited));
+  EXPECT_GT(force_with(40.0, unlimited).z(), force_with(40.0, 10.0).z() + 1.0);
 }
 
 // A tool that is led over noise, in and out and to and fro: what it has got out of the surface and what may

@@ -42,7 +42,7 @@ TEST(PassivityController, AddsTheDampingThatASampledSpringLacks) {
     for (int k = 0; k < 600; ++k) {  // at 0.1 m/s, 30 mm in and out again
       const Pose pose = at(-1e-4 * (k < 300 ? k : 600 - k));
       const Wrench wanted = wall.wrench(pose);
-      sent = controller.correct(wanted, wall.stored(pose), sent, pose);
+      sent = controller.correct(wanted, wall.stored(pose), sent, pose, kPeriod);
       // K T / 2 = 0.5 N s/m, less what the device has; twice that is added, once it moves evenly.
       const bool evenly = (k > 60 && k < 300) || (k > 400 && k < 550);
       if (evenly) {
@@ -60,9 +60,38 @@ TEST(PassivityController, LeavesAloneWhatIsPassive) {
   for (int k = 0; k < 1000; ++k) {
     const Pose pose = at(-0.01 + 0.02 * std::cos(0.02 * k));
     const Wrench wanted = wall.wrench(pose);
-    sent = controller.correct(wanted, wall.stored(pose), sent, pose);
+    sent = controller.correct(wanted, wall.stored(pose), sent, pose, kPeriod);
     // Just out of the wall, whose edge was between two ticks, something is left to absorb.
     EXPECT_LT((sent.force - wanted.force).norm(), wall.depth(pose) > 0.0 ? 1e-9 : 0.05) << k;
+  }
+}
+
+// Two of a tracker's poses that come together were not made so quickly: what the device absorbs is that of
+// the time between them as promised.
+TEST(PassivityController, ABunchOfReadingsIsNoSpeed) {
+  const auto excess_after = [](double passed) {
+    PassivityController controller(kPeriod, 0.3, 10.0);
+    const Wrench push{{0, 0, 1}, Vector3d::Zero()};
+    controller.correct(push, 1.0, push, at(0.0), kPeriod);
+    controller.correct({}, 1.0, push, at(1e-4), passed);  // Z = 0.05 mJ, b d^2 / T = 0.003 mJ
+    return controller.excess();
+  };
+  EXPECT_NEAR(excess_after(kPeriod), excess_after(1e-5), 1e-12);
+  EXPECT_LT(excess_after(kPeriod), excess_after(3e-3));
+}
+
+// K T / 2 with the time that has really passed: 2 N s/m at 4 ms, where the device has 1.
+TEST(PassivityController, TicksThatComeLaterLackMoreDamping) {
+  const Wall wall{1000.0};
+  for (const double period : {1e-3, 4e-3}) {
+    PassivityController controller(kPeriod, 1.0, 10.0);
+    Wrench sent;
+    for (int k = 0; k < 100; ++k) {
+      const Pose pose = at(-0.1 * period * k);
+      sent = controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose, period);
+    }
+    EXPECT_EQ(controller.excess() > 0.0, period > 2e-3) << period;
+    EXPECT_LE(controller.added_damping(), 2.0 + 1e-9);
   }
 }
 
@@ -79,7 +108,7 @@ double bounce(const Wall& wall, double damping_max) {
     const Pose pose = at(z);
     touched = touched || z < 0.0;
     if (touched) highest = std::max(highest, z);
-    sent = controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose);
+    sent = controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose, kPeriod);
     for (int s = 0; s < kSubsteps; ++s) {
       v += (sent.force.z() - kPush - kDamping * v) / kMass * kPeriod / kSubsteps;
       z += v * kPeriod / kSubsteps;
@@ -97,12 +126,12 @@ TEST(PassivityController, KeepsAStiffWallFromThrowing) {
 TEST(PassivityController, ResetForgets) {
   PassivityController controller(kPeriod, 0.0, 10.0);
   const Wrench push{{0, 0, 5}, Vector3d::Zero()};
-  for (int k = 0; k < 10; ++k) controller.correct(push, 0.0, push, at(0.001 * k));
+  for (int k = 0; k < 10; ++k) controller.correct(push, 0.0, push, at(0.001 * k), kPeriod);
   EXPECT_NEAR(controller.put_out(), 5 * 0.009, 1e-12);
   EXPECT_GT(controller.excess(), 0.0);
   controller.reset();
   EXPECT_EQ(controller.excess(), 0.0);
-  EXPECT_EQ(controller.correct(push, 0.0, push, at(1.0)).force, push.force);
+  EXPECT_EQ(controller.correct(push, 0.0, push, at(1.0), kPeriod).force, push.force);
   EXPECT_NEAR(controller.put_out(), 5 * 0.009, 1e-12);  // what is done is done
 }
 
@@ -111,7 +140,7 @@ void press_and_let_go(PassivityController& controller, const Wall& wall, double 
   const int steps = static_cast<int>(std::lround(std::abs(z) / 1e-4));
   for (int k = 0; k <= 2 * steps; ++k) {
     const Pose pose = at(-1e-4 * (k <= steps ? k : 2 * steps - k));
-    controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose);
+    controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose, kPeriod);
     sent = wall.wrench(pose);
   }
 }
@@ -136,10 +165,10 @@ TEST(PassivityController, WhatTheDeviceAbsorbsDoesNotReachTheHand) {
 TEST(PassivityController, WhatWindsUpByItselfCountsWhenItComesOut) {
   PassivityController controller(kPeriod, 0.0, 0.0);
   const auto force = [](double f) { return Wrench{{0, 0, f}, Vector3d::Zero()}; };
-  controller.correct(force(0), 0.0, force(0), at(0.0));
-  for (int k = 0; k < 10; ++k) controller.correct(force(k), 0.01 * k, force(k), at(0.0));
+  controller.correct(force(0), 0.0, force(0), at(0.0), kPeriod);
+  for (int k = 0; k < 10; ++k) controller.correct(force(k), 0.01 * k, force(k), at(0.0), kPeriod);
   EXPECT_EQ(controller.put_out(), 0.0);
-  controller.correct(force(10), 0.0, force(10), at(0.005));
+  controller.correct(force(10), 0.0, force(10), at(0.005), kPeriod);
   EXPECT_NEAR(controller.put_out(), 10 * 0.005, 1e-12);
 }
 
@@ -147,10 +176,10 @@ TEST(PassivityController, WhatWindsUpByItselfCountsWhenItComesOut) {
 TEST(PassivityController, WhatTheSpringHasLostDoesNotComeBack) {
   PassivityController controller(kPeriod, 0.0, 0.0);
   const Wrench push{{0, 0, 4}, Vector3d::Zero()};
-  controller.correct(push, 0.0, push, at(0.0));
-  controller.correct(push, 1.0, push, at(-0.010));    // 40 mJ in
-  controller.correct(push, 0.008, push, at(-0.010));  // 8 are left
-  controller.correct(push, 0.0, push, at(-0.005));    // 20 come out
+  controller.correct(push, 0.0, push, at(0.0), kPeriod);
+  controller.correct(push, 1.0, push, at(-0.010), kPeriod);    // 40 mJ in
+  controller.correct(push, 0.008, push, at(-0.010), kPeriod);  // 8 are left
+  controller.correct(push, 0.0, push, at(-0.005), kPeriod);    // 20 come out
   EXPECT_NEAR(controller.put_out(), 0.012, 1e-12);
 }
 
@@ -159,7 +188,7 @@ TEST(PassivityController, OnlyObservesWhatHasNoPotential) {
   const double unknown = std::numeric_limits<double>::infinity();
   const Wrench push{{0, 0, 4}, Vector3d::Zero()};
   for (int k = 0; k < 10; ++k)
-    EXPECT_EQ(controller.correct(push, unknown, push, at(0.001 * k)).force, push.force);
+    EXPECT_EQ(controller.correct(push, unknown, push, at(0.001 * k), kPeriod).force, push.force);
   EXPECT_NEAR(controller.put_out(), 4 * 0.009, 1e-12);
   EXPECT_EQ(controller.added_damping(), 0.0);
 }

@@ -237,7 +237,7 @@ INSTANTIATE_TEST_SUITE_P(Everything, SafetyGovernorOn,
                                      [](Loop&, Loop::Tick& t) { t.reading.t -= 0.5; }},
                              Trouble{"ReadingsOfTheFuture", Fault::kStalePose, 0.021,
                                      [](Loop&, Loop::Tick& t) { t.reading.t += 1e6; }},
-                             Trouble{"Frozen", Fault::kFrozenPose, 5.0,
+                             Trouble{"Frozen", Fault::kFrozenPose, 7.0,
                                      [](Loop&, Loop::Tick& t) { t.reading.pose.position.setZero(); }},
                              Trouble{"JumpsToAndFro", Fault::kJump, 0.0,
                                      [](Loop& loop, Loop::Tick& t) {
@@ -515,6 +515,38 @@ TEST(SafetyGovernor, ASpringThatIsPressedAndLetGoIsNoFault) {
   }
   EXPECT_EQ(loop.governor.state(), GovernorState::kActive) << traits(loop.governor.fault()).name;
   EXPECT_LT(loop.governor.energy(), 0.01);
+}
+
+// Good encoders and a hand that dry friction holds: every count is the same until the force gives way.
+TEST(SafetyGovernor, AHandleThatFrictionHoldsIsNotFrozen) {
+  Loop loop;
+  loop.feel({0, 0, 5});
+  double count = 0.0, least = 5.0;
+  for (int k = 0; k < 30'000; ++k) {
+    loop.tick([&](Loop::Tick& t) {
+      if (loop.sent.force.z() < 4.4) count = 1.0 - count;  // 0.6 N of friction, there and back
+      t.reading.pose.position = {0, 0, 55e-6 * count};
+    });
+    least = std::min(least, loop.sent.force.z());
+  }
+  EXPECT_EQ(loop.governor.state(), GovernorState::kActive) << traits(loop.governor.fault()).name;
+  EXPECT_NEAR(least, 4.4, 0.02);
+  loop.run(1.0);
+  EXPECT_EQ(loop.sent.force.z(), 5.0);
+}
+
+// All of the force over 12 cm are 0.96 J, which the hand gets back.
+TEST(SafetyGovernor, AHandThatPushesPastTheLargestForceGetsItBack) {
+  DeviceCapabilities large = device();
+  large.workspace = 0.03;
+  Loop loop(large);
+  loop.feel({0, 0, 0});
+  for (int k = 0; k < 2000; ++k) {
+    loop.center.z() = -0.06 * (1.0 - std::cos(0.01 * k));
+    loop.wanted = force({0, 0, -500.0 * loop.center.z()});
+    loop.tick();
+  }
+  EXPECT_EQ(loop.governor.fault(), Fault::kNone) << traits(loop.governor.fault()).name;
 }
 
 /// Anything that a broken driver, model or worker may say.

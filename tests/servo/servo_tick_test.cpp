@@ -56,6 +56,24 @@ struct Wall final : ForceModel {
   double k;
 };
 
+/// A rod of 40 mm along the tool's z against the same wall; its torque is not shown by every device.
+struct Rod final : ForceModel {
+  bool wants_contacts() const override { return false; }
+  void reset() override {}
+  ForceOutput evaluate(const ForceInput& input) override {
+    const Vector3d along = input.tool.orientation * Vector3d(0, 0, 0.02);
+    const Vector3d tip = along.x() > 0.0 ? Vector3d(-along) : along;
+    const double depth = std::max(0.0, -(input.tool.position.x() + tip.x()));
+    ForceOutput out;
+    out.wrench.force.x() = 500.0 * depth;
+    out.wrench.torque = tip.cross(out.wrench.force);
+    out.proxy = input.tool;
+    out.stored = 0.5 * 500.0 * depth * depth;
+    out.stiffness = depth > 0.0 ? 500.0 : 0.0;
+    return out;
+  }
+};
+
 class ServoTickTest : public testing::Test {
  protected:
   const TickRecord& run(double seconds) {
@@ -159,6 +177,106 @@ TEST_F(ServoTickTest, NoEnergyComesOutOfAGainThatChanges) {
     EXPECT_LT(work, 1e-4);
   }
   EXPECT_LT(work, -1e-3) << "was never pressed";
+}
+
+// Laid flat just above the wall, turned upright into it, lifted, laid flat, lowered: without a torque, no
+// work was done in turning, and none may come out in lifting.
+TEST_F(ServoTickTest, NoEnergyComesOutOfATurnThatIsNotFelt) {
+  Rod rod;
+  for (const double torque_max : {0.0, 0.5}) {
+    device.can.torque_max = torque_max;
+    loop = std::make_unique<ServoTick>(device, FeltModel{&rod, &contacts});
+    const Pose flat{{0.001, 0, 0}, Eigen::Quaterniond::Identity()};
+    device.pose = flat;
+    run(1.0);
+    double out = 0.0, force_out = 0.0;  // of a stroke, by turning and by lifting. Unit: [J].
+    const auto go = [&](double x, double turn) {
+      const Pose from = device.pose;
+      const double had = 2.0 * std::atan2(from.orientation.y(), from.orientation.w());
+      for (int k = 1; k <= 500; ++k) {
+        const Pose before = device.pose;
+        const Wrench held = device.shown;
+        device.pose.position.x() = from.position.x() + (x - from.position.x()) * k / 500.0;
+        device.pose.orientation = Eigen::AngleAxisd(had + (turn - had) * k / 500.0, Vector3d::UnitY());
+        force_out += held.force.dot(device.pose.position - before.position);
+        out += held.torque.y() * (turn - had) / 500.0;
+        run(kTick);
+      }
+    };
+    for (int stroke = 0; stroke < 5; ++stroke) {
+      out = force_out = 0.0;
+      go(0.001, std::numbers::pi / 2);
+      go(0.025, std::numbers::pi / 2);
+      go(0.025, 0.0);
+      go(0.001, 0.0);
+      EXPECT_LT(out + force_out, 1e-3) << "stroke " << stroke << ", torque " << torque_max;
+    }
+    // What the hand does put in, it gets back: pressed upright.
+    go(0.025, std::numbers::pi / 2);
+    go(0.010, std::numbers::pi / 2);
+    EXPECT_NEAR(device.shown.force.x(), 5.0, 0.05) << torque_max;
+  }
+}
+
+TEST_F(ServoTickTest, ATorqueThatCannotBeShownAddsNoDamping) {
+  struct Twister final : ForceModel {
+    bool wants_contacts() const override { return false; }
+    void reset() override {}
+    ForceOutput evaluate(const ForceInput& input) override {
+      ForceOutput out;
+      out.wrench.torque = {0, 0, 0.1};
+      out.proxy = input.tool;
+      out.stored = 1.0;
+      return out;
+    }
+  } twister;
+  device.can.torque_max = 0.0;
+  loop = std::make_unique<ServoTick>(device, FeltModel{&twister, &contacts});
+  run(0.1);
+  for (int k = 0; k < 500; ++k) {
+    device.pose.position.x() += 1e-4;
+    device.pose.orientation = Eigen::AngleAxisd(-0.002 * k, Vector3d::UnitZ());
+    EXPECT_EQ(run(kTick).added_damping, 0.0);
+  }
+}
+
+TEST_F(ServoTickTest, AForceThatIsHeldForLongerIsALesserMargin) {
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  count += 4;  // one tick in five
+  EXPECT_NEAR(run(kTick).margin, 2.0 / (0.5 * 5.0 * kTick) / 500.0, 1e-9);
+  EXPECT_NEAR(run(4.0).margin, 2.0 / (0.5 * kTick) / 500.0, 0.01);
+}
+
+TEST_F(ServoTickTest, AModelIsToldWhatDampingTheDeviceShows) {
+  struct Listener final : ForceModel {
+    bool wants_contacts() const override { return false; }
+    void reset() override {}
+    ForceOutput evaluate(const ForceInput& input) override {
+      damping_max = input.damping_max;
+      ForceOutput out;
+      out.proxy = input.tool;
+      return out;
+    }
+    double damping_max = 0.0;
+  } listener;
+  ServoTickOptions options;
+  options.gain = 4.0;
+  loop = std::make_unique<ServoTick>(device, FeltModel{&listener, &contacts}, options);
+  run(0.1);
+  EXPECT_DOUBLE_EQ(listener.damping_max, 5.0);  // 20 N s/m, of forces that are felt four times as large
+}
+
+TEST_F(ServoTickTest, NoReadingIsInventedForADeviceThatIsLateToStart) {
+  device.silent = true;
+  device.pose.position = {1.0, 2.0, 3.0};
+  begin();
+  EXPECT_EQ(run(1.0).fault, Fault::kStalePose);
+  device.silent = false;
+  EXPECT_EQ(run(1.0).fault, Fault::kNone);  // no jump from the origin
+  EXPECT_EQ(run(0.5).state, GovernorState::kActive);
 }
 
 TEST_F(ServoTickTest, AnotherModelComesThroughTheGate) {

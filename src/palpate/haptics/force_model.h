@@ -18,6 +18,8 @@ struct ForceInput {
   const ContactSet* contacts = nullptr;
   /// What the device can show: more will be cut off, which a model may do better itself. Unit: [N]. > 0
   double force_max = std::numeric_limits<double>::infinity();
+  /// The damping that it can show: a model has no more. Unit: [N s/m].
+  double damping_max = std::numeric_limits<double>::infinity();
 };
 
 /// What a force model answers.

@@ -352,9 +352,10 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
 /// At most nothing is left of the push, or twice as much: it begins with none, and never pulls.
 double ProxyForce::damped(const Eigen::Vector3d& push) const {
   const double size = push.norm();
-  if (hold_.damping == 0.0 || size == 0.0) return 1.0;
+  const double damping = std::min(hold_.damping, damping_max_);
+  if (damping == 0.0 || size == 0.0) return 1.0;
   const double outwards = velocity_.dot(push) / size;
-  return std::clamp(1.0 - hold_.damping * outwards / size, 0.0, 2.0);
+  return std::clamp(1.0 - damping * outwards / size, 0.0, 2.0);
 }
 
 /// Less where the proxy goes to and fro, as between patches that come and go in turn: it then settles.
@@ -415,6 +416,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     started_ = true;
     for (Part& part : parts_) start_patches(part);
   }
+  damping_max_ = input.damping_max;
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
   // Where the tool starts in something, it comes out at once.
   const Motion moved = motion_between(tool_, input.tool);

@@ -221,6 +221,7 @@ class ProxyForce final : public ForceModel {
   /// Mean direction of the proxy's last way, of the length of a step; a unit vector if that was straight.
   Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
+  double damping_max_ = 0.0;                            ///< ForceInput::damping_max
   bool started_ = false;
   bool held_ = false;    ///< by something, in the last step
   bool trails_ = false;  ///< has been held since it was last with the tool

@@ -5,9 +5,13 @@
 
 namespace palpate {
 
-double PassiveGain::at(double gain, double stored) {
+double PassiveGain::at(double gain, double stored, double given) {
   const double whole = std::sqrt(gain * stored);
-  const double had = std::max(0.0, std::sqrt(gain_ * stored) - lag_);
+  const double before = std::sqrt(gain_ * stored);
+  const double with = std::max(0.0, before - lag_);
+  // Of what was given, U has as much as is felt of the force.
+  const double unearned = before > 0.0 ? gain_ * given * with / before : 0.0;
+  const double had = std::sqrt(std::max(0.0, with * with - unearned));
   gain_ = gain;
   root_ = std::min(whole, had);
   if (!(whole > 0.0)) {  // or NaN

@@ -1,5 +1,5 @@
 /// \file
-/// A stiffness that is changed while a hand leans on it.
+/// A spring that is changed while a hand leans on it.
 #pragma once
 
 namespace palpate {
@@ -13,14 +13,18 @@ namespace palpate {
 /// with c such that U is the same before and after g has changed, and no more than g S. The force is then
 /// sqrt(g) times what it was at once, g times for what is pressed further, and c goes as the hand lets go.
 ///
+/// What winds the spring up without the hand's work is left out of U in the same way: a tool that is turned
+/// into a surface through a device that shows no torque.
+///
 /// One object a port and thread; takes nothing from the heap.
 class PassiveGain {
  public:
   explicit PassiveGain(double gain) : gain_(gain) {}
 
   /// What to multiply with at this tick. \param gain g, >= 0 \param stored S; NaN where nobody knows: the
-  /// gain itself is told. Unit: [J].
-  double at(double gain, double stored);
+  /// gain itself is told. Unit: [J]. \param given what has gone into S since the last call, and was not the
+  /// hand's; negative where it has come out. Unit: [J].
+  double at(double gain, double stored, double given = 0.0);
 
   /// U at the last call of at(). Unit: [J].
   double stored() const { return root_ * root_; }

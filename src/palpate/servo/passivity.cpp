@@ -20,26 +20,27 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 }
 
 PassivityController::PassivityController(double period, double damping, double damping_max)
-    : period_(period), damping_(damping), damping_max_(damping_max), kept_(std::exp(-period / kForgotten)) {}
+    : period_(period), damping_(damping), damping_max_(damping_max) {}
 
 void PassivityController::reset() {
   started_ = false;
   excess_ = added_ = held_ = 0.0;
 }
 
-Wrench PassivityController::correct(const Wrench& wanted, double stored, const Wrench& sent,
-                                    const Pose& pose) {
+Wrench PassivityController::correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose,
+                                    double passed) {
   if (!started_) {
     started_ = true;
     pose_ = pose;
     return wanted;
   }
+  const double period = std::max(passed, period_);
   const Eigen::Vector3d way = pose.position - pose_.position;
   const Eigen::Vector3d turn = turn_between(pose_.orientation, pose.orientation);
   const auto work = [&](const Wrench& w) { return w.force.dot(way) + w.torque.dot(turn); };
   const double squared = way.squaredNorm();
   const double sampling = 0.5 * (work(sent) - work(wanted));
-  const double absorbed = std::clamp(sampling, 0.0, damping_ * squared / period_);
+  const double absorbed = std::clamp(sampling, 0.0, damping_ * squared / period);
   held_ -= work(sent) - absorbed;
   const double out = std::max(0.0, -held_);
   put_out_ += out;
@@ -48,10 +49,11 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   added_ = 0.0;
   if (std::isinf(stored)) return wanted;
 
-  excess_ = std::max(0.0, kept_ * excess_ + sampling - absorbed + out);
+  const double kept = std::exp(-passed / kForgotten);
+  excess_ = std::max(0.0, kept * excess_ + sampling - absorbed + out);
   if (excess_ == 0.0 || squared == 0.0) return wanted;
-  added_ = std::min(damping_max_, excess_ * period_ / squared);  // D = alpha |v|^2 T
-  return {wanted.force - added_ / period_ * way, wanted.torque};
+  added_ = std::min(damping_max_, excess_ * period / squared);  // D = alpha |v|^2 T
+  return {wanted.force - added_ / period * way, wanted.torque};
 }
 
 }  // namespace palpate

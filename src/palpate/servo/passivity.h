@@ -21,7 +21,7 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 ///
 ///     W = f_sent . d                          work on the hand, exact, since the force was held on the way
 ///     Z = (f_sent - f_wanted) . d / 2         of that, what is because it was held
-///     A = min(max(0, Z), b |d|^2 / T)         of that, what the device's own damping b absorbs
+///     A = min(max(0, Z), b |d|^2 / T)         of that, what the device's own damping b absorbs in the time T
 ///     E' = E - W + A,  O = max(0, -E')        put out beyond what was stored
 ///     E = min(max(0, E'), S)                  no more than the model's spring holds
 ///     D += Z - A + O,  D >= 0                 forgotten within some 20 ms
@@ -33,17 +33,20 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 /// controller adds the damping that absorbs D within a tick, up to `damping_max`; half of what that damping
 /// takes is counted, in Z, so that there is twice as much of it as is lacking: it comes a tick late.
 ///
+/// T is the time that has passed since the last call, but no less than the promised one: poses that come in a
+/// bunch were not made in one, and what the device absorbs is not overstated.
+///
 /// One object a port and thread; takes nothing from the heap.
 class PassivityController {
  public:
-  /// \param period T, between calls. Unit: [s]. > 0 \param damping b. Unit: [N s/m]. \param damping_max Unit:
-  /// [N s/m]. 0: only observes
+  /// \param period between calls, as promised. Unit: [s]. > 0 \param damping b. Unit: [N s/m]. \param
+  /// damping_max Unit: [N s/m]. 0: only observes
   PassivityController(double period, double damping, double damping_max);
 
   /// What to send at a pose, in place of `wanted`. \param stored S at this pose; infinite if nobody knows: it
   /// is then only observed. Unit: [J]. \param sent what was sent at the last call, by whoever was last to
-  /// change it
-  Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose);
+  /// change it \param passed since that. Unit: [s].
+  Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose, double passed);
 
   /// D. Unit: [J].
   double excess() const { return excess_; }
@@ -57,7 +60,6 @@ class PassivityController {
 
  private:
   double period_, damping_, damping_max_;
-  double kept_;  ///< of D, from call to call
   bool started_ = false;
   Pose pose_;
   double excess_ = 0.0, added_ = 0.0;

@@ -64,6 +64,9 @@ SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
   limits.torque_max = device.torque_max;
   limits.force_slew = device.force_max / kSlewTime;
   limits.torque_slew = device.torque_max / kSlewTime;
+  constexpr double kThereAndBack = 4.0;  // radii, each way
+  limits.energy_reserve =
+      std::max(limits.energy_reserve, kThereAndBack * device.workspace * device.force_max);
   limits.tick = tick;
   limits.reading_period = 1.0 / device.rate;
   constexpr double kMissed = 3.0;  // readings or ticks in a row: then it is not just late
@@ -134,11 +137,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   DeviceReading reading = said;
   reading.pose.orientation.normalize();
   const Fault found = check(reading);
-  if (!started_ || !same(reading.pose, newest_.pose) ||
-      sent_.force.norm() <= limits_.gate_share * limits_.force_max) {
-    moved_ = t;
-  }
-  if (t - moved_ > limits_.frozen_after) raise(Fault::kFrozenPose);
+  watch_stillness(!started_ || !same(reading.pose, newest_.pose));
   if (started_ && found != Fault::kJump)
     watch_energy(newest_.pose, reading.pose, std::min(reading.t - newest_.t, limits_.stale_after));
   newest_ = reading;
@@ -195,6 +194,14 @@ void SafetyGovernor::watch_rate(bool fresh) {
   const double spoken_for = fresh ? std::max(limits_.reading_period, passed_) : 0.0;
   fresh_ = std::min(1.0, fresh_ * std::exp(-passed_ / kRateFilter) + spoken_for / kRateFilter);
   if (fresh_ < 0.5) raise(Fault::kSlowDevice);
+}
+
+/// Encoders that are broken do not say so. A handle that friction holds moves once less force is on it.
+void SafetyGovernor::watch_stillness(bool moved) {
+  if (moved || !presses_) moved_ = t_;
+  const bool still = t_ - moved_ > limits_.frozen_after;
+  fade_ = std::clamp(fade_ + (still ? -passed_ / limits_.fade_time : passed_ / limits_.rise_time), 0.0, 1.0);
+  if (fade_ == 0.0) raise(Fault::kFrozenPose);
 }
 
 void SafetyGovernor::watch_lateness() {
@@ -265,8 +272,8 @@ void SafetyGovernor::advance(bool small) {
 double SafetyGovernor::share() const {
   const double passed = t_ - since_;
   switch (state_) {
-    case GovernorState::kRising: return std::min(1.0, passed / limits_.rise_time);
-    case GovernorState::kActive: return 1.0;
+    case GovernorState::kRising: return fade_ * std::min(1.0, passed / limits_.rise_time);
+    case GovernorState::kActive: return fade_;
     // A tick ahead, so that it is over in time.
     case GovernorState::kFalling:
       return std::max(0.0, 1.0 - (t_ + limits_.tick - fall_from_) / (fall_end_ - fall_from_));
@@ -279,8 +286,10 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
   if (!good) raise(Fault::kBadForce);
   if (!(contacts_age <= limits_.contacts_after)) raise(Fault::kLateContacts);
   const Wrench asked = good ? shortened(wanted, limits_.force_max, limits_.torque_max) : Wrench{};
-  advance(asked.force.norm() <= limits_.gate_share * limits_.force_max &&
-          asked.torque.norm() <= limits_.gate_share * limits_.torque_max);
+  const bool small = asked.force.norm() <= limits_.gate_share * limits_.force_max &&
+                     asked.torque.norm() <= limits_.gate_share * limits_.torque_max;
+  advance(small);
+  presses_ = !small && (state_ == GovernorState::kRising || state_ == GovernorState::kActive);
   if (state_ == GovernorState::kFalling) {  // at its own pace, however late the tick
     sent_ = share() * at_fall_;
     return sent_;

@@ -39,19 +39,23 @@ struct SafetyLimits {
   /// By how much ticks may be late, together: what each comes later than two ticks after the last one. A
   /// tenth of the time that passes is forgiven. Unit: [s].
   double late_max = 0.02;
-  double frozen_after = 5.0;      ///< no hand holds still for so long, to a count of six encoders. Unit: [s].
-  double contacts_after = 0.2;    ///< Unit: [s].
-  double recover_after = 0.25;    ///< Unit: [s].
-  double speed_max = 3.0;         ///< Unit: [m/s]. A quick stroke of a hand in contact is at 1 m/s.
-  double angular_speed_max = 40;  ///< Unit: [rad/s].
-  double jump_speed = 10.0;       ///< that no hand has between two readings. Unit: [m/s].
+  /// No hand holds still for so long, to a count of six encoders, but dry friction may hold one: then the
+  /// force fades, within fade_time, until the pose changes. Unit: [s].
+  double frozen_after = 5.0, fade_time = 2.0;
+  double contacts_after = 0.2;        ///< Unit: [s].
+  double recover_after = 0.25;        ///< Unit: [s].
+  double speed_max = 3.0;             ///< Unit: [m/s]. A quick stroke of a hand in contact is at 1 m/s.
+  double angular_speed_max = 40;      ///< Unit: [rad/s].
+  double jump_speed = 10.0;           ///< that no hand has between two readings. Unit: [m/s].
   double jump_angular_speed = 150.0;  ///< likewise. Unit: [rad/s].
   double noise = 2e-3;                ///< of positions: a way that is no motion. Unit: [m].
   double angular_noise = 0.05;        ///< Unit: [rad].
   double energy_max = 0.05;           ///< put out beyond what was put in. Unit: [J].
   double energy_leak =
       0.1;  ///< of that forgiven: what a sampled spring gives away to a lively hand. Unit: [W].
-  double energy_reserve = 0.5;  ///< of what was put in, the most that is remembered. Unit: [J].
+  /// Of what was put in, the most that is remembered: at least what a hand puts in that crosses the workspace
+  /// twice against all of the force. Unit: [J].
+  double energy_reserve = 0.5;
 
   /// From nothing to force_max.
   static constexpr double kSlewTime = 0.01;
@@ -151,6 +155,7 @@ class SafetyGovernor {
   void watch_energy(const Pose& from, const Pose& to, double dt);
   void watch_rate(bool fresh);
   void watch_lateness();
+  void watch_stillness(bool moved);
   void raise(Fault fault);
   void hear();
   /// Latched faults that hold no longer.
@@ -177,7 +182,9 @@ class SafetyGovernor {
   DeviceReading newest_;   ///< that was a pose at all
   DeviceReading reading_;  ///< that was good
   double arrived_ = 0.0;   ///< when a new reading came last. Unit: [s].
-  double moved_ = 0.0;     ///< when the pose changed last, or no force was on. Unit: [s].
+  double moved_ = 0.0;     ///< when the pose changed last, or no force was asked for. Unit: [s].
+  double fade_ = 1.0;      ///< what is left of the force where nothing moves
+  bool presses_ = false;   ///< more is asked for than the gate lets pass
   double fresh_ = 1.0;     ///< share of the time that new readings speak for, filtered
   double energy_ = 0.0;
   Wrench sent_;

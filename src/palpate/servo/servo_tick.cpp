@@ -4,11 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include <palpate/geometry/rotation.h>
+
 namespace palpate {
 namespace {
 
 /// Of a change of the gain: a hand that leans on a surface feels it give way, and does not fall. Unit: [s].
 constexpr double kGainFilter = 0.1;
+/// In which the longest time that a force was held is forgotten. Unit: [s].
+constexpr double kHeldFilter = 0.5;
 /// So that nothing is divided by nothing.
 constexpr double kLeastGain = 1e-6;
 
@@ -23,6 +27,7 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
                  device.capabilities().damping_max),
+      held_for_(std::max(options.period, 1.0 / device.capabilities().rate)),
       wanted_gain_(options.gain) {
   found_.contacts.reserve(ToolTracker::kRoom);
 }
@@ -61,27 +66,42 @@ void ServoTick::feel() {
   const DeviceReading& reading = record_.reading;
   // The force of the world that the device shows all of, at this gain.
   const double force_max = device_.capabilities().force_max * map_.scale / std::max(gain_, kLeastGain);
-  const ForceInput input{record_.tool, record_.velocity, asked_ ? reading.t - asked_at_ : 0.0, &found_,
-                         force_max};
+  const double passed = asked_ ? reading.t - asked_at_ : 0.0;
+  const double damping_max = device_.capabilities().damping_max / std::max(gain_, kLeastGain);
+  const ForceInput input{record_.tool, record_.velocity, passed, &found_, force_max, damping_max};
   if (used_.model->wants_contacts()) used_.contacts->query(record_.tool, found_);
   record_.felt = used_.model->evaluate(input);
+  const double unfelt = unfelt_work(record_.felt.wrench);
   asked_ = true;
   asked_at_ = reading.t;
+  held_for_ =
+      std::max({passed, held_for_ * std::exp(-passed / kHeldFilter), 1.0 / device_.capabilities().rate});
 
   ForceOutput& felt = record_.felt;
-  const double gain = passive_gain_.at(gain_, felt.stored);
+  const double gain = passive_gain_.at(gain_, felt.stored, unfelt);
   felt.wrench.force *= gain;
   felt.wrench.torque *= gain;
   felt.stored = passive_gain_.stored();
   felt.stiffness *= gain_;
-  const Wrench wanted = map_.to_device(felt.wrench);
+  Wrench wanted = map_.to_device(felt.wrench);
+  if (device_.capabilities().torque_max == 0.0 && wanted.torque.allFinite()) wanted.torque.setZero();
   // Clamped before it is damped: what is damped and then clamped is not damped. Of what the model's spring
   // holds, a force that is clamped to the share rho gives back S (2 rho - rho^2) along the way that S was
   // stored on.
   const double rho = share_shown(wanted, device_.capabilities());
   const double stored = std::isnan(felt.stored) ? std::numeric_limits<double>::infinity()
                                                 : map_.to_device(felt.stored) * (2.0 * rho - rho * rho);
-  wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent, reading.pose);
+  wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent, reading.pose,
+                               passed);
+}
+
+double ServoTick::unfelt_work(const Wrench& felt) {
+  const Eigen::Vector3d turn = turn_between(turned_, record_.tool.orientation);
+  const double work = -0.5 * (torque_ + felt.torque).dot(turn);
+  const bool unfelt = asked_ && device_.capabilities().torque_max == 0.0 && std::isfinite(work);
+  torque_ = felt.torque;
+  turned_ = record_.tool.orientation;
+  return unfelt ? work : 0.0;
 }
 
 const TickRecord& ServoTick::look() {
@@ -103,7 +123,7 @@ void ServoTick::tell() {
   record_.put_out = passivity_.put_out();
   record_.added_damping = passivity_.added_damping();
   const double bound =
-      passive_stiffness(device.damping, 0.0, 1.0 / device.rate, delay_.load(std::memory_order_relaxed));
+      passive_stiffness(device.damping, 0.0, held_for_, delay_.load(std::memory_order_relaxed));
   record_.margin = record_.felt.stiffness > 0.0 ? bound / record_.felt.stiffness : 0.0;
 }
 

@@ -35,8 +35,8 @@ struct TickRecord {
   double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
   double put_out = 0.0;        ///< PassivityController::put_out(). Unit: [J].
   double added_damping = 0.0;  ///< Unit: [N s/m].
-  /// How many times as stiff the spring might be before it is active (passive_stiffness()); 0 where there is
-  /// none, or nothing is known of it.
+  /// How many times as stiff the spring might be before it is active (passive_stiffness(), of the longest
+  /// time that a force was held of late); 0 where there is none, or nothing is known of it.
   double margin = 0.0;
 };
 
@@ -102,6 +102,9 @@ class ServoTick {
   void change(double passed);
   bool listen(double t);
   void feel();
+  /// What has been wound up by a turn against a torque that the device does not show. Unit: [J], of the
+  /// world.
+  double unfelt_work(const Wrench& felt);
   void tell();
 
   HapticDevice& device_;
@@ -111,6 +114,9 @@ class ServoTick {
   PassiveGain passive_gain_;
   SafetyGovernor governor_;
   PassivityController passivity_;
+  double held_for_;  ///< the longest that a force was held of late. Unit: [s].
+  Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();            ///< of the model, last
+  Eigen::Quaterniond turned_ = Eigen::Quaterniond::Identity();  ///< the tool, then
   DeviceReading said_;
   bool heard_ = false;  ///< the device has said something
   bool clutched_ = false;
