@@ -168,6 +168,7 @@ void LiveSystem::make_device(const DeviceOptions& options) {
   DeviceProfile profile = device_profile(options.profile);
   if (options.device == "client") {
     profile.capabilities.rate = options.client_rate;
+    profile.capabilities.damping = 0.0;  // of what a client holds, nobody knows
     device_ = std::make_unique<ClientDevice>(profile.capabilities, client_hand_);
     return;
   }

@@ -133,7 +133,8 @@ class Console {
   }
 
   static constexpr const char* kHelp =
-      "keys: space pause and go on, e emergency stop, r resume after a fault, m model, + - stiffness, c clutch, q quit";
+      "keys: space pause and go on, e emergency stop, r resume after a fault, m model, + - stiffness, c "
+      "clutch, q quit";
 
  private:
   void clear() const {
@@ -169,7 +170,9 @@ void Console::draw() const {
   const LiveSettings settings = system_.settings();
   const LoopStatistics& statistics = system_.loop().statistics();
   const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
-  const std::string margin = now.margin > 0.0 ? fmt::format("{:.1f}x", now.margin) : "-";
+  const std::string margin = now.margin <= 0.0  ? "-"
+                             : now.margin < 1.0 ? fmt::format("{:.1f}x: softer, since it is late", now.margin)
+                                                : fmt::format("{:.1f}x", now.margin);
   fmt::print(
       stderr,
       "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
@@ -275,8 +278,10 @@ void print_text(const Outcome& outcome, LiveSystem& system, const LiveView& view
              totals.contacts_max, totals.force_max);
   fmt::print("port             put out at most {:.3f} mJ more than it took in; stiffness {}\n",
              1e3 * totals.port_energy,
-             totals.margin_min > 0.0 ? fmt::format("could be {:.1f} times as large", totals.margin_min)
-                                     : "has no margin to tell");
+             totals.margin_min >= 1.0 ? fmt::format("could be {:.1f} times as large", totals.margin_min)
+             : totals.margin_min > 0.0
+                 ? fmt::format("was lowered to {:.2f} of what was set: forces were late", totals.margin_min)
+                 : "has no margin to tell");
   if (!outcome.faults.empty()) fmt::print("faults           {}\n", fmt::join(outcome.faults, ", "));
 }
 

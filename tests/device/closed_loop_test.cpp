@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,37 @@ TEST_P(ClosedLoop, MakesNoEnergyWhileSliding) {
   while (count_ < 3500) tick();
   EXPECT_EQ(loop_->governor().state(), GovernorState::kActive) << traits(loop_->governor().fault()).name;
   EXPECT_LE(tick().put_out, 1e-3);
+}
+
+// Ticks of 0.3 to 2 ms, now and then one of 6; a force that is late by up to 10 ms; and half of the damping
+// that the device is said to have, of which the controller knows nothing. Either the hand rests or the
+// stiffness is lowered until it does.
+TEST_P(ClosedLoop, RestsHoweverLateAndUneven) {
+  for (const double delay : {0.0, 1e-3, 3e-3, 10e-3}) {
+    model_->reset();
+    capabilities_.damping = 0.0;
+    plant_ = device_profile(GetParam().profile).plant;
+    plant_.damping *= 0.5;
+    plant_.delay = delay;
+    hold(press(0.01, 5.5));
+    loop_->set_delay(delay);
+    std::mt19937 random(18);
+    double t = 0.0, softest = std::numeric_limits<double>::infinity();
+    Eigen::AlignedBox3d rest;
+    const TickRecord* now = nullptr;
+    while (t < 6.5) {
+      t += random() % 200 == 0 ? 6e-3 : 0.3e-3 + 1.7e-3 * static_cast<double>(random() % 1000) / 1000.0;
+      now = &loop_->run(t);
+      if (now->margin > 0.0) softest = std::min(softest, now->margin);
+      if (t > 4.5 && t < 5.5) rest.extend(device_->pose().position);
+    }
+    EXPECT_EQ(now->state, GovernorState::kActive) << delay << ": " << traits(now->fault).name;
+    EXPECT_LE(rest.diagonal().norm(), 0.05e-3) << delay << ", margin " << softest;
+    EXPECT_LE(now->put_out, 1e-3) << delay << ", margin " << softest;
+    if (delay == 10e-3) {
+      EXPECT_LT(softest, 1.0) << "500 N/m at 10 ms are not passive";
+    }
+  }
 }
 
 TEST_P(ClosedLoop, TakesNothingFromTheHeap) {

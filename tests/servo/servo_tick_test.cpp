@@ -26,7 +26,8 @@ struct Handle final : HapticDevice {
   }
   const DeviceCapabilities& capabilities() const override { return can; }
   bool read(double t, DeviceReading& reading) override {
-    if (silent) return false;
+    if (silent || t < said + period - 1e-9) return false;
+    said = t;
     reading = {t, pose, {}};
     reading.pose.position.y() += 1e-6 * std::sin(100.0 * t);  // a hand is never still
     return true;
@@ -37,6 +38,7 @@ struct Handle final : HapticDevice {
   Pose pose;
   Wrench shown;
   bool silent = false;
+  double period = 0.0, said = 0.0;  ///< between readings, and the last. Unit: [s].
 };
 
 /// A wall at x = 0 of the world, felt for x < 0.
@@ -111,7 +113,7 @@ TEST_F(ServoTickTest, WhatTheModelAsksForIsSentOnceTheGateIsOpen) {
   EXPECT_NEAR(device.shown.force.x(), 5.0, 1e-3);
   EXPECT_NEAR(now.sent_force.x(), 5.0, 1e-3);
   EXPECT_DOUBLE_EQ(now.felt.stiffness, 500.0);
-  EXPECT_NEAR(now.margin, 2.0 / (0.5 * kTick) / 500.0, 1e-9);  // b / (T / 2) over K
+  EXPECT_NEAR(now.margin, 3.0 / (0.5 * kTick) / 500.0, 1e-6);  // b / (T / 2) over K
 }
 
 TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {
@@ -120,7 +122,7 @@ TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {
   run(1.0);
   go_to(-0.01);
   loop->set_delay(0.5e-3);
-  EXPECT_NEAR(run(0.01).margin, 2.0 / 1e-3 / 500.0, 1e-9);
+  EXPECT_NEAR(run(0.01).margin, 3.0 / 1e-3 / 500.0, 1e-6);
 }
 
 TEST_F(ServoTickTest, TheGainIsThereWithoutAJump) {
@@ -240,14 +242,51 @@ TEST_F(ServoTickTest, ATorqueThatCannotBeShownAddsNoDamping) {
   }
 }
 
+// One tick in five: a force is held for 5 ms.
 TEST_F(ServoTickTest, AForceThatIsHeldForLongerIsALesserMargin) {
   begin();
   device.pose.position.x() = 0.01;
   run(1.0);
   go_to(-0.01);
-  count += 4;  // one tick in five
-  EXPECT_NEAR(run(kTick).margin, 2.0 / (0.5 * 5.0 * kTick) / 500.0, 1e-9);
-  EXPECT_NEAR(run(4.0).margin, 2.0 / (0.5 * kTick) / 500.0, 0.01);
+  count += 4;
+  EXPECT_NEAR(run(kTick).margin, 12.0, 0.5) << "one late tick is not the rule";
+  ServoTickOptions slow;
+  slow.period = 5e-3;
+  begin(slow);
+  device.pose.position.x() = 0.01;
+  const auto run_slowly = [&](double seconds) {
+    for (int k = 0; k < std::lround(seconds / slow.period); ++k) {
+      count += 4;
+      run(kTick);
+    }
+  };
+  run_slowly(2.0);
+  device.pose.position.x() = 0.0;
+  run_slowly(0.05);
+  device.pose.position.x() = -0.005;
+  run_slowly(0.05);
+  EXPECT_NEAR(run(kTick).margin, 3.0 / (0.5 * 5.0 * kTick) / 500.0, 0.05);
+}
+
+// (0 + 1) N s/m of a hand that holds a tracker of 60 Hz: 120 N/m, and not the 500 that were set.
+TEST_F(ServoTickTest, ASlowDeviceGetsWhatItCanHold) {
+  device.can.damping = 0.0;
+  device.can.rate = 60.0;
+  device.period = 1.0 / 60.0;
+  begin();
+  device.pose.position.x() = 0.01;
+  run(2.0);
+  go_to(-0.01);
+  const TickRecord& now = run(1.0);
+  EXPECT_EQ(now.fault, Fault::kNone);
+  EXPECT_NEAR(device.shown.force.x(), 120.0 * 0.01, 0.03);
+  EXPECT_NEAR(now.margin, 120.0 / 500.0, 0.005);
+  // Quicker again, it is as stiff as it was set.
+  device.period = 0.0;
+  go_to(0.01);
+  run(3.0);
+  go_to(-0.01);
+  EXPECT_NEAR(run(1.0).felt.stiffness, 500.0, 1.0);
 }
 
 TEST_F(ServoTickTest, AModelIsToldWhatDampingTheDeviceShows) {

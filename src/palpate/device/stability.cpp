@@ -100,6 +100,7 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   ServoTickOptions options;
   options.period = StabilityTrial::kTick;
   options.gain = trial.gain;
+  options.keeps_passive = false;  // what is measured is how stiff it may be
   if (!trial.governed) {
     options.limits = SafetyLimits::of(trial.profile.capabilities, options.period);
     options.limits->energy_max = std::numeric_limits<double>::infinity();

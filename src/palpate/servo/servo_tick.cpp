@@ -11,7 +11,7 @@ namespace {
 
 /// Of a change of the gain: a hand that leans on a surface feels it give way, and does not fall. Unit: [s].
 constexpr double kGainFilter = 0.1;
-/// In which the longest time that a force was held is forgotten. Unit: [s].
+/// Of the time that forces are held: longer than a tick that is late now and then. Unit: [s].
 constexpr double kHeldFilter = 0.5;
 /// So that nothing is divided by nothing.
 constexpr double kLeastGain = 1e-6;
@@ -27,6 +27,7 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
                  device.capabilities().damping_max),
+      keeps_passive_(options.keeps_passive),
       held_for_(std::max(options.period, 1.0 / device.capabilities().rate)),
       wanted_gain_(options.gain) {
   found_.contacts.reserve(ToolTracker::kRoom);
@@ -51,12 +52,14 @@ double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
 /// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
 /// \param passed since the last tick. Unit: [s].
 void ServoTick::change(double passed) {
-  gain_ += -std::expm1(-passed / kGainFilter) * (wanted_gain_.load(std::memory_order_relaxed) - gain_);
+  const double gain = std::min(wanted_gain_.load(std::memory_order_relaxed), gain_max_);
+  gain_ += -std::expm1(-passed / kGainFilter) * (gain - gain_);
   changing_ = next_.update() || changing_;
   clutched_ = clutch_pressed_.load(std::memory_order_relaxed);
   if (changing_ || clutched_) governor_.stop(Fault::kChanging);
   if (governor_.state() == GovernorState::kStopped && changing_) {
     used_ = next_.front().model;
+    gain_max_ = std::numeric_limits<double>::infinity();
     taken_.store(next_.front().number, std::memory_order_release);
     changing_ = false;
   }
@@ -74,8 +77,8 @@ void ServoTick::feel() {
   const double unfelt = unfelt_work(record_.felt.wrench);
   asked_ = true;
   asked_at_ = reading.t;
-  held_for_ =
-      std::max({passed, held_for_ * std::exp(-passed / kHeldFilter), 1.0 / device_.capabilities().rate});
+  held_for_ += -std::expm1(-passed / kHeldFilter) * (passed - held_for_);
+  keep_passive(record_.felt.stiffness, passive_gain_.stored() == 0.0);
 
   ForceOutput& felt = record_.felt;
   const double gain = passive_gain_.at(gain_, felt.stored, unfelt);
@@ -93,6 +96,19 @@ void ServoTick::feel() {
                                                 : map_.to_device(felt.stored) * (2.0 * rho - rho * rho);
   wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent, reading.pose,
                                passed);
+}
+
+/// A spring that would be active is made softer. \param stiffness of the model, as set without a gain. Unit:
+/// [N/m]. \param begins nothing was pressed before: it is soft from the start
+void ServoTick::keep_passive(double stiffness, bool begins) {
+  margin_ = 0.0;
+  if (!(stiffness > 0.0)) return;
+  const double bound = passive_stiffness(device_.capabilities().damping + kHandDamping, 0.0, held_for_,
+                                         delay_.load(std::memory_order_relaxed));
+  margin_ = bound / (stiffness * std::max(wanted_gain_.load(std::memory_order_relaxed), kLeastGain));
+  if (!keeps_passive_) return;
+  gain_max_ = bound / stiffness;
+  if (begins) gain_ = std::min(gain_, gain_max_);
 }
 
 double ServoTick::unfelt_work(const Wrench& felt) {
@@ -115,16 +131,13 @@ const TickRecord& ServoTick::look() {
 }
 
 void ServoTick::tell() {
-  const DeviceCapabilities& device = device_.capabilities();
   record_.sent_force = map_.rotation * record_.sent.force;
   record_.state = governor_.state();
   record_.fault = governor_.fault();
   record_.energy = governor_.energy();
   record_.put_out = passivity_.put_out();
   record_.added_damping = passivity_.added_damping();
-  const double bound =
-      passive_stiffness(device.damping, 0.0, held_for_, delay_.load(std::memory_order_relaxed));
-  record_.margin = record_.felt.stiffness > 0.0 ? bound / record_.felt.stiffness : 0.0;
+  record_.margin = record_.felt.stiffness > 0.0 ? margin_ : 0.0;
 }
 
 /// \returns true if there is a good new reading.

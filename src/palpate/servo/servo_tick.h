@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <optional>
 
 #include <palpate/base/latest_value.h>
@@ -35,8 +36,9 @@ struct TickRecord {
   double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
   double put_out = 0.0;        ///< PassivityController::put_out(). Unit: [J].
   double added_damping = 0.0;  ///< Unit: [N s/m].
-  /// How many times as stiff the spring might be before it is active (passive_stiffness(), of the longest
-  /// time that a force was held of late); 0 where there is none, or nothing is known of it.
+  /// How many times as stiff as it was set the spring might be before it is active (passive_stiffness(), in a
+  /// hand that damps by ServoTick::kHandDamping); 0 where there is none, or nothing is known of it. Below 1
+  /// the spring is softer than it was set, by that.
   double margin = 0.0;
 };
 
@@ -55,6 +57,8 @@ struct ServoTickOptions {
   /// In place of SafetyLimits::of() the device, for trials in virtual time of what would not be let near a
   /// hand.
   std::optional<SafetyLimits> limits;
+  /// False, likewise: springs stay as stiff as they are set, however late the force.
+  bool keeps_passive = true;
 };
 
 /// Reads the device, asks the force model, keeps that passive and safe, and writes to the device. What drives
@@ -73,6 +77,9 @@ class ServoTick {
   /// What the tool touches where run() had it, for whoever looks on, once the force is sent. \returns the
   /// record of run(), with it.
   const TickRecord& look();
+
+  /// What any hand that holds on damps by at least, besides the device. Unit: [N s/m].
+  static constexpr double kHandDamping = 1.0;
 
   /// Until it is time for the next tick: HapticDevice::wait().
   void wait(const LoopClock& clock, double until) { device_.wait(clock, until); }
@@ -105,6 +112,7 @@ class ServoTick {
   /// What has been wound up by a turn against a torque that the device does not show. Unit: [J], of the
   /// world.
   double unfelt_work(const Wrench& felt);
+  void keep_passive(double stiffness, bool begins);
   void tell();
 
   HapticDevice& device_;
@@ -114,7 +122,10 @@ class ServoTick {
   PassiveGain passive_gain_;
   SafetyGovernor governor_;
   PassivityController passivity_;
-  double held_for_;  ///< the longest that a force was held of late. Unit: [s].
+  bool keeps_passive_;
+  double held_for_;      ///< a force until the next one, the mean over time. Unit: [s].
+  double margin_ = 0.0;  ///< see TickRecord::margin
+  double gain_max_ = std::numeric_limits<double>::infinity();   ///< with which the spring is passive
   Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();            ///< of the model, last
   Eigen::Quaterniond turned_ = Eigen::Quaterniond::Identity();  ///< the tool, then
   DeviceReading said_;
