@@ -127,7 +127,7 @@ void change_filter(SceneFilter& filter, const Value& wanted) {
           {{"opacity_min",
             [&](const Value& v, const std::string& n) { filter.opacity_min = number_in(v, n, 0.0, 1.0); }},
            {"sigma", [&](const Value& v, const std::string& n) {
-              filter.sigma = number_in(v, n, 1e-6, 1e3);
+              filter.sigma = number_in(v, n, 1e-6, SceneFilter::kSigmaMax);
               filter.iso.reset();
             }}});
 }

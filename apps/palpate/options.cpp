@@ -105,7 +105,7 @@ void SceneOptions::declare(CLI::App& app, As as) {
   add_number(app, "--opacity-min", filter.opacity_min, 0.0, 1.0, "alpha",
              "keep Gaussians of opacity above this")
       .in_group(kSceneGroup);
-  const DeclaredOption sigma = add_number(app, "--sigma", filter.sigma, 1e-6, 1e3, "k",
+  const DeclaredOption sigma = add_number(app, "--sigma", filter.sigma, 1e-6, SceneFilter::kSigmaMax, "k",
                                           "ellipsoid of a Gaussian: k standard deviations")
                                    .in_group(kSceneGroup);
   add_parsed(app, "--iso", "tau", "ellipsoid at the visible level instead: k = sqrt(2 ln(alpha/tau))",

@@ -221,6 +221,36 @@ TEST_F(ContactTrackerOnEveryTarget, FallsBackWhereItIsCrowded) {
   on_every_target([&] { EXPECT_GT(follow(index, path).contacts, 10000U); });
 }
 
+// A bound on the pairs cuts the answer off and nothing else: what there is comes in the same order.
+TEST_F(ContactTrackerOnEveryTarget, OfSoManyPairsFindsThoseThatComeFirst) {
+  constexpr std::size_t kBuffer = 192;  // by as many it may be exceeded
+  Random random(19);
+  const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});
+  const Ellipsoid tool{{0.9, 0, 0}, 0.5 * Eigen::Matrix3d::Identity()};
+  on_every_target([&] {
+    ContactSet all, some;
+    index.query(tool, all);
+    ASSERT_TRUE(all.complete);
+    ASSERT_GT(all.contacts.size(), 500U);
+    for (const std::size_t most :
+         {std::size_t{0}, std::size_t{100}, all.filtered / 2, all.filtered + 1, kAllPairs}) {
+      for (const bool tracks : {false, true}) {
+        ContactTracker tracker(index);
+        tracks ? tracker.query(tool, some, most) : index.query(tool, Precision::kDouble, some, most);
+        if (!tracks) {  // which looks at a few pairs more
+          EXPECT_EQ(some.complete, most > all.filtered) << most;
+        }
+        EXPECT_TRUE(!some.complete || some.contacts.size() == all.contacts.size()) << most;
+        EXPECT_LE(some.contacts.size(), std::max(most, most + kBuffer));  // which may be too large for it
+        EXPECT_GE(some.contacts.size(), most > kBuffer ? 1U : 0U);
+        ASSERT_LE(some.contacts.size(), all.contacts.size());
+        for (std::size_t k = 0; k < some.contacts.size(); ++k)
+          EXPECT_EQ(some.contacts[k].id, all.contacts[k].id) << most;
+      }
+    }
+  });
+}
+
 TEST_F(ContactTrackerOnEveryTarget, OfNothingFindsNothing) {
   const SceneIndex index(GaussianScene{}, {}, {});
   on_every_target([&] {

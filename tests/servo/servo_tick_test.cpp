@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <palpate/haptics/field_force.h>
 #include <palpate/scene/procedural.h>
 
 #include "support/allocation_guard.h"
@@ -405,6 +406,30 @@ TEST_F(ServoTickTest, ContactsAreThoseOfTheToolWhateverTheModelWants) {
   EXPECT_GT(fresh.contacts.size(), 0U);
   EXPECT_EQ(loop->look().contacts, fresh.contacts.size());
   EXPECT_NEAR(loop->look().k_max, fresh.k_max(), 1e-9);
+}
+
+// Ten thousand splats in a tool, for a model that wants them all: no force, a reason, and no memory taken.
+TEST_F(ServoTickTest, MoreContactsThanATickHasTimeForAreAFault) {
+  ProceduralOptions dense;
+  dense.spacing = 0.0015;
+  const SceneIndex crowd(make_scene(*make_surface("sphere"), dense), {}, {});
+  const Tool large(Vector3d::Constant(0.2));
+  ToolTracker many(crowd, large);
+  ContactSet all;
+  query(crowd, large, Pose{{0.05, 0, 0}, Eigen::Quaterniond::Identity()}, all);
+  ASSERT_GT(all.contacts.size(), 2 * ToolTracker::kMost);
+  FieldForce field(large);
+  loop = std::make_unique<ServoTick>(device, FeltModel{&field, &many});
+  device.pose.position = {0.05, 0, 0};
+  const test::AllocationGuard guard;
+  EXPECT_EQ(run(0.2).fault, Fault::kCrowded);
+  loop->look();
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_EQ(device.shown.force, Vector3d(Vector3d::Zero()));
+  loop->use({&wall, &many});  // one that does not want them looks on, as far as there is time
+  EXPECT_EQ(run(1.0).fault, Fault::kNone);
+  EXPECT_LE(loop->look().contacts, ToolTracker::kRoom);
+  EXPECT_GT(loop->look().contacts, 1000U);
 }
 
 TEST_F(ServoTickTest, TakesNothingFromTheHeap) {

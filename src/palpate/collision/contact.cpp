@@ -41,6 +41,7 @@ double ContactSet::k_max() const {
 void ContactSet::clear() {
   candidates = 0;
   filtered = 0;
+  complete = true;
   contacts.clear();
 }
 

@@ -44,6 +44,7 @@ struct ContactSet {
   std::size_t candidates = 0;  ///< Gaussians that the broad phase let through
   std::size_t filtered = 0;    ///< of these, how many passed the bounding spheres (paper eq. 4)
   std::vector<Contact> contacts;
+  bool complete = true;  ///< false: there may be more, but as many pairs were looked at as were asked for
 
   /// Largest k_min; 0 without contact.
   double k_max() const;
@@ -61,6 +62,9 @@ inline bool spheres_overlap(const Ellipsoid& a, double radius_a, const Ellipsoid
   const double reach = radius_a + radius_b;
   return (a.center - b.center).squaredNorm() < reach * reach * (1.0 + kRounding);
 }
+
+/// No bound on the pairs that a query looks at.
+inline constexpr std::size_t kAllPairs = std::numeric_limits<std::size_t>::max();
 
 /// What the figures of a contact are computed in. Which pairs are contacts does not depend on it.
 enum class Precision {

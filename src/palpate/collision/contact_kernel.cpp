@@ -160,11 +160,12 @@ std::size_t append_contacts(Workspace& w, std::size_t n, const GaussianSlot* slo
 }
 
 template <Precision kPrecision>
-void find_contacts_in(const IndexView& index, const ToolFrame& tool, ContactSet& result) {
+void find_contacts_in(const IndexView& index, const ToolFrame& tool, std::size_t most, ContactSet& result) {
   PairBuffer buffer;
   Workspace w;
   std::size_t end = 0;
   result.filtered = 0;
+  result.complete = true;
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
     result.filtered += pairs.size;
     if constexpr (kPrecision == Precision::kSingle) {
@@ -178,17 +179,23 @@ void find_contacts_in(const IndexView& index, const ToolFrame& tool, ContactSet&
     end = append_contacts<kPrecision>(w, pairs.size, pairs.slot.data(), index, tool, label, kStepsFromGuess,
                                       end, result.contacts);
     pairs.size = 0;
+    result.complete = result.filtered < most;
+    return result.complete;
   };
   result.candidates = walk<kPrecision>(index, tool, AsTheyAre{}, buffer, flush);
-  flush(buffer);
+  if (result.complete) {
+    flush(buffer);
+    result.complete = true;  // there is no more, whatever the last buffer had
+  }
   result.contacts.resize(end);
 }
 
-void FindContacts(const IndexView& index, const ToolFrame& tool, Precision precision, ContactSet& result) {
+void FindContacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
+                  ContactSet& result) {
   if (precision == Precision::kSingle) {
-    find_contacts_in<Precision::kSingle>(index, tool, result);
+    find_contacts_in<Precision::kSingle>(index, tool, most, result);
   } else {
-    find_contacts_in<Precision::kDouble>(index, tool, result);
+    find_contacts_in<Precision::kDouble>(index, tool, most, result);
   }
 }
 
@@ -256,9 +263,10 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Siz
     fits = fits && (candidates.size + pairs.size <= CandidateSet::kCapacity || crowd.make_room(candidates));
     if (fits) append_candidates<L>(index, pairs, singles, candidates);
     pairs.size = 0;
+    return fits;
   };
   candidates.walked = walk<kPrecision>(index, tool, size, buffer, flush);
-  flush(buffer);
+  if (fits) flush(buffer);
   if (!fits) candidates.size = 0;
   return fits;
 }
@@ -290,9 +298,9 @@ HWY_INLINE Solid<L> load_candidates(CandidateSet& c, std::size_t i) {
 
 template <Precision kPrecision, class L>
 void contacts_among_in(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                       PairsOf<L>& pairs, Workspace& w, ContactSet& result) {
-  std::size_t end = 0;
-  for (std::size_t first = 0; first < candidates.size; first += PairBuffer::kCapacity) {
+                       PairsOf<L>& pairs, Workspace& w, std::size_t most, ContactSet& result) {
+  std::size_t end = 0, first = 0;
+  for (; first < std::min(most, candidates.size); first += PairBuffer::kCapacity) {
     const std::size_t n = std::min(PairBuffer::kCapacity, candidates.size - first);
     for (std::size_t i = 0; i < n; i += L::width())
       whiten_into(load_candidates<L>(candidates, first + i), tool, pairs, i);
@@ -302,16 +310,17 @@ void contacts_among_in(CandidateSet& candidates, const IndexView& index, const T
                                       result.contacts);
     std::copy_n(w.singles.t.begin(), n, &candidates.t[first]);
   }
+  result.complete = first >= candidates.size;
   result.contacts.resize(end);
 }
 
 void ContactsAmong(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                   Precision precision, ContactSet& result) {
+                   Precision precision, std::size_t most, ContactSet& result) {
   Workspace w;
   if (precision == Precision::kSingle) {
-    contacts_among_in<Precision::kSingle, Floats>(candidates, index, tool, w.singles, w, result);
+    contacts_among_in<Precision::kSingle, Floats>(candidates, index, tool, w.singles, w, most, result);
   } else {
-    contacts_among_in<Precision::kDouble, Doubles>(candidates, index, tool, w.pairs, w, result);
+    contacts_among_in<Precision::kDouble, Doubles>(candidates, index, tool, w.pairs, w, most, result);
   }
 }
 
@@ -330,8 +339,9 @@ HWY_EXPORT(ContactsAmong);
 
 }  // namespace
 
-void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, ContactSet& result) {
-  HWY_DYNAMIC_DISPATCH(FindContacts)(index, tool, precision, result);
+void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
+                   ContactSet& result) {
+  HWY_DYNAMIC_DISPATCH(FindContacts)(index, tool, precision, most, result);
 }
 
 bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
@@ -344,10 +354,10 @@ void find_magnified(const IndexView& index, const ToolFrame& tool, float times, 
 }
 
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                    Precision precision, ContactSet& result) {
+                    Precision precision, std::size_t most, ContactSet& result) {
   result.candidates = candidates.walked;
   result.filtered = candidates.size;
-  HWY_DYNAMIC_DISPATCH(ContactsAmong)(candidates, index, tool, precision, result);
+  HWY_DYNAMIC_DISPATCH(ContactsAmong)(candidates, index, tool, precision, most, result);
 }
 
 namespace {

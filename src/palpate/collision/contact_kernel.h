@@ -48,9 +48,10 @@ struct CandidateSet {
   float grain;
 };
 
-/// All contacts of `tool`, into `result`, in the order of the blocks. Allocates only if they do not fit its
-/// capacity.
-void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, ContactSet& result);
+/// All contacts of `tool`, into `result`, in the order of the blocks; or those among `most` pairs and what is
+/// in one buffer more, ContactSet::complete then being false. Allocates only if they do not fit its capacity.
+void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
+                   ContactSet& result);
 
 /// A superset of the Gaussians that `tool` overlaps; false if they do not fit, `candidates` then being empty.
 bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
@@ -68,6 +69,6 @@ void find_magnified(const IndexView& index, const ToolFrame& tool, float times, 
 
 /// As find_contacts, among `candidates` alone, found with the same precision, whose t is kept up to date.
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                    Precision precision, ContactSet& result);
+                    Precision precision, std::size_t most, ContactSet& result);
 
 }  // namespace palpate

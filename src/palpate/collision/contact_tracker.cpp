@@ -15,7 +15,7 @@ ContactTracker::ContactTracker(const SceneIndex& index, Precision precision, Loo
       precision_(precision),
       ahead_(lookahead == nullptr ? nullptr : &lookahead->add(index, precision)) {}
 
-void ContactTracker::query(const Ellipsoid& tool, ContactSet& result) {
+void ContactTracker::query(const Ellipsoid& tool, ContactSet& result, std::size_t most) {
   Neighbourhood* known = &near_;
   if (ahead_ != nullptr) {
     ahead_->want(tool);
@@ -23,10 +23,10 @@ void ContactTracker::query(const Ellipsoid& tool, ContactSet& result) {
   }
   if (!known->covers(tool) &&
       !known->search(index_, {tool.center, (1.0 + kMargin) * tool.axes}, precision_)) {
-    index_.query(tool, precision_, result);  // too crowded to keep
+    index_.query(tool, precision_, result, most);  // too crowded to keep
     return;
   }
-  known->contacts(index_, tool, precision_, result);
+  known->contacts(index_, tool, precision_, most, result);
 }
 
 }  // namespace palpate

@@ -25,8 +25,9 @@ class ContactTracker {
                           Lookahead* lookahead = nullptr);
 
   /// Replaces `result` by the contacts of `tool`. ContactSet::candidates is that of the last search,
-  /// `filtered` the number of Gaussians it left. \pre as ContactQuery::query.
-  void query(const Ellipsoid& tool, ContactSet& result);
+  /// `filtered` the number of Gaussians it left. \param most as of SceneIndex::query \pre as
+  /// ContactQuery::query.
+  void query(const Ellipsoid& tool, ContactSet& result, std::size_t most = kAllPairs);
 
  private:
   const SceneIndex& index_;

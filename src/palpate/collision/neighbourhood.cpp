@@ -46,8 +46,8 @@ bool Neighbourhood::covers(const Ellipsoid& tool) const {
 }
 
 void Neighbourhood::contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision,
-                             ContactSet& result) {
-  contacts_among(*candidates_, index.view(), ToolFrame(tool, index.frame()), precision, result);
+                             std::size_t most, ContactSet& result) {
+  contacts_among(*candidates_, index.view(), ToolFrame(tool, index.frame()), precision, most, result);
 }
 
 void Neighbourhood::splats(const SceneIndex& index, LocalSplats& result) const {

@@ -33,8 +33,9 @@ class Neighbourhood {
   bool covers(const Ellipsoid& tool) const;
 
   /// Those contacts of `tool` that are among it, by rounding the same as of a fresh query. The arguments are
-  /// those of search().
-  void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, ContactSet& result);
+  /// those of search(). \param most as of SceneIndex::query
+  void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, std::size_t most,
+                ContactSet& result);
 
   /// What is kept, as splatting draws it. \pre search_drawn() has been called last
   void splats(const SceneIndex& index, LocalSplats& result) const;

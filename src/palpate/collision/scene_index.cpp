@@ -34,8 +34,9 @@ void SceneIndex::query(const Ellipsoid& tool, ContactSet& result) const {
   query(tool, Precision::kDouble, result);
 }
 
-void SceneIndex::query(const Ellipsoid& tool, Precision precision, ContactSet& result) const {
-  find_contacts(view_, ToolFrame(tool, frame_), precision, result);
+void SceneIndex::query(const Ellipsoid& tool, Precision precision, ContactSet& result,
+                       std::size_t most) const {
+  find_contacts(view_, ToolFrame(tool, frame_), precision, most, result);
 }
 
 double SceneIndex::usual_extent() const {

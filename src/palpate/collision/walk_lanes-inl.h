@@ -168,8 +168,8 @@ HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t
 }
 
 /// Walks the tree depth first and fills `buffer`, calling `flush(buffer)`, which must empty it, whenever it
-/// is full. What is left in it at the end is the caller's. \returns the Gaussians in the blocks that were
-/// met.
+/// is full, until that answers false. What is left in it at the end is the caller's. \returns the Gaussians
+/// in the blocks that were met.
 template <Precision kPrecision, class Size, class Flush>
 HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const Size& size,
                             PairBuffer& buffer, const Flush& flush) {
@@ -188,7 +188,7 @@ HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const
       if (pending.block_count < Pending::kPortion) continue;
     }
     for (std::size_t k = 0; k < pending.block_count; ++k) {
-      if (!buffer.has_room_for_block()) flush(buffer);
+      if (!buffer.has_room_for_block() && !flush(buffer)) return walked;
       walked += cull<kPrecision>(index.blocks, pending.blocks[k], tool, size, buffer);
     }
     pending.block_count = 0;

@@ -5,14 +5,17 @@
 namespace palpate {
 namespace {
 
-/// `ask(part, solid, result)` has the contacts of one part.
+/// `ask(part, solid, most, result)` has the contacts of one part.
 template <class Ask>
-void query_parts(const Tool& tool, const Pose& pose, const Ask& ask, ContactSet& of_part,
+void query_parts(const Tool& tool, const Pose& pose, const Ask& ask, std::size_t most, ContactSet& of_part,
                  ContactSet& result) {
   const auto parts = tool.parts();
-  ask(0, parts[0].at(pose), result);
+  ask(0, parts[0].at(pose), most, result);
   for (std::uint32_t k = 1; k < parts.size(); ++k) {
-    ask(k, parts[k].at(pose), of_part);
+    if (result.filtered >= most) result.complete = false;
+    if (!result.complete) return;
+    ask(k, parts[k].at(pose), most - result.filtered, of_part);
+    result.complete = of_part.complete;
     for (Contact& contact : of_part.contacts) contact.part = k;
     result.candidates += of_part.candidates;
     result.filtered += of_part.filtered;
@@ -24,10 +27,10 @@ void query_parts(const Tool& tool, const Pose& pose, const Ask& ask, ContactSet&
 
 void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, ContactSet& result) {
   ContactSet of_part;
-  const auto ask = [&](std::size_t, const Ellipsoid& solid, ContactSet& found) {
+  const auto ask = [&](std::size_t, const Ellipsoid& solid, std::size_t, ContactSet& found) {
     contacts.query(solid, found);
   };
-  query_parts(tool, pose, ask, of_part, result);
+  query_parts(tool, pose, ask, kAllPairs, of_part, result);
 }
 
 ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision, Lookahead* lookahead)
@@ -36,11 +39,11 @@ ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision pr
   of_part_.contacts.reserve(kRoom);
 }
 
-void ToolTracker::query(const Pose& pose, ContactSet& result) {
-  const auto ask = [&](std::size_t part, const Ellipsoid& solid, ContactSet& found) {
-    trackers_[part].query(solid, found);
+void ToolTracker::query(const Pose& pose, ContactSet& result, std::size_t most) {
+  const auto ask = [&](std::size_t part, const Ellipsoid& solid, std::size_t left, ContactSet& found) {
+    trackers_[part].query(solid, found, left);
   };
-  query_parts(tool_, pose, ask, of_part_, result);
+  query_parts(tool_, pose, ask, most, of_part_, result);
 }
 
 }  // namespace palpate

@@ -17,15 +17,17 @@ void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, Con
 /// The same for a tool that moves little from tick to tick; see ContactTracker.
 class ToolTracker {
  public:
-  /// `index` and `lookahead` must outlive it; see ContactTracker. More than kRoom contacts at once take
-  /// memory from the heap.
+  /// `index` and `lookahead` must outlive it; see ContactTracker. More than kRoom contacts of a part at once
+  /// take memory from the heap.
   ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision = Precision::kDouble,
               Lookahead* lookahead = nullptr);
 
-  static constexpr std::size_t kRoom = 4096;
+  /// Pairs that a tick has time for, and contacts that come of so many, with those of a last buffer.
+  static constexpr std::size_t kMost = 4096, kRoom = kMost + 256;
 
-  /// As query(), of the tool at `pose`.
-  void query(const Pose& pose, ContactSet& result);
+  /// As query(), of the tool at `pose`. \param most pairs to look at, of all parts together: then those that
+  /// come first, and ContactSet::complete is false
+  void query(const Pose& pose, ContactSet& result, std::size_t most = kAllPairs);
 
  private:
   Tool tool_;

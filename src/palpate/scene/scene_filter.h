@@ -24,6 +24,8 @@ struct SceneFilter {
   double opacity_min = 0.1;
   /// Ellipsoid of a Gaussian: this many standard deviations. Positive.
   double sigma = 1.0;
+  /// Splatting draws nothing beyond 3.4; larger ellipsoids only cost time.
+  static constexpr double kSigmaMax = 10.0;
   /// If set, the level at which splatting still draws alpha = iso replaces sigma:
   /// k_i = sqrt(2 ln(alpha_i / iso)). Gaussians with alpha <= iso vanish. In (0, 1).
   std::optional<double> iso;

@@ -28,6 +28,9 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
     {"recorder", "the recording failed; free some room on its disk and begin anew", kGently, true},
     {"emergency-stop", "resume when it is safe", kSoon, true},
     {"late-tick", "the loop was held up; permit real-time priority, or close other programs", kSoon, false},
+    {"crowded",
+     "the tool touches too many Gaussians at once for this model; take a smaller tool, or model proxy",
+     kGently, false},
 }};
 
 }  // namespace

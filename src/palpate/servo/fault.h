@@ -25,8 +25,9 @@ enum class Fault : std::uint8_t {
   kRecorder,       ///< the recording failed, and what is felt would be lost
   kEmergencyStop,  ///< someone pressed it
   kLateTick,       ///< the loop's ticks come too late: SafetyLimits::late_max
+  kCrowded,        ///< the model wants more contacts than a tick has time for: ToolTracker::kMost
 };
-inline constexpr std::size_t kFaultCount = 15;
+inline constexpr std::size_t kFaultCount = 16;
 
 /// What is known of a fault.
 struct FaultTraits {

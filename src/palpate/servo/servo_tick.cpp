@@ -72,7 +72,10 @@ void ServoTick::feel() {
   const double passed = asked_ ? reading.t - asked_at_ : 0.0;
   const double damping_max = device_.capabilities().damping_max / std::max(gain_, kLeastGain);
   const ForceInput input{record_.tool, record_.velocity, passed, &found_, force_max, damping_max};
-  if (used_.model->wants_contacts()) used_.contacts->query(record_.tool, found_);
+  if (used_.model->wants_contacts()) {
+    used_.contacts->query(record_.tool, found_, ToolTracker::kMost);
+    if (!found_.complete) governor_.stop(Fault::kCrowded);
+  }
   record_.felt = used_.model->evaluate(input);
   const double unfelt = unfelt_work(record_.felt.wrench);
   asked_ = true;
@@ -122,7 +125,7 @@ double ServoTick::unfelt_work(const Wrench& felt) {
 
 const TickRecord& ServoTick::look() {
   const bool known = asked_ && used_.model->wants_contacts();
-  if (!known) used_.contacts->query(record_.tool, found_);
+  if (!known) used_.contacts->query(record_.tool, found_, ToolTracker::kMost);
   record_.candidates = found_.candidates;
   record_.filtered = found_.filtered;
   record_.contacts = found_.contacts.size();

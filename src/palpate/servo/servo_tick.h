@@ -28,9 +28,10 @@ struct TickRecord {
   Wrench sent;            ///< what the device was told, its frame
   Eigen::Vector3d sent_force =
       Eigen::Vector3d::Zero();  ///< of that, the force along the axes of the world. Unit: [N].
-  std::size_t candidates = 0, filtered = 0,
-              contacts = 0;  ///< of the tool, by ServoTick::look(); see ContactSet
-  double k_max = 0.0;        ///< ContactSet::k_max(), likewise
+  /// Of the tool, by ServoTick::look(); see ContactSet. Of more than ToolTracker::kMost pairs, those that
+  /// come first.
+  std::size_t candidates = 0, filtered = 0, contacts = 0;
+  double k_max = 0.0;  ///< ContactSet::k_max(), likewise
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
   double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
