@@ -163,7 +163,7 @@ void run(Options& options) {
   const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));
   if (!options.histogram.empty()) write_file(options.histogram, histogram_of(figures));
   if (options.common.json) {
-    fmt::print("{}\n", to_json(figures).dump(2, ' ', false, Json::error_handler_t::replace));
+    print_json(to_json(figures));
     return;
   }
   if (options.common.quiet) return;

@@ -146,7 +146,7 @@ void run(const Options& options) {
   html.write(evaluation_page(rows, figures, setup_text(options)), written);
   write_figures(figures, options.svg, "evaluate", written);
   if (options.common.json) {
-    fmt::print("{}\n", evaluation_json(rows).dump(2));
+    print_json(evaluation_json(rows));
     return;
   }
   print_tables(rows);

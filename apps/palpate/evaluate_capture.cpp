@@ -369,7 +369,7 @@ void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
   html.write(page_document("Felt where it is seen?", intro(options, task), plots, to_html(rows)), written);
   write_figures(plots, task.svg, "evaluate", written);
   if (task.common.json) {
-    fmt::print("{}\n", to_json(rows).dump(2));
+    print_json(to_json(rows));
     return;
   }
   print_table(rows);

@@ -151,21 +151,20 @@ void repeat(const Row& row, const TrialOptions& options, const TrialTask& task, 
   csv.write(ticks_csv(ticks), written);
   if (task.common.json) {
     const auto value = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
-    fmt::print("{}\n", Json{{"tool", row.tool},
-                            {"place", row.place},
-                            {"like", row.like},
-                            {"stroke", stroke.number},
-                            {"speed", stroke.speed},
-                            {"seen", value(stroke.seen)},
-                            {"touched", value(stroke.touched)},
-                            {"felt", value(stroke.felt)},
-                            {"late", value(stroke.late())},
-                            {"silent", stroke.silent},
-                            {"sunk", stroke.sunk},
-                            {"through", stroke.through},
-                            {"stuck", stroke.stuck},
-                            {"step", stroke.step}}
-                           .dump(2));
+    print_json(Json{{"tool", row.tool},
+                    {"place", row.place},
+                    {"like", row.like},
+                    {"stroke", stroke.number},
+                    {"speed", stroke.speed},
+                    {"seen", value(stroke.seen)},
+                    {"touched", value(stroke.touched)},
+                    {"felt", value(stroke.felt)},
+                    {"late", value(stroke.late())},
+                    {"silent", stroke.silent},
+                    {"sunk", stroke.sunk},
+                    {"through", stroke.through},
+                    {"stuck", stroke.stuck},
+                    {"step", stroke.step}});
     return;
   }
   fmt::print(
@@ -266,7 +265,7 @@ void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
   std::vector<std::string> written;
   csv.write(to_csv(rows), written);
   if (task.common.json) {
-    fmt::print("{}\n", to_json(rows).dump(2));
+    print_json(to_json(rows));
     return;
   }
   print_table(rows);

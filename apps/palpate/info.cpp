@@ -135,8 +135,7 @@ Command declare_info(CLI::App& parent) {
             const LoadedScene loaded = load(*scene, terminal_progress(common->quiet));
             const LintReport report = lint(loaded.scene);
             if (common->json) {
-              fmt::print("{}\n",
-                         to_json(loaded, report, *scene).dump(2, ' ', false, Json::error_handler_t::replace));
+              print_json(to_json(loaded, report, *scene));
             } else {
               print_text(loaded, report, *scene);
             }

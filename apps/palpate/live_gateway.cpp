@@ -148,7 +148,7 @@ void LiveGateway::beat() {
   if (felt_list_.update()) felt_tag_ = random_text();
   topics_->publish();
   const Shown shown{system_.version(), recording_.version(), felt_tag_, recording_.is_on(), is_paused()};
-  if (shown != told_) parameters_topic_.publish({{"data", parameters().dump()}});
+  if (shown != told_) parameters_topic_.publish({{"data", encode_json(parameters())}});
   told_ = shown;
 }
 
@@ -213,7 +213,8 @@ void LiveGateway::add_services() {
     system_.change([&](LiveSettings& settings) { change_settings(settings, wanted); });
     return std::string();
   };
-  add("/palpate/get_parameters", "std_srvs/Trigger", [this](const Value&) { return parameters().dump(); });
+  add("/palpate/get_parameters", "std_srvs/Trigger",
+      [this](const Value&) { return encode_json(parameters()); });
   add("/palpate/config", "std_srvs/Trigger",
       [this](const Value&) { return settings_toml(system_.settings()); });
   add("/palpate/set_parameters", "palpate/SetParameters",
@@ -248,7 +249,7 @@ void LiveGateway::add_parameters() {
     const Value all = parameters();
     const auto at = all.find(name_of(arguments));
     const std::string missing = text_field(arguments, "default");
-    return Value{{"value", at != all.end() ? at->dump() : missing.empty() ? "null" : missing}};
+    return Value{{"value", at != all.end() ? encode_json(*at) : missing.empty() ? "null" : missing}};
   });
   hub_.add_service("/rosapi/set_param", "rosapi/SetParam", [=, this](const Value& arguments) {
     const Value wanted{{name_of(arguments), decode_json(text_field(arguments, "value"))}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <thread>
 
 #include <fmt/format.h>
@@ -147,7 +148,7 @@ void LiveSystem::read_scene(const QueryOptions& query, const DeviceOptions& devi
   if (!device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
   if (device.device == "playback" && path_.empty())
     throw Error("--device playback has nothing to play; give --trajectory T.csv");
-  index_ = read_index(scene, query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse, progress);
+  index_ = read_index(scene, query.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy, progress);
   exploring_speed_ = kExploring * device.map.scale;
   explores_ = path_.empty() && device.device == "simulated";
   if (!explores_) return;
@@ -240,8 +241,9 @@ void LiveSystem::stop() {
     ends_ = true;
   }
   wanted_.notify_all();
-  if (changer_.joinable()) changer_.join();
+  // First of all the force: what is being made ready may take a while to end.
   if (loop_) loop_->stop();
+  if (changer_.joinable()) changer_.join();
 }
 
 LiveSettings LiveSystem::settings() const {
@@ -303,18 +305,27 @@ void LiveSystem::change_until_stopped(LiveSettings done) {
       done = wanted;
     } catch (const Error& error) {
       failure = error.what();
+    } catch (const std::bad_alloc&) {
+      failure = "not enough memory for that; it stays as it was";
     }
+    if (!failure.empty()) next_.reset();
     lock.lock();
-    if (!failure.empty()) settings_ = done;
+    // What has been asked for meanwhile is not lost: it is tried next.
+    if (!failure.empty() && settings_version_ == seen) settings_ = done;
+    if (!failure.empty()) set_gain(done);
     message_ = failure;
     busy_.clear();
     ++version_;
   }
 }
 
+void LiveSystem::set_gain(const LiveSettings& settings) {
+  if (stiffness_ > 0.0) tick_->set_gain(settings.force.proxy.stiffness / stiffness_);
+}
+
 /// Makes what is new in `wanted`, has the loop feel it, and waits until it does.
 void LiveSystem::apply(const LiveSettings& wanted, const LiveSettings& now) {
-  if (stiffness_ > 0.0) tick_->set_gain(wanted.force.proxy.stiffness / stiffness_);
+  set_gain(wanted);
   const SceneFilter &filter = wanted.scene.filter, &filter_before = now.scene.filter;
   const bool other_place = !same(wanted.scene.world_from_scene(), now.scene.world_from_scene());
   const bool other_gaussians = filter.opacity_min != filter_before.opacity_min ||

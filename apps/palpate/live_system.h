@@ -90,7 +90,7 @@ class LiveSystem {
   const std::string& contacts() const { return contacts_; }
   /// Of the recorded motion that is played back; 0 if there is none. Unit: [s].
   double playback_length() const { return length_; }
-  std::string scene_text() const { return settings_.scene.name(); }
+  std::string scene_text() const { return settings().scene.name(); }
 
  private:
   void read_scene(const QueryOptions& query, const DeviceOptions& device, const Progress& progress);
@@ -104,6 +104,7 @@ class LiveSystem {
                                        const LiveSettings& settings) const;
   void change_until_stopped(LiveSettings done);
   void apply(const LiveSettings& wanted, const LiveSettings& now);
+  void set_gain(const LiveSettings& settings);
   void say(const std::string& busy);
 
   LoopOptions options_;

@@ -18,6 +18,7 @@
 #include "command.h"
 #include "config.h"
 #include "output.h"
+#include "terminal.h"
 #include "version.h"
 
 namespace palpate::cli {
@@ -102,6 +103,7 @@ int main(int argc, char** argv) {
   using palpate::cli::fail;
   using palpate::cli::kExitError;
   try {
+    palpate::cli::open_closed_streams();
     const int code = palpate::cli::run(std::vector<std::string>(argv + 1, argv + argc));
     palpate::cli::flush_stdout();
     return code;

@@ -11,6 +11,10 @@ namespace palpate::cli {
 
 void notify(std::string_view message) { fmt::print(stderr, "palpate: {}\n", message_line(message)); }
 
+void print_json(const Json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Json tool_json(const Tool& tool) {

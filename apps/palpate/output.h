@@ -20,6 +20,9 @@ using Json = nlohmann::ordered_json;
 void notify(std::string_view message);
 
 /// [x, y, z]
+/// On stdout. Text that is not UTF-8, as of a file name, is replaced where it is not.
+void print_json(const Json& json);
+
 Json vector_json(const Eigen::Vector3d& v);
 
 /// [{name, semi_axes, position, orientation}, ...], a part each, in the tool frame; m and w, x, y, z

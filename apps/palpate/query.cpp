@@ -120,7 +120,7 @@ void run(const Options& options) {
   if (options.common.json) {
     Json json = to_json(answer);
     if (paper != nullptr) add_reach(*paper, options.query.tool, json);
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
   } else {
     print_text(answer, options.force.model_for(*query), options);
     if (paper != nullptr) print_reach(*paper, options.query.tool);

@@ -88,7 +88,7 @@ void run(const Options& options) {
   if (options.common.json) {
     Json json = to_json(rows);
     if (paper != nullptr) add_reach(*paper, options.query.tool, json);
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
   } else if (!options.common.quiet) {
     print_text(rows);
     if (paper != nullptr) print_reach(*paper, options.query.tool);

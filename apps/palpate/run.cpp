@@ -1,5 +1,6 @@
 // palpate run: a hand, a device, and a scene between them, live.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <csignal>
@@ -47,28 +48,45 @@ struct Options {
 };
 
 /// \name Signals
-/// What a handler may touch: INT and TERM end the run, USR1 is an emergency stop.
+/// What a handler may touch: INT, TERM, HUP and QUIT end the run, USR1 is an emergency stop. Both let the
+/// force fall by themselves, also where the main thread waits for something. What kills the program stops the
+/// device before.
 /// @{
 std::atomic<bool> ends = false;
 std::atomic<ServoTick*> stoppable = nullptr;
 static_assert(std::atomic<ServoTick*>::is_always_lock_free);
 
-extern "C" void end_run(int) { ends.store(true, std::memory_order_relaxed); }
-extern "C" void stop_motors(int) {
-  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->governor().stop();
+void stop_for(Fault why) {
+  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->governor().stop(why);
 }
+extern "C" void end_run(int) {
+  ends.store(true, std::memory_order_relaxed);
+  stop_for(Fault::kPaused);
+}
+extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
+/// The last thing that is done.
+extern "C" void die(int signal) {
+  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->stall();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+constexpr std::array<int, 4> kEnding{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 /// Has the handlers in place as long as it lives.
 class Signals {
  public:
   explicit Signals(ServoTick& tick) {
     stoppable.store(&tick, std::memory_order_release);
-    std::signal(SIGINT, end_run);
-    std::signal(SIGTERM, end_run);
+    for (const int signal : kEnding) std::signal(signal, end_run);
+    for (const int signal : kDeadly) std::signal(signal, die);
     std::signal(SIGUSR1, stop_motors);
+    for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // who writes finds out
   }
   ~Signals() {
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+    for (const int signal : kEnding) std::signal(signal, SIG_DFL);
+    for (const int signal : kDeadly) std::signal(signal, SIG_DFL);
     std::signal(SIGUSR1, SIG_IGN);
     stoppable.store(nullptr, std::memory_order_release);
   }
@@ -138,7 +156,7 @@ class Console {
 
  private:
   void clear() const {
-    if (draws_) fmt::print(stderr, "\r\033[K");
+    if (draws_) stderr_.write("\r\033[K");
   }
   void draw() const;
   bool act(char key);
@@ -150,6 +168,7 @@ class Console {
   double stiffness_;  ///< at the beginning. Unit: [N/m].
   bool draws_;
   bool clutched_ = false;
+  NonblockingStderr stderr_;
   Keyboard keyboard_;
   std::size_t told_ = 0;
 };
@@ -160,8 +179,8 @@ void Console::tell_transitions() {
     const GovernorTransition& change = transitions[told_];
     if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
     clear();
-    notify(fmt::format("{:.3f} s: no force: {}: {}", change.t, traits(change.fault).name,
-                       traits(change.fault).advice));
+    stderr_.write(fmt::format("palpate: {:.3f} s: no force: {}: {}\n", change.t, traits(change.fault).name,
+                              traits(change.fault).advice));
   }
 }
 
@@ -173,14 +192,12 @@ void Console::draw() const {
   const std::string margin = now.margin <= 0.0  ? "-"
                              : now.margin < 1.0 ? fmt::format("{:.1f}x: softer, since it is late", now.margin)
                                                 : fmt::format("{:.1f}x", now.margin);
-  fmt::print(
-      stderr,
+  stderr_.write(fmt::format(
       "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
       "margin {}",
       now.t, to_string(now.state), why, kModels[settings.model], settings.force.proxy.stiffness,
       now.sent.force.norm(), now.contacts, kMicro * statistics.whole.quantile(0.5),
-      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin);
-  std::fflush(stderr);
+      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin));
 }
 
 bool Console::act(char key) {
@@ -235,13 +252,14 @@ std::vector<std::string> faults_of(const LiveView& view) {
 struct Outcome {
   double seconds;
   std::uint64_t ticks;
+  LiveTotals totals;
   GovernorState state;  ///< before it was ended
   std::vector<std::string> faults;
 };
 
-Json to_json(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
+Json to_json(const Outcome& outcome, LiveSystem& system) {
   const LoopStatistics& statistics = system.loop().statistics();
-  const LiveTotals totals = view.totals();
+  const LiveTotals& totals = outcome.totals;
   return {{"ticks", outcome.ticks},
           {"rate_hz", static_cast<double>(outcome.ticks) / outcome.seconds},
           {"overruns", statistics.overruns.load()},
@@ -258,9 +276,9 @@ Json to_json(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
           {"faults", outcome.faults}};
 }
 
-void print_text(const Outcome& outcome, LiveSystem& system, const LiveView& view) {
+void print_text(const Outcome& outcome, LiveSystem& system) {
   const LoopStatistics& statistics = system.loop().statistics();
-  const LiveTotals totals = view.totals();
+  const LiveTotals& totals = outcome.totals;
   const auto times = [](const char* name, const TimeHistogram& h) {
     fmt::print("{:<16} p50 {:.1f} us, p99 {:.1f}, p99.9 {:.1f}, max {:.0f}\n", name, kMicro * h.quantile(0.5),
                kMicro * h.quantile(0.99), kMicro * h.quantile(0.999), kMicro * h.max());
@@ -318,7 +336,7 @@ void run(const Options& options) {
   system.start(observers);
   const LoopEnd end(system);
   if (gateway) gateway->start();
-  const Signals signals(system.tick());
+  std::optional<Signals> signals(std::in_place, system.tick());
   if (talks) {
     for (const std::string& line : system.loop().refused()) notify("note: " + line);
     notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
@@ -343,19 +361,21 @@ void run(const Options& options) {
     view->update();
     console.tell_transitions();
   }
-  const Outcome outcome{system.clock().now(), system.loop().statistics().ticks, view->newest().state,
-                        faults_of(*view)};
+  const Outcome outcome{system.clock().now(), system.loop().statistics().ticks, view->totals(),
+                        view->newest().state, faults_of(*view)};
+  system.tick().governor().stop(Fault::kPaused);  // the force falls while the rest is ended
   if (gateway) gateway->stop();
   system.stop();
+  signals.reset();  // there is no force: a signal may end whatever is left to write
   view->update();
   if (recorder) {
     recorder->close();
     failure = recorder->failure();
   }
   if (options.common.json) {
-    fmt::print("{}\n", to_json(outcome, system, *view).dump(2));
+    print_json(to_json(outcome, system));
   } else if (talks) {
-    print_text(outcome, system, *view);
+    print_text(outcome, system);
     if (recorder && !failure) {
       fmt::print("wrote {}: {} ticks, {} lost; next: palpate report {} --out report.html\n",
                  printable(options.record), recorder->written(), recorder->lost(), printable(options.record));

@@ -218,7 +218,7 @@ void run(const Options& options) {
   html.write(stability_page(tables, figures, setup_text(options, ground)), written);
   write_figures(figures, options.svg, "stability", written);
   if (options.common.json) {
-    fmt::print("{}\n", stability_json(tables).dump(2));
+    print_json(stability_json(tables));
     return;
   }
   fmt::print("{}\n\n{}", setup_text(options, ground), stability_text(tables));

@@ -4,10 +4,32 @@
 #include <cstdio>
 #include <string>
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace palpate::cli {
+
+// Opened anew, it has flags of its own. A socket cannot be, and is left alone.
+NonblockingStderr::NonblockingStderr()
+    : descriptor_(::open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | O_APPEND)) {}
+
+NonblockingStderr::~NonblockingStderr() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void NonblockingStderr::write(std::string_view text) const {
+  if (descriptor_ >= 0 && ::write(descriptor_, text.data(), text.size()) < 0) return;  // lost
+}
+
+void open_closed_streams() {
+  for (int descriptor = 0; descriptor < 3; ++descriptor) {
+    struct stat status {};
+    // The lowest that is free is the one that is missing.
+    if (::fstat(descriptor, &status) != 0 && ::open("/dev/null", O_RDWR) != descriptor) return;
+  }
+}
 
 Progress terminal_progress(bool quiet) {
   if (quiet || ::isatty(STDERR_FILENO) == 0) return {};

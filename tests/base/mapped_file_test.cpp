@@ -81,5 +81,28 @@ TEST(MappedFile, RefusesWhatIsNoFile) {
   EXPECT_THAT(refusal("/dev/null"), HasSubstr("not a regular file"));
 }
 
+// Cut, written over and gone: a copy has what it had.
+TEST(MappedFile, ACopyIsOutOfReach) {
+  const std::string bytes(5 * 4096 + 3, 'a');
+  const test::TemporaryFile temporary(bytes);
+  const MappedFile copy(temporary.path(), FileMemory::kOwn);
+  EXPECT_EQ(mappings_of(temporary.path()), 0U);
+  std::ofstream(temporary.path(), std::ios::binary | std::ios::in) << std::string(4096, 'b');
+  fs::resize_file(temporary.path(), 1);
+  EXPECT_EQ(text_of(copy), bytes);
+  fs::remove(temporary.path());
+  EXPECT_EQ(text_of(copy), bytes);
+}
+
+TEST(MappedFile, ACopyRefusesWhatAMapDoes) {
+  for (const FileMemory memory : {FileMemory::kShared, FileMemory::kOwn}) {
+    EXPECT_THAT(message_of<Error>([&] { MappedFile file("nowhere.bin", memory); }), HasSubstr("nowhere.bin"));
+    const test::TemporaryFile empty("");
+    EXPECT_THAT(message_of<Error>([&] { MappedFile file(empty.path(), memory); }), HasSubstr("is empty"));
+    EXPECT_THAT(message_of<Error>([&] { MappedFile file("/dev/null", memory); }),
+                HasSubstr("not a regular file"));
+  }
+}
+
 }  // namespace
 }  // namespace palpate

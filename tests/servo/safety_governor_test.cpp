@@ -604,7 +604,9 @@ TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
     if (hostile.evil()) reading.velocity = {hostile.vector(), hostile.vector()};
     if (hostile.evil()) wanted = {hostile.vector(), hostile.vector()};
     if (hostile.evil()) age = hostile.number();
-    if (hostile.evil()) governor.stop(static_cast<Fault>(1 + hostile.below(kFaultCount - 1)));
+    const auto stopped =
+        hostile.evil() ? static_cast<Fault>(1 + hostile.below(kFaultCount - 1)) : Fault::kNone;
+    if (stopped != Fault::kNone) governor.stop(stopped);
     if (hostile.below(500) == 0) governor.resume();
     if (hostile.below(500) == 0) governor.unpause();
     hostile.below(1000) == 0 ? governor.admit_none(t) : void(governor.admit(reading, t));
@@ -614,9 +616,11 @@ TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
     // A fall is no steeper than all the force in the shortest time of a fault, a tick ahead.
     const double time = state == GovernorState::kFalling ? (passed + kTick) * SafetyLimits::kSlewTime / 0.03
                                                          : std::min(passed, 2.0 * kTick);
-    const bool held = sent.force.norm() <= limits.force_max && sent.torque.norm() <= limits.torque_max &&
-                      (sent.force - before.force).norm() <= limits.force_slew * time + kRounding &&
-                      (sent.torque - before.torque).norm() <= limits.torque_slew * time + kRounding;
+    const bool cut = stopped == Fault::kStalled && sent.force.isZero(0.0) && sent.torque.isZero(0.0);
+    const bool slewed = (sent.force - before.force).norm() <= limits.force_slew * time + kRounding &&
+                        (sent.torque - before.torque).norm() <= limits.torque_slew * time + kRounding;
+    const bool held =
+        sent.force.norm() <= limits.force_max && sent.torque.norm() <= limits.torque_max && (slewed || cut);
     const bool falls = state != GovernorState::kFalling || (sent.force.norm() <= before.force.norm() &&
                                                             sent.torque.norm() <= before.torque.norm());
     const bool calm = falls && (!off || (sent.force.isZero(0.0) && sent.torque.isZero(0.0)));

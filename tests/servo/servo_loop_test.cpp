@@ -1,5 +1,6 @@
 #include <palpate/servo/servo_loop.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -24,12 +25,17 @@ struct Handle final : HapticDevice {
     reading.pose.position.x() = 0.5 + 1e-6 * std::sin(100.0 * t);
     return true;
   }
-  void write(const Wrench& wrench) override { last = wrench.force.norm(); }
+  void write(const Wrench& wrench) override {
+    last = wrench.force.norm();
+    if (stops > 0) last_after_stop = std::max(last_after_stop.load(), last.load());
+  }
+  void stop() noexcept override { ++stops; }
 
   DeviceCapabilities can;
   int reads = 0, slow_every = 0;
   double slow = 0.0;
-  std::atomic<double> last = 0.0;
+  std::atomic<double> last = 0.0, last_after_stop = 0.0;
+  std::atomic<int> stops = 0;
 };
 
 /// Pushes by one newton once it has been quiet for long enough to be let.
@@ -37,6 +43,7 @@ struct Push final : ForceModel {
   bool wants_contacts() const override { return false; }
   void reset() override { age = 0.0; }
   ForceOutput evaluate(const ForceInput& input) override {
+    while (stands_still) sleep_until(monotonic_now() + 1e-3);
     age += input.dt;
     ForceOutput out;
     out.proxy = input.tool;
@@ -44,6 +51,7 @@ struct Push final : ForceModel {
     return out;
   }
   double age = 0.0;
+  std::atomic<bool> stands_still = false;
 };
 
 /// Remembers when ticks were.
@@ -108,6 +116,26 @@ TEST_F(ServoLoopTest, ATickThatTakesTooLongIsCountedAndSurvived) {
   EXPECT_GE(watcher.overruns, 4U * 5U);
   EXPECT_LE(watcher.overruns, loop.statistics().overruns);
   EXPECT_GE(loop.statistics().whole.max(), 5.5e-3);
+}
+
+// A model that does not come back: the device is stopped meanwhile, and what is written afterwards is of no
+// force.
+TEST_F(ServoLoopTest, ALoopThatStandsStillHasItsDeviceStopped) {
+  ServoTick tick(device, {&push, &contacts});
+  ServoLoop loop(tick, clock, {&watcher}, at(1000.0));
+  const double begin = clock.now();
+  while (device.last < 0.99 && clock.now() < begin + 10.0) clock.sleep_until(clock.now() + 1e-2);
+  ASSERT_GE(device.last, 0.99) << to_string(watcher.state) << ' ' << traits(watcher.fault).name;
+  device.last_after_stop = 0.0;
+  push.stands_still = true;
+  while (device.stops == 0 && clock.now() < begin + 20.0) clock.sleep_until(clock.now() + 1e-3);
+  EXPECT_GE(device.stops, 1);
+  push.stands_still = false;
+  clock.sleep_until(clock.now() + 0.2);
+  EXPECT_EQ(device.last, 0.0);
+  EXPECT_EQ(device.last_after_stop, 0.0);
+  loop.stop();
+  EXPECT_EQ(device.last_after_stop, 0.0);
 }
 
 TEST_F(ServoLoopTest, EndsWithNoForce) {

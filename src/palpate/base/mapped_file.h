@@ -8,13 +8,22 @@
 
 namespace palpate {
 
-/// A regular file mapped for reading, whole. Its pages are shared with every process that maps it, are read
-/// when they are first touched, and take no memory that the system could not have back. The file must not be
-/// cut while it is mapped; who replaces it should rename another over it. Immutable; any thread.
+/// Whose memory a file's bytes are in.
+enum class FileMemory {
+  /// Shared with every process that maps the file: pages are read when they are first touched, and take no
+  /// memory that the system could not have back. The file must not be cut or written to meanwhile: the
+  /// process
+  /// that touches a page that is gone ends (SIGBUS). Who replaces it should rename another over it.
+  kShared,
+  kOwn,  ///< a copy: nothing that happens to the file afterwards reaches it
+};
+
+/// A regular file as memory, for reading, whole. Immutable; any thread.
 class MappedFile {
  public:
-  /// \throws Error if `path` is missing, unreadable, empty or not a regular file.
-  explicit MappedFile(const std::string& path);
+  /// \throws Error if `path` is missing, unreadable, empty or not a regular file; or, for a copy, if there is
+  /// no memory for it, or it is cut while it is read.
+  explicit MappedFile(const std::string& path, FileMemory memory = FileMemory::kShared);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;

@@ -268,8 +268,9 @@ void IndexWriter::finish(std::span<const IndexNode> nodes, const IndexDescriptio
   file_.commit(OutputFile::Sync::kNo);  // it can be made again, and is checked whenever it is opened
 }
 
-IndexFile::IndexFile(const std::string& path, const std::string& scene, const std::string& options)
-    : file_(path) {
+IndexFile::IndexFile(const std::string& path, const std::string& scene, const std::string& options,
+                     FileMemory memory)
+    : file_(path, memory) {
   const std::span<const std::byte> bytes = file_.bytes();
   IndexFront front{};
   std::memcpy(&front, bytes.data(), std::min(bytes.size(), sizeof front));

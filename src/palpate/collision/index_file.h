@@ -73,14 +73,15 @@ class IndexWriter {
   std::uint64_t blocks_ = 0;
 };
 
-/// A mapped index file.
+/// An index file in memory.
 class IndexFile final : public IndexStorage {
  public:
-  /// Maps `path`, the index of the scene file `scene` under `options`, and reads all of it once, on all
+  /// Takes in `path`, the index of the scene file `scene` under `options`, and reads all of it once, on all
   /// cores, to check it: a damaged one must not decide what a hand feels. \throws Error, whose message begins
   /// with `path`, if it is no index, of another version or byte order, cut, changed, of another scene, of an
   /// earlier state of the scene, or made with other options.
-  IndexFile(const std::string& path, const std::string& scene, const std::string& options);
+  IndexFile(const std::string& path, const std::string& scene, const std::string& options,
+            FileMemory memory = FileMemory::kShared);
 
   IndexView view() const override { return view_; }
   const IndexDescription& description() const { return description_; }

@@ -22,6 +22,7 @@ struct Request {
   const SceneFilter& filter;
   const Similarity& world_from_scene;
   const Progress& progress;
+  FileMemory memory;  ///< of an index file
 
   RecordCollector collector() const { return {filter, world_from_scene}; }
 };
@@ -152,7 +153,7 @@ OpenedIndex make_index(const Request& request, const std::string& options, const
                                                     : here.string();
     if (!writable) return opened(build_in_parts_in_memory(request, spill_folder), request);
     write_index_in_parts(request, options, file, spill_folder);
-    return opened(std::make_shared<IndexFile>(file, request.path, options), request,
+    return opened(std::make_shared<IndexFile>(file, request.path, options, request.memory), request,
                   OpenedIndex::Origin::kNewFile);
   }
 
@@ -162,7 +163,7 @@ OpenedIndex make_index(const Request& request, const std::string& options, const
   try {
     write_index(*built.arrays, {source, options, built.report, built.arrays->gaussians, built.arrays->origin},
                 file);
-    return opened(std::make_shared<IndexFile>(file, request.path, options), request,
+    return opened(std::make_shared<IndexFile>(file, request.path, options, request.memory), request,
                   OpenedIndex::Origin::kNewFile);
   } catch (const Error& error) {
     not_written = error.what();
@@ -176,14 +177,16 @@ std::string index_path(const std::string& scene_path) { return scene_path + ".pa
 
 OpenedIndex open_index(const std::string& path, const SceneFilter& filter, const Similarity& world_from_scene,
                        IndexFiles files, const Progress& progress) {
-  const Request request{path, filter, world_from_scene, progress};
+  const FileMemory memory = files == IndexFiles::kCopy ? FileMemory::kOwn : FileMemory::kShared;
+  const Request request{path, filter, world_from_scene, progress, memory};
   const std::string options = index_options(filter, world_from_scene);
-  const std::string file = files == IndexFiles::kUse ? index_path(path) : std::string();
+  const std::string file = files != IndexFiles::kNone ? index_path(path) : std::string();
   std::optional<std::string> rejected;
   std::error_code ignored;
   if (!file.empty() && std::filesystem::exists(file, ignored) && std::filesystem::exists(path, ignored)) {
     try {
-      return opened(std::make_shared<IndexFile>(file, path, options), request, OpenedIndex::Origin::kFile);
+      return opened(std::make_shared<IndexFile>(file, path, options, memory), request,
+                    OpenedIndex::Origin::kFile);
     } catch (const Error& error) {
       rejected = error.what();
     }

@@ -37,9 +37,6 @@ std::string named(const Json& message, const char* what) {
   return full_name(name);
 }
 
-/// Text that is not UTF-8 is shown as far as it is.
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 void check_type(const Json& message, const std::string& name, const std::string& type) {
   const std::string asked = plain_type(text_field(message, "type"));
   if (!asked.empty() && asked != "*" && asked != type)
@@ -49,7 +46,7 @@ void check_type(const Json& message, const std::string& name, const std::string&
 }  // namespace
 
 const std::string& Publication::text() const {
-  if (text_.empty()) text_ = dump(envelope_);
+  if (text_.empty()) text_ = encode_json(envelope_);
   return text_;
 }
 
@@ -242,7 +239,7 @@ void Client::tell(const std::string& level, const std::string& text, const Json&
 }
 
 void Client::answer(Json message) {
-  auto text = std::make_shared<const std::string>(dump(message));
+  auto text = std::make_shared<const std::string>(encode_json(message));
   answer_bytes_ += text->size();
   answers_.push_back(std::move(text));
   if (answers_.size() > kMostAnswers || answer_bytes_ > kMostAnswerBytes)

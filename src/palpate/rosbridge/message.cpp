@@ -83,6 +83,10 @@ class CborWalk {
 
 }  // namespace
 
+std::string encode_json(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 Json decode_json(std::string_view text) {
   const auto levels = [](int depth, Json::parse_event_t event, Json&) {
     // Where something begins, the depth is still that of what it is in.

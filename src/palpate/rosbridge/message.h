@@ -23,6 +23,10 @@ inline constexpr std::size_t kMostLevels = 32;
 /// A text frame. \throws Refusal if it is not one JSON value of at most kMostLevels.
 Json decode_json(std::string_view text);
 
+/// As text in one line. Strings that are not UTF-8, as names of files may be, are replaced where they are
+/// not.
+std::string encode_json(const Json& json);
+
 /// A binary frame: CBOR (RFC 8949) of definite lengths, without tags, as encoders for the web make it.
 /// \throws Refusal likewise.
 Json decode_cbor(std::string_view bytes);

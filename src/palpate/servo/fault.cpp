@@ -31,6 +31,8 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
     {"crowded",
      "the tool touches too many Gaussians at once for this model; take a smaller tool, or model proxy",
      kGently, false},
+    {"stalled", "the loop stood still and the device was stopped; close other programs, or report it", 0.0,
+     false},
 }};
 
 }  // namespace

@@ -26,14 +26,15 @@ enum class Fault : std::uint8_t {
   kEmergencyStop,  ///< someone pressed it
   kLateTick,       ///< the loop's ticks come too late: SafetyLimits::late_max
   kCrowded,        ///< the model wants more contacts than a tick has time for: ToolTracker::kMost
+  kStalled,        ///< the loop did not tick for ServoLoop::kPatience, and the device was stopped
 };
-inline constexpr std::size_t kFaultCount = 16;
+inline constexpr std::size_t kFaultCount = 17;
 
 /// What is known of a fault.
 struct FaultTraits {
   std::string_view name;    ///< as in files and on the wire
   std::string_view advice;  ///< what to do about it
-  /// From the tick that sees it, the force is zero within this time. Unit: [s].
+  /// From the tick that sees it, the force is zero within this time; 0: in that tick. Unit: [s].
   double fall_time;
   /// True if the force stays off until someone says SafetyGovernor::resume(); else it comes back by itself,
   /// through the gate, once the cause has been gone for SafetyLimits::recover_after.

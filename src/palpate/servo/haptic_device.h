@@ -10,9 +10,9 @@ namespace palpate {
 
 /// A device. A driver is one class that implements it; what it sends has gone through a SafetyGovernor.
 ///
-/// One thread calls read() and write(), once a tick and in this order. Neither takes memory, blocks for
-/// longer than the device takes to answer, or throws; a device that fails answers false from read() until it
-/// is back.
+/// One thread calls read() and write(), once a tick and in this order, and any thread stop(). Neither takes
+/// memory, blocks for longer than the device takes to answer, or throws; a device that fails answers false
+/// from read() until it is back.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
@@ -30,6 +30,12 @@ class HapticDevice {
 
   /// What the motors show from now on. \pre within capabilities(), and finite.
   virtual void write(const Wrench& wrench) = 0;
+
+  /// Motors off, at once: the loop does not tick any more, or the program is about to die. May be called by
+  /// any thread at any time, also while another one is in read() or write(), and by a signal handler: it
+  /// locks nothing and takes no memory. The next write() shows a wrench again; it is of no force. A device
+  /// without motors of this machine has nothing to do: a client finds out by the silence.
+  virtual void stop() noexcept {}
 };
 
 }  // namespace palpate

@@ -276,12 +276,14 @@ double SafetyGovernor::share() const {
     case GovernorState::kActive: return fade_;
     // A tick ahead, so that it is over in time.
     case GovernorState::kFalling:
+      if (fall_end_ <= fall_from_) return 0.0;
       return std::max(0.0, 1.0 - (t_ + limits_.tick - fall_from_) / (fall_end_ - fall_from_));
     default: return 0.0;
   }
 }
 
 Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
+  if (stop_asked_.load(std::memory_order_relaxed) != 0U) hear();  // while the model was asked
   const bool good = is_finite(wanted);
   if (!good) raise(Fault::kBadForce);
   if (!(contacts_age <= limits_.contacts_after)) raise(Fault::kLateContacts);

@@ -35,7 +35,8 @@ ServoLoop::ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickOb
     : tick_(tick),
       clock_(clock),
       observers_(std::move(observers)),
-      thread_([this, options] { run(options); }) {}
+      thread_([this, options] { run(options); }),
+      watchdog_([this, options] { watch(options); }) {}
 
 ServoLoop::~ServoLoop() { stop(); }
 
@@ -43,6 +44,29 @@ void ServoLoop::stop() {
   if (!thread_.joinable()) return;
   ends_.store(true, std::memory_order_relaxed);
   thread_.join();
+  over_.store(true, std::memory_order_relaxed);
+  watchdog_.join();
+}
+
+void ServoLoop::watch(const Options& options) {
+  ThreadPriority above = options.priority;  // a loop that spins must not keep it from looking
+  above.priority = std::min(above.priority + 1, 99);
+  if (options.real_time) make_real_time(above);
+  name_thread("palpate-watch");
+  constexpr double kLook = 0.2;  // of its patience
+  const double patience = std::max(kPatience, 3.0 / options.rate);
+  std::uint64_t seen = 0;
+  double since = clock_.now();
+  while (!over_.load(std::memory_order_relaxed)) {
+    clock_.sleep_until(clock_.now() + kLook * patience);
+    const std::uint64_t now = beats_.load(std::memory_order_relaxed);
+    if (now != seen) {
+      seen = now;
+      since = clock_.now();
+    } else if (clock_.now() - since > patience) {
+      tick_.stall();
+    }
+  }
 }
 
 std::vector<std::string> ServoLoop::refused() const {
@@ -51,6 +75,7 @@ std::vector<std::string> ServoLoop::refused() const {
 }
 
 void ServoLoop::tick(double due) {
+  beats_.fetch_add(1, std::memory_order_relaxed);
   const double begin = clock_.now(), spent = thread_time();
   const TickRecord& record = tick_.run(begin);
   TickTimes times;

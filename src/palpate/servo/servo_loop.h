@@ -46,7 +46,8 @@ struct LoopStatistics {
 
 /// Runs a ServoTick at a fixed rate on a thread of its own, with real-time priority where that is permitted.
 /// A tick that takes too long makes the next ones late; those whose time is over are left out and counted,
-/// and the beat goes on where it was.
+/// and the beat goes on where it was. A second thread watches the beat: where there has been none for
+/// kPatience, it stops the device (ServoTick::stall()).
 class ServoLoop {
  public:
   struct Options {
@@ -67,12 +68,16 @@ class ServoLoop {
   void stop();
 
   const LoopStatistics& statistics() const { return statistics_; }
+  /// Of who watches the beat; three beats, where they are slower. Unit: [s].
+  static constexpr double kPatience = 0.05;
+
   /// Lines that say what the system did not permit. Waits for the first tick.
   std::vector<std::string> refused() const;
 
  private:
   void run(const Options& options);
   void tick(double due);
+  void watch(const Options& options);
 
   ServoTick& tick_;
   LoopClock clock_;
@@ -80,8 +85,9 @@ class ServoLoop {
   LoopStatistics statistics_;
   double mean_age_ = 0.0;             ///< TickTimes::age, filtered. Unit: [s].
   std::vector<std::string> refused_;  ///< before begun_
-  std::atomic<bool> begun_ = false, ends_ = false;
-  std::thread thread_;
+  std::atomic<bool> begun_ = false, ends_ = false, over_ = false;
+  std::atomic<std::uint64_t> beats_ = 0;
+  std::thread thread_, watchdog_;
 };
 
 }  // namespace palpate

@@ -102,6 +102,12 @@ class ServoTick {
   /// While it is pressed, the tool stays where it is and there is no force: the hand can be moved to where it
   /// has room.
   void press_clutch(bool pressed);
+  /// run() does not come to an end, or the program is about to: the device is stopped, and whatever run() was
+  /// about to write is of no force. Also from a signal handler.
+  void stall() {
+    governor_.stop(Fault::kStalled);
+    device_.stop();
+  }
   /// From reading to force, as measured by who can; counts against the margin. Unit: [s].
   void set_delay(double delay) { delay_.store(delay, std::memory_order_relaxed); }
   /// @}

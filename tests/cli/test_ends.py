@@ -1,0 +1,208 @@
+"""How a run ends, or is held up, while a hand leans on a wall: the force falls to zero and never rises. Times are read from the
+program's own record and are wide: the machine is shared."""
+
+import csv
+import io
+import os
+import pty
+import signal
+import subprocess
+import time
+import unittest
+
+from support import PALPATE, SANITIZED, Case, path_csv, ply, wall_rows
+
+FALLING, STOPPED = 3, 4
+PAUSED, LATE_TICK = 11, 14
+RATE = "200" if SANITIZED else "1000"
+LEANS = 3.0  # N, at least
+
+
+def lean(seconds=60.0):
+    """A hand that waits in front of the wall at z = 0 until the force is on, and leans on it from then on."""
+    rows = [(0.0, 0.0, 0.0, 0.03), (1.2, 0.0, 0.0, 0.03), (1.7, 0.0, 0.0, 0.001), (seconds, 0.0, 0.0, 0.001)]
+    return path_csv(rows)
+
+
+def force(row):
+    return sum(float(row[f"sf{axis}"]) ** 2 for axis in "xyz") ** 0.5
+
+
+class Ends(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("wall.ply", ply(wall_rows()))
+        self.write("hand.csv", lean())
+
+    def arguments(self, *more, scene="wall.ply"):
+        return ["run", scene, "--trajectory", "hand.csv", "--tool", "0.01,0.01,0.01", "--hand", "0.1,30,5000", "--rate", RATE,
+                "--record", "run.csv", *more]
+
+    def start(self, *more, scene="wall.ply", **options):
+        given = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
+        process = subprocess.Popen([PALPATE, *self.arguments(*more, scene=scene)], cwd=self.folder, **given)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+    def rows(self):
+        """Of the record so far, without a last line that is not whole."""
+        text = self.read("run.csv").decode()
+        return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
+
+    def until_it_leans(self, process, since=0):
+        for _ in range(600):
+            self.assertIsNone(process.poll(), "it has ended")
+            time.sleep(0.1)
+            if os.path.exists(self.path("run.csv")) and b"\n" in self.read("run.csv"):
+                rows = self.rows()
+                if len(rows) > since + 50 and all(force(row) > LEANS for row in rows[-20:]):
+                    return rows
+        self.fail("no force")
+
+    def end(self, process, code=0):
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, code, err)
+        return out, err
+
+    def assert_falls(self, rows, begin, within):
+        """From row `begin` on: never more force than before, and none after `within` seconds or two ticks more."""
+        last = force(rows[begin - 1])
+        start = float(rows[begin]["t"])
+        for row, after in zip(rows[begin:], rows[begin + 1:] + rows[-1:]):
+            self.assertLessEqual(force(row), last + 1e-12, row)
+            if int(row["state"]) not in (FALLING, STOPPED):
+                break
+            last = force(row)
+            if float(row["t"]) >= start + within:
+                self.assertEqual(last, 0.0, (start, row))
+
+    def first(self, rows, state, begin=0):
+        return next(k for k in range(begin, len(rows)) if int(rows[k]["state"]) == state)
+
+    def test_every_signal_that_ends_it_lets_the_force_fall(self):
+        for sign in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+            with self.subTest(sign=sign):
+                if os.path.exists(self.path("run.csv")):
+                    os.remove(self.path("run.csv"))
+                process = self.start("--json")
+                self.until_it_leans(process)
+                process.send_signal(sign)
+                process.send_signal(sign)  # who is in a hurry asks twice
+                self.end(process)
+                rows = self.rows()
+                begin = self.first(rows, FALLING)
+                self.assertEqual(int(rows[begin]["fault"]), PAUSED)
+                self.assert_falls(rows, begin, 0.1)
+                self.assertEqual(force(rows[-1]), 0.0)
+
+    def test_a_crash_is_a_crash(self):
+        process = self.start("--json")
+        self.until_it_leans(process)
+        process.send_signal(signal.SIGSEGV)
+        self.end(process, -signal.SIGSEGV)
+
+    def test_who_was_stopped_goes_through_the_gate(self):
+        for gap in (0.06, 0.3, 1.0):
+            with self.subTest(gap=gap):
+                if os.path.exists(self.path("run.csv")):
+                    os.remove(self.path("run.csv"))
+                process = self.start("--json")
+                before = len(self.until_it_leans(process))
+                process.send_signal(signal.SIGSTOP)
+                time.sleep(gap)
+                process.send_signal(signal.SIGCONT)
+                time.sleep(0.5)
+                process.send_signal(signal.SIGINT)
+                self.end(process)
+                rows = self.rows()
+                times = [float(row["t"]) for row in rows]
+                k = max(range(before, len(rows)), key=lambda k: times[k] - times[k - 1])
+                self.assertGreaterEqual(times[k] - times[k - 1], 0.9 * gap)
+                self.assertEqual(int(rows[k]["state"]), FALLING)
+                self.assertEqual(int(rows[k]["fault"]), LATE_TICK)
+                self.assert_falls(rows, k, 0.03)
+
+    def test_a_terminal_that_is_held_holds_up_nothing(self):
+        master, slave = pty.openpty()
+        process = self.start("--json", stdin=slave, stderr=slave, start_new_session=True,
+                             preexec_fn=lambda: __import__("fcntl").ioctl(0, 0x540E, 0))  # TIOCSCTTY
+        os.close(slave)
+        self.addCleanup(os.close, master)
+        self.until_it_leans(process)
+        os.write(master, b"\x13")  # Ctrl-S
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=30)
+        process.stdout.close()
+        self.assertEqual(process.returncode, 0)
+        rows = self.rows()
+        self.assert_falls(rows, self.first(rows, FALLING), 0.1)
+
+    def test_a_pipe_that_nobody_reads_holds_up_nothing(self):
+        reader, writer = os.pipe()
+        os.set_blocking(writer, False)
+        try:
+            while True:
+                os.write(writer, b"x" * 4096)
+        except BlockingIOError:
+            pass
+        os.set_blocking(writer, True)
+        process = self.start("--json", "-q", stderr=writer)
+        os.close(writer)
+        self.addCleanup(os.close, reader)
+        self.until_it_leans(process)
+        process.send_signal(signal.SIGUSR1)  # which it would like to tell
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=30)
+        process.stdout.close()
+        rows = self.rows()
+        self.assert_falls(rows, self.first(rows, FALLING), 0.03)
+
+    def test_a_reader_that_has_gone_is_told_at_the_end(self):
+        process = self.start("--json")
+        self.until_it_leans(process)
+        process.stdout.close()
+        process.send_signal(signal.SIGPIPE)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        err = process.stderr.read()
+        process.stderr.close()
+        self.assertEqual(process.wait(timeout=30), 1)
+        self.assertIn(b"standard output", err.splitlines()[-1])
+        rows = self.rows()
+        self.assert_falls(rows, self.first(rows, FALLING), 0.1)
+
+    def test_streams_that_are_closed_are_no_files_of_its_own(self):
+        process = self.start("--json", stdin=None, stdout=None, stderr=None, preexec_fn=lambda: os.closerange(0, 3))
+        self.until_it_leans(process)
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=30)
+        self.assertTrue(self.read("run.csv").startswith(b"t,"))
+        self.assertNotIn(b"palpate", self.read("run.csv"))
+
+    def test_an_index_file_may_be_cut_and_written_over(self):
+        process = self.start("--json")
+        before = len(self.until_it_leans(process))
+        index = self.path("wall.ply.palpate")
+        size = os.path.getsize(index)
+        with open(index, "r+b") as file:
+            file.write(b"\xff" * size)
+        os.truncate(index, 0)
+        rows = self.until_it_leans(process, since=before + int(RATE) // 2)
+        process.send_signal(signal.SIGINT)
+        self.end(process)
+        self.assertEqual({int(row["fault"]) for row in rows[before:]} - {LATE_TICK}, {0})
+
+    def test_a_name_that_is_not_utf_8_is_a_name(self):
+        name = b"wall\xff.ply"
+        os.rename(self.path("wall.ply").encode(), os.path.join(os.fsencode(self.folder), name))
+        process = self.start("--json", "--port", "0", scene=os.fsdecode(name))
+        self.until_it_leans(process)
+        process.send_signal(signal.SIGINT)
+        self.end(process)
+
+
+if __name__ == "__main__":
+    unittest.main()
