@@ -185,6 +185,10 @@ TEST(CaptureEvaluation, ASlideFollowsTheSlope) {
   std::vector<CaptureTick> ticks;
   bench.evaluation.slide(bench.down(), &ticks);
   ASSERT_GT(ticks.size(), 500U);
+  // Half of its 10 mm deep, along z, where it touches the corners of what are discs that lie flat.
+  const Vector3d up = Vector3d(-0.2, -0.1, 1.0).normalized();
+  for (const CaptureTick& tick : ticks)
+    ASSERT_NEAR(tick.tool.dot(up), kRadius - 0.5 * kRadius * up.z(), 1.5e-3);
   for (std::size_t i = 50; i + 50 < ticks.size(); ++i) {
     const Vector3d bend = ticks[i + 1].tool - 2.0 * ticks[i].tool + ticks[i - 1].tool;
     ASSERT_LE(bend.norm(), 5e-5) << i;  // half of a tick's way, for what is seen of discs
@@ -199,6 +203,48 @@ TEST(CaptureEvaluation, LikenessIsThatOfWhatIsDeeperThan5Millimetres) {
   EXPECT_NEAR(ratio.ratio.max, 1.4, 0.01);
   EXPECT_NEAR(ratio.ratio.p05, 32.0 / 30.0, 0.01);
   EXPECT_TRUE(std::isnan(capture_likeness(silent.evaluation, one.evaluation, {one.down()}).ratio.max));
+}
+
+// Of five pushes and two slides, which nobody has made. At 5 mm is still in place.
+TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
+  const Bench bench(sheet(), Knowledge{});
+  const CaptureAim aim = bench.down();
+  const std::vector<CapturePush> pushes{{aim, 0.005, 0.005, false, false, 1.0, 0.1},
+                                        {aim, -0.005, -0.006, true, false, 1.5, 0.2},
+                                        {aim, -0.006, 0.006, true, false, 2.0, 0.3},
+                                        {aim, 0.007, -0.005, true, true, 0.5, 0.4},
+                                        {aim, {}, {}, true, true, 3.0, 0.5}};
+  const std::vector<CaptureSlide> slides{{aim, 0.1, 300, 30, 60, 0.7}, {aim, 0.02, 100, 70, 20, 0.9}};
+  const CaptureFigures f = bench.evaluation.figures(pushes, slides);
+  EXPECT_EQ(f.pushes, 5U);
+  EXPECT_EQ(f.slides, 2U);
+  EXPECT_EQ(f.onset_within, 0.4);
+  EXPECT_EQ(f.early, 0.2);
+  EXPECT_EQ(f.late, 0.4);
+  EXPECT_EQ(f.silent_5mm, 0.8);
+  EXPECT_EQ(f.silent_10mm, 0.4);
+  EXPECT_EQ(f.untouched, 0.6);
+  EXPECT_EQ(f.touched_within, 0.4);
+  EXPECT_EQ(f.onset.max, 0.007);
+  EXPECT_EQ(f.push_step.max, 0.5);
+  EXPECT_EQ(f.slide_strong, 0.25);
+  EXPECT_EQ(f.slide_silent, 0.2);
+  EXPECT_EQ(f.slide_step.max, 0.9);
+  EXPECT_TRUE(std::isnan(f.tick.p50)) << "nothing has been in contact";
+  const CaptureFigures none = bench.evaluation.figures({}, {});
+  EXPECT_TRUE(std::isnan(none.onset_within) && std::isnan(none.touched_within));
+  EXPECT_TRUE(std::isnan(none.slide_strong) && std::isnan(none.slide_step.max));
+}
+
+TEST(CaptureEvaluation, WhatIsFoundSaysWhereItWas) {
+  Bench bench(sheet(), Knowledge{});
+  CaptureAim aim = bench.down();
+  aim.from.x() = 0.01;
+  EXPECT_EQ(bench.evaluation.push(aim).aim.from, aim.from);
+  const CaptureSlide slide = bench.evaluation.slide(aim);
+  EXPECT_EQ(slide.aim.from, aim.from);
+  EXPECT_EQ(slide.aim.along, aim.along);
+  EXPECT_EQ(slide.aim.seen, aim.seen);
 }
 
 TEST(CaptureEvaluation, AimsMeetWhatIsSeenFromOutside) {

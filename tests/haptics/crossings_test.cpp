@@ -117,6 +117,45 @@ TEST(EdgeResponse, FindsWhereTheProxySinksIn) {
   }
 }
 
+// Every crossing goes through the air at the hand's speed, and is of one of the scenes in turn.
+TEST(Crossings, AreAsManyAsAreAskedForAndDoNotJump) {
+  class Watching final : public ForceModel {
+   public:
+    Watching(std::vector<int>& crossings, double& jump) : crossings_(crossings), jump_(jump) {
+      crossings_.push_back(0);
+    }
+    void reset() override {
+      ++crossings_.back();
+      moving_ = false;
+    }
+    ForceOutput evaluate(const ForceInput& input) override {
+      if (moving_) jump_ = std::max(jump_, (input.tool.position - last_).norm());
+      last_ = input.tool.position;
+      moving_ = true;
+      return {Wrench{}, input.tool};
+    }
+
+   private:
+    std::vector<int>& crossings_;
+    double& jump_;
+    Vector3d last_;
+    bool moving_ = false;
+  };
+  std::vector<int> crossings;
+  double jump = 0.0;
+  EvaluationSetup setup;
+  setup.scene.spacing = 0.02;
+  setup.places = 5;
+  setup.scenes = 2;
+  setup.model = [&](const SceneIndex&, const Tool&, double) {
+    return std::make_unique<Watching>(crossings, jump);
+  };
+  step_response(setup);
+  edge_response(setup);
+  EXPECT_EQ(crossings, (std::vector<int>{3, 2, 3, 2}));
+  EXPECT_LE(jump, 2.0 * 1e-4 + 1e-9);  // two ticks' way
+}
+
 // Half its radius deep all the way: 10 mm from the box.
 TEST(EdgeResponse, LeadsTheBallAtAnEvenDepth) {
   static const auto box = make_surface("box");

@@ -346,6 +346,30 @@ TEST(DensityForce, PushesEveryPartOfATool) {
   EXPECT_NEAR(two.torque.norm(), 0.0, kClose);
 }
 
+// A part 2 m from the handle, which is still, goes down at 0.1 m/s where the tool turns by 0.05 rad/s about y
+// ((0, 0.05, 0) x (2, 0, 0) = (0, 0, -0.1)): damping adds 3 * 0.1 to 2 * 0.5. On the other side it goes up.
+TEST(DensityForce, DampsHowFastAPartGoesWhereTheToolTurns) {
+  for (const double side : {1.0, -1.0}) {
+    const Tool tool({{"aside", {1, 1, 1}, {{2.0 * side, 0, 0}, Eigen::Quaterniond::Identity()}}});
+    DensityForce model(tool, plain());
+    const ContactSet set = contacts({contact({2.0 * side, 0, -1}, 0.4, 0.5)});
+    ForceInput in = input(set);
+    in.velocity.angular = {0, 0.05, 0};
+    EXPECT_NEAR(model.evaluate(in).wrench.force.z(), 1.0 + side * 0.3, kClose);
+  }
+}
+
+TEST(DensityForce, HasNoProxyAndNoPotentialAndIsSureOfWhatItFeels) {
+  const ContactSet set = contacts({contact({0, 0, -1}, 0.4, 0.5)});
+  DensityForce model(Tool({1, 1, 1}), plain());
+  ForceInput in = input(set);
+  in.tool.position = {0.1, 0.2, 0.3};
+  const ForceOutput felt = model.evaluate(in);
+  EXPECT_EQ(felt.proxy.position, in.tool.position);
+  EXPECT_EQ(felt.confidence, 1.0);
+  EXPECT_TRUE(std::isnan(felt.stored));
+}
+
 TEST(DensityForce, OfManyPartsIsClampedAsAWhole) {
   DensityParameters p = plain();
   p.f_max = 1.5;

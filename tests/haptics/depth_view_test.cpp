@@ -1,5 +1,6 @@
 // What a few rays see of the Gaussians around a tool, against the same composited in double precision.
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -39,10 +40,11 @@ std::vector<test::Splat> layered(Random& random, int count) {
   return splats;
 }
 
-/// A ball at the origin that looks down on one splat.
+/// A ball at the origin that looks down on splats.
 struct LooksDown {
-  explicit LooksDown(const test::Splat& splat)
-      : index(test::scene_of({splat}), SceneFilter{}, Similarity{}), tracker(index) {}
+  explicit LooksDown(const test::Splat& splat) : LooksDown(std::vector{splat}) {}
+  explicit LooksDown(const std::vector<test::Splat>& splats)
+      : index(test::scene_of(splats), SceneFilter{}, Similarity{}), tracker(index) {}
 
   void look(const RayPattern& pattern) {
     RayLight light;
@@ -105,6 +107,122 @@ TEST_F(DepthViewTest, ClearanceIsFromTheSolidToWhatIsSeen) {
       if (!image->hits(k)) continue;
       EXPECT_NEAR(image->clearance(k), 0.03 - std::sqrt(kRadius * kRadius - x * x - y * y), 1e-6);
     }
+  });
+}
+
+// What is outside of the larger ball, 40 mm, counts as not there: of a disc 30 mm below its centre, what
+// is 26.5 mm aside.
+TEST_F(DepthViewTest, SeesNothingOutsideOfTheLargerSolid) {
+  LooksDown ball(test::splat({0, 0, -0.03}, {0.5, 0.5, 1e-5}, Eigen::Quaterniond::Identity(), 0.95));
+  Vector2d anchor = Vector2d::Zero();
+  const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.038, anchor);
+  on_every_target([&] {
+    ball.look(pattern);
+    std::size_t hits = 0;
+    for (std::size_t k = 0; k < pattern.size; ++k) {
+      const double aside = std::hypot(ball.image->x(k), ball.image->y(k));
+      EXPECT_EQ(ball.image->hits(k), aside < std::sqrt(0.0007)) << k;
+      hits += ball.image->hits(k) ? 1 : 0;
+    }
+    EXPECT_GT(hits, 10U);
+    EXPECT_LT(hits, pattern.size - 10);
+  });
+}
+
+// What is known to be there is seen although the look begins behind it.
+TEST_F(DepthViewTest, SeesWhatIsKnownWhereverItBegins) {
+  LooksDown ball(test::splat({0, 0, 0.005}, {0.05, 0.05, 1e-5}, Eigen::Quaterniond::Identity(), 0.95));
+  Vector2d anchor = Vector2d::Zero();
+  const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.01, anchor);
+  on_every_target([&] {
+    RayLight light;
+    ball.look(pattern);
+    EXPECT_FALSE(ball.image->hits(DepthView::kRegular));
+    ball.image->look(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
+                     light, -0.01);
+    EXPECT_NEAR(ball.image->depth(DepthView::kRegular), -0.005, 1e-6);
+    EXPECT_EQ(light.since, -0.01);
+  });
+}
+
+// Rays that are no regular ones have the light of the regular one that is nearest.
+TEST_F(DepthViewTest, LightIsThatOfTheNearestRay) {
+  LooksDown ball(test::splat({0.004, 0.002, -0.03}, {1e-4, 1e-4, 1e-5}));
+  Vector2d anchor = Vector2d::Zero();
+  RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
+  on_every_target([&] {
+    for (const Vector2d& aim : {Vector2d(0.001, 0.009), Vector2d(0.002, -0.009), Vector2d(-0.008, 0.003)}) {
+      pattern.aim = aim;
+      RayLight light;
+      for (std::size_t k = 0; k < pattern.size; ++k)
+        light.left[k] = 0.5F + 0.5F * static_cast<float>(k) / static_cast<float>(pattern.size);
+      const RayLight given = light;
+      const DepthView& image = *ball.image;
+      ball.image->look(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
+                       light);
+      for (std::size_t k = DepthView::kRegular; k < DepthView::kRegular + 3; ++k) {
+        const auto away = [&](std::size_t i) {
+          return std::hypot(image.x(i) - image.x(k), image.y(i) - image.y(k));
+        };
+        std::size_t nearest = 0;
+        for (std::size_t i = 1; i < pattern.size; ++i)
+          if (away(i) < away(nearest)) nearest = i;
+        EXPECT_EQ(image.incoming(k), given.left[nearest]) << k;
+      }
+    }
+  });
+}
+
+// Specks that no regular ray need meet are seen, all of a few and the nearest of many.
+TEST_F(DepthViewTest, SeesTheSpecksThatAreNearest) {
+  constexpr std::size_t kSought = DepthView::kSought - 2;
+  Random random(45);
+  for (const std::size_t count : {std::size_t{5}, kSought, std::size_t{60}}) {
+    std::vector<test::Splat> specks;
+    std::vector<double> clearances;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double angle = 2.39996 * static_cast<double>(i),
+                   r = 0.002 + 0.01 * std::sqrt(random.uniform(0.0, 1.0));
+      const Vector3d at(r * std::cos(angle), r * std::sin(angle), random.uniform(-0.035, -0.025));
+      specks.push_back(test::splat(at, {2e-5, 2e-5, 2e-5}, Eigen::Quaterniond::Identity(), 0.95));
+      clearances.push_back(-at.z() - std::sqrt(kRadius * kRadius - r * r));
+    }
+    std::sort(clearances.begin(), clearances.end());
+    clearances.resize(std::min(count, kSought));
+    LooksDown ball(specks);
+    Vector2d anchor = Vector2d::Zero();
+    on_every_target([&] {
+      ball.look(RayPattern::on_lattice({0, 0}, 0.015, anchor));
+      for (const double clearance : clearances) {
+        bool seen = false;
+        for (std::size_t k = 0; k < DepthView::kRays; ++k)
+          seen = seen || std::abs(ball.image->clearance(k) - clearance) < 1e-6;
+        EXPECT_TRUE(seen) << clearance << " of " << count;
+      }
+    });
+  }
+}
+
+// Thin ones that stand between two rows of rays, nearer to the one than to the other, and reach both: each
+// hides little of the ray in the farther row that is straight above them, and all together hide it.
+TEST_F(DepthViewTest, SeesWhatReachesARowOfRaysThatIsNotTheNearest) {
+  constexpr double kCell = 0.26 * 0.015, kRow = 0.8660254 * kCell;
+  std::vector<test::Splat> stack;
+  for (int k = 0; k < 250; ++k)
+    stack.push_back(test::splat({0.5 * kCell, -(kRow - 0.45 * kCell), -0.03 - 1e-6 * k},
+                                {5e-5, 0.55 * kCell / 3.33, 1e-6}, Eigen::Quaterniond::Identity(), 0.99));
+  LooksDown ball(stack);
+  Vector2d anchor = Vector2d::Zero();
+  const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
+  on_every_target([&] {
+    ball.look(pattern);
+    std::size_t above = 0;
+    for (std::size_t k = 0; k < pattern.size; ++k) {
+      if (std::hypot(ball.image->x(k) - 0.5 * kCell, ball.image->y(k) - kRow) > 1e-6) continue;
+      ++above;
+      EXPECT_TRUE(ball.image->hits(k));
+    }
+    EXPECT_EQ(above, 1U);
   });
 }
 
@@ -233,6 +351,33 @@ TEST(RayPattern, LatticeStaysWhereItIsAsTheDiscMoves) {
       EXPECT_LT(nearest, 1e-5 * radius + 1e-6);
     }
   }
+}
+
+// Sixteen rays about a place aside, by the measure in which the ellipse is a disc: within a quarter of its
+// radius, all around and apart from each other, and none outside of the ellipse.
+TEST(RayPattern, HasMoreRaysAboutWhatIsLowest) {
+  Eigen::Matrix2d shape;
+  shape << 0.03, 0.0, 0.01, 0.02;
+  for (const Vector2d& middle : {Vector2d(0.5, -0.3), Vector2d(-0.2, 0.1), Vector2d(0.9, 0.3)}) {
+    const RayPattern pattern = RayPattern::over_ellipse(shape, shape * middle);
+    ASSERT_EQ(pattern.around_size, RayPattern::kAround);
+    const bool inside = middle.norm() < 0.7;
+    std::vector<Vector2d> places;
+    Vector2d mean = Vector2d::Zero();
+    for (const Eigen::Vector2f& around : pattern.around) {
+      places.emplace_back(shape.inverse() * around.cast<double>());
+      EXPECT_LE(places.back().norm(), 0.99 + 1e-6);
+      EXPECT_LE((places.back() - middle).norm(), 0.25 + 1e-6);
+      mean += places.back() / RayPattern::kAround;
+    }
+    EXPECT_LE((shape.inverse() * pattern.aim).norm(), 0.99 + 1e-9);
+    if (!inside) continue;
+    EXPECT_NEAR((shape.inverse() * pattern.aim - middle).norm(), 0.0, 1e-12);
+    EXPECT_LT((mean - middle).norm(), 0.02);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) EXPECT_GT((places[i] - places[k]).norm(), 0.06);
+  }
+  EXPECT_EQ(RayPattern::over_ellipse(shape, shape * Vector2d(0.05, 0.05)).around_size, 0U);
 }
 
 TEST(SplatTracker, KnowsAllThatTheSolidTouchesWhereverItGoes) {

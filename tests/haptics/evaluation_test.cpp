@@ -138,6 +138,66 @@ TEST(Pushes, SeesASheetThatLetsThrough) {
   }
 }
 
+/// Where a tool has been since its last reset, for whoever looks on.
+class Recording final : public ForceModel {
+ public:
+  explicit Recording(std::vector<std::vector<Vector3d>>& ways) : ways_(ways) {}
+  void reset() override { ways_.emplace_back(); }
+  ForceOutput evaluate(const ForceInput& input) override {
+    ways_.back().push_back(input.tool.position);
+    return {Wrench{}, input.tool};
+  }
+
+ private:
+  std::vector<std::vector<Vector3d>>& ways_;
+};
+
+EvaluationSetup recording(std::vector<std::vector<Vector3d>>& ways) {
+  EvaluationSetup setup = palpate::setup("plane");
+  setup.model = [&](const SceneIndex&, const Tool&, double) { return std::make_unique<Recording>(ways); };
+  return setup;
+}
+
+// From two and a half of the tool's radii before its centre to three beyond.
+TEST(Pushes, AreAslantByUpTo30Degrees) {
+  std::vector<std::vector<Vector3d>> ways;
+  EvaluationSetup many = recording(ways);
+  many.places = 1;
+  many.pushes = 500;
+  evaluate(many);
+  ASSERT_GT(ways.size(), many.pushes);
+  double widest = 0.0;
+  Vector3d aside = Vector3d::Zero();
+  for (std::size_t i = ways.size() - many.pushes; i < ways.size(); ++i) {
+    const Vector3d way = ways[i].back() - ways[i].front(), along = way.normalized();
+    EXPECT_NEAR(way.norm(), 5.5 * kRadius, 2.1e-3);  // of a tick, at 2 m/s
+    widest = std::max(widest, std::acos(-along.z()) * 180.0 / std::numbers::pi);
+    aside += Vector3d(along.x(), along.y(), 0.0) / static_cast<double>(many.pushes);
+  }
+  EXPECT_LE(widest, 30.0);
+  EXPECT_GT(widest, 29.0);
+  EXPECT_LT(aside.norm(), 0.06);
+}
+
+// A model with friction 0.3 holds a tool 10 mm deep that is 3 mm aside: it rests at half of that.
+TEST(Friction, IsNoCreepWhereTheToolRestsAsideByHalfOfWhatMakesItSlip) {
+  std::vector<std::vector<Vector3d>> ways;
+  EvaluationSetup rubbed = recording(ways);
+  rubbed.friction = 0.3;
+  rubbed.places = 2;
+  rubbed.pushes = 0;
+  evaluate(rubbed);
+  int rests = 0;
+  for (const std::vector<Vector3d>& way : ways) {
+    if (way.size() < 10'000) continue;
+    ++rests;
+    for (std::size_t tick = way.size() - 10'000; tick < way.size(); ++tick) ASSERT_EQ(way[tick], way.back());
+    EXPECT_NEAR(way.back().z(), 0.010, 1e-9);
+    EXPECT_NEAR((way.back() - way.front()).head<2>().norm(), 0.0015, 1e-9);
+  }
+  EXPECT_EQ(rests, 2);
+}
+
 // Without a proxy, what pushes back lets nothing through, however deep, and what pushes on does.
 TEST(Pushes, OfAModelWithoutAProxyAreJudgedByItsForce) {
   for (const char* sheet : {"plane", "shell"}) {

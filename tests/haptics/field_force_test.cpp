@@ -400,6 +400,25 @@ TEST(FieldForce, OfOneGaussianIsNeverMoreThanTheDeviceCanShow) {
   EXPECT_GT(most, 3.0);
 }
 
+// Of the spring where one is felt, and none where nothing is touched.
+TEST(FieldForce, TellsItsStiffnessWhereItIsFelt) {
+  ContactSet touched, none;
+  const auto surface = make_surface("plane");
+  const SceneIndex index(make_scene(*surface, {}), SceneFilter{}, Similarity{});
+  const Tool tool(Vector3d::Constant(0.02));
+  FieldForce model(tool, {.stiffness = 700.0});
+  ForceInput input;
+  input.tool.position = {0.01, 0.02, 0.015};
+  query(index, tool, input.tool, touched);
+  input.contacts = &touched;
+  const ForceOutput felt = model.evaluate(input);
+  EXPECT_GT(felt.stored, 0.0);
+  EXPECT_EQ(felt.stiffness, 700.0);
+  EXPECT_EQ(felt.confidence, 1.0);
+  input.contacts = &none;
+  EXPECT_EQ(model.evaluate(input).stiffness, 0.0);
+}
+
 TEST(FieldForce, HasNoForceWhereCentresCoincide) {
   Felt felt(test::scene_of({test::splat({0, 0, 0}, {0.01, 0.01, 0.01})}), Tool({0.02, 0.02, 0.02}));
   const Wrench wrench = felt.wrench({});

@@ -548,6 +548,19 @@ TEST(ProxyForce, ForgetsAllWhenReset) {
   EXPECT_EQ(bench.at({0, 0, 0.015}).wrench.force, other.at({0, 0, 0.015}).wrench.force);
 }
 
+// What it has looked past while a patch was there for it may be anything after a reset, right there.
+TEST(ProxyForce, ForgetsWhereItHasLookedWhenReset) {
+  Bench bench("plane", even(0.006)), fresh("plane", even(0.006));
+  for (double z = 0.03; z > kRadius - 0.002; z -= 1e-4) bench.at({0.001, 0.002, z});
+  bench.model->reset();
+  Vector3d felt = Vector3d::Zero();
+  for (double z = kRadius + 0.001; z > kRadius - 0.004; z -= 1e-4) {
+    felt = bench.at({0.001, 0.002, z}).wrench.force;
+    ASSERT_EQ(felt, fresh.at({0.001, 0.002, z}).wrench.force) << z;
+  }
+  EXPECT_NEAR(felt.z(), kStiffness * 0.004, 0.1 * kStiffness * 0.004);
+}
+
 constexpr double kArm = 0.06;
 
 /// Two balls on a rod along x, the handle in its middle.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -192,6 +193,57 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
       }
     }
   }
+}
+
+/// Patches of `detail` that a solid with these semi-axes has on a scene.
+struct Feeler {
+  Feeler(const std::vector<test::Splat>& splats, const Vector3d& semi_axes, double detail)
+      : axes(semi_axes),
+        index(test::scene_of(splats), SceneFilter{}, Similarity{}),
+        tracker(index),
+        patches(detail, (axes.array() + kMore) / axes.array(), budget) {}
+
+  Ellipsoid solid(const Vector3d& at) const {
+    return Ellipsoid::from_semi_axes({at, Eigen::Quaterniond::Identity()}, axes);
+  }
+  const LocalSplats& around(const Vector3d& at) { return tracker.around(enlarged(solid(at), kMore)); }
+  void follow(const Vector3d& at) { patches.follow(around(at), solid(at)); }
+  std::optional<double> look_down(const Vector3d& at, double way) {
+    const Vector3d down = -Vector3d::UnitZ();
+    return patches.look_ahead(around(at), solid(at), down, at + axes.z() * down, way, 0.0,
+                              [] { return true; });
+  }
+
+  static constexpr double kMore = 0.02;
+  Vector3d axes;
+  SceneIndex index;
+  SplatTracker tracker;
+  LookBudget budget;
+  SurfacePatches patches;
+};
+
+// On a plane that all of a long solid is above, one patch answers for all of it.
+TEST(SurfacePatches, OnePlaneIsOnePatch) {
+  Feeler rod(sheet(0.8), {0.08, 0.02, 0.02}, 0.01);
+  rod.look_down({0.001, 0.001, 0.0205}, 0.002);
+  EXPECT_EQ(rod.patches.patches().size(), 1U);
+}
+
+// Half a detail, 5 mm, above a plane that it has touched, a solid has a patch yet; it sees the plane ahead
+// again where it is farther away than it wants to go, and above that it has none.
+TEST(SurfacePatches, ArePatchesToHalfADetailAboveThem) {
+  Feeler ball(sheet(0.8), Vector3d::Constant(kRadius), 0.01);
+  ball.look_down({0.001, 0.001, kRadius + 0.0005}, 0.002);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  const Vector3d lifted(0.001, 0.001, kRadius + 0.004);
+  ball.follow(lifted);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  EXPECT_NEAR(ball.patches.patches()[0].gap, 0.004, 3e-4);
+  const std::optional<double> clear = ball.look_down(lifted, 0.001);
+  ASSERT_TRUE(clear);
+  EXPECT_NEAR(*clear, 0.004, 3e-4);
+  ball.follow({0.001, 0.001, kRadius + 0.006});
+  EXPECT_EQ(ball.patches.patches().size(), 0U);
 }
 
 // In a hollow that is smaller than the ball, it touches on all sides: no more patches than there is room for,

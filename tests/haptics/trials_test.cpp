@@ -126,6 +126,21 @@ TEST(Trials, SeeAForceThatIsLeft) {
   EXPECT_EQ(f.silent + f.sunk, 0U);
 }
 
+// Where the tool meets the true plane, to half of a tick's way.
+TEST_P(Faces, TellWhereOnTheWayTheForceBegins) {
+  const TrialSetup truth = setup(GetParam());
+  std::size_t slow = 0;
+  for (std::size_t i = 0; i < truth.strokes; ++i) {
+    const TrialStroke stroke = repeat_trial(truth, i, nullptr);
+    if (!stroke.slow()) continue;
+    ++slow;
+    ASSERT_TRUE(stroke.met && stroke.felt && stroke.touched && stroke.seen);
+    EXPECT_LE(std::abs(*stroke.felt - *stroke.met), 0.5e-3 * stroke.speed + 1e-9) << i;
+    EXPECT_NEAR(*stroke.seen, *stroke.met, 0.002) << i;  // of noisy Gaussians
+  }
+  EXPECT_GT(slow, 3U);
+}
+
 // As where the tip of something long pokes through, and its middle does not.
 TEST(Trials, SeeASheetThatIsSunkInto) {
   const TrialFigures f = run_trials(setup("sheet", {.late = 0.004}));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -25,5 +26,9 @@ std::optional<Tool> trial_tool(std::string_view name);
 
 /// The tool, turned about its handle.
 Tool turned(const Tool& tool, const Eigen::Quaterniond& turn);
+
+/// Points of the surface of the tool at the origin that look along the unit vector `along`: of each part
+/// about one for every square of `spacing` that its surface has, 100 to 6000. Unit: [m].
+std::vector<Eigen::Vector3d> front_of(const Tool& tool, const Eigen::Vector3d& along, double spacing);
 
 }  // namespace palpate

@@ -12,6 +12,7 @@
 #include <palpate/haptics/evaluation_hand.h>
 #include <palpate/haptics/seen_surface.h>
 #include <palpate/haptics/trial_place.h>
+#include <palpate/haptics/trial_tools.h>
 
 namespace palpate {
 namespace {
@@ -96,25 +97,6 @@ std::optional<double> true_touch(const Scene& scene, const TrialAim& aim, const 
     if (touches(s)) return where_begins(s - kStep, s, touches);
   }
   return {};
-}
-
-/// Points of the tool at the origin that look along the way, about half a spacing apart.
-std::vector<Vector3d> front_of(const Tool& tool, const Vector3d& along, double spacing) {
-  constexpr double kFewest = 200.0, kMost = 12000.0, kP = 1.6;  // surface of an ellipsoid (Thomsen 2004)
-  std::vector<Vector3d> points;
-  for (const ToolPart& part : tool.parts()) {
-    const Ellipsoid solid = part.at({});
-    const Vector3d& a = part.semi_axes;
-    const double ab = std::pow(a[0] * a[1], kP), bc = std::pow(a[1] * a[2], kP),
-                 ca = std::pow(a[2] * a[0], kP);
-    const double area = 4.0 * pi * std::pow((ab + bc + ca) / 3.0, 1.0 / kP);
-    const int count = static_cast<int>(std::clamp(2.0 * area / (spacing * spacing), kFewest, kMost));
-    for (int k = 0; k < count; ++k) {
-      const Vector3d u = even_direction(k, count);
-      if (u.dot(solid.axes.inverse() * along) > 0.0) points.emplace_back(solid.center + solid.axes * u);
-    }
-  }
-  return points;
 }
 
 /// Where on the way the tool meets the seen surface: by the rays of its whole cross-section, and by denser
