@@ -517,6 +517,26 @@ TEST(SafetyGovernor, ASpringThatIsPressedAndLetGoIsNoFault) {
   EXPECT_LT(loop.governor.energy(), 0.01);
 }
 
+// Seconds are seconds, also of a device that answers in one tick of sixteen.
+TEST(SafetyGovernor, ASlowDeviceThatIsFrozenFadesAsSoon) {
+  DeviceCapabilities slow = device();
+  slow.rate = 60.0;
+  Loop loop(slow);
+  const auto still = [&](Loop::Tick& t) {
+    t.answers = loop.count % 16 == 0;
+    t.reading.pose.position.setZero();
+  };
+  loop.run(1.0, still);
+  loop.wanted = force({0, 0, 5});
+  loop.run(4.9, still);
+  EXPECT_EQ(loop.sent.force.z(), 5.0);
+  loop.run(1.1, still);
+  EXPECT_NEAR(loop.sent.force.z(), 2.5, 0.1);
+  loop.run(1.1, still);
+  EXPECT_EQ(loop.sent.force.z(), 0.0);
+  EXPECT_EQ(loop.governor.fault(), Fault::kFrozenPose);
+}
+
 // Good encoders and a hand that dry friction holds: every count is the same until the force gives way.
 TEST(SafetyGovernor, AHandleThatFrictionHoldsIsNotFrozen) {
   Loop loop;

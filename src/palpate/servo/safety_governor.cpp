@@ -130,6 +130,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   // Not from the future: a device whose clock runs away would otherwise never be stale.
   const bool fresh = good && said.t <= t + limits_.stale_after && (!started_ || said.t > newest_.t);
   watch_rate(fresh);
+  watch_stillness(fresh && (!started_ || !same(said.pose, newest_said_)));
   if (!fresh) {
     if (t - arrived_ > limits_.stale_after) raise(Fault::kStalePose);
     return false;
@@ -137,10 +138,10 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   DeviceReading reading = said;
   reading.pose.orientation.normalize();
   const Fault found = check(reading);
-  watch_stillness(!started_ || !same(reading.pose, newest_.pose));
   if (started_ && found != Fault::kJump)
     watch_energy(newest_.pose, reading.pose, std::min(reading.t - newest_.t, limits_.stale_after));
   newest_ = reading;
+  newest_said_ = said.pose;
   arrived_ = t;
   started_ = true;
   if (found != Fault::kNone) {

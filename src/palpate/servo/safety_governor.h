@@ -83,9 +83,8 @@ struct GovernorTransition {
 /// Stands between what a force model asks for and what a device is sent. Whatever goes in, what comes out is
 ///
 ///  - finite, at most force_max and torque_max, in the direction that was asked for;
-///  - no farther from what came out before than slew makes in the time since, or in two ticks if that is
-///  less;
-///    a fall goes straight to its end instead;
+///  - no farther from what came out before than slew makes in the time since, or in two ticks; but a fall
+///    goes straight to its end;
 ///  - zero while the state is kWaiting or kStopped, and within FaultTraits::fall_time of every fault. Faults
 ///    compose: while one holds, the force never rises, and it is zero in the shortest time that any asks for.
 ///
@@ -180,6 +179,7 @@ class SafetyGovernor {
   unsigned held_ = 0;             ///< latched faults that nobody has resumed, a bit each
   SpeedBound jump_, quick_, angular_jump_, angular_quick_;
   DeviceReading newest_;   ///< that was a pose at all
+  Pose newest_said_;       ///< of it, to the last bit
   DeviceReading reading_;  ///< that was good
   double arrived_ = 0.0;   ///< when a new reading came last. Unit: [s].
   double moved_ = 0.0;     ///< when the pose changed last, or no force was asked for. Unit: [s].
