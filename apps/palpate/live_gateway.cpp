@@ -109,6 +109,7 @@ LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const 
 
   WebServerOptions server;
   server.address = options.address;
+  server.real_time = ThreadPriority{.priority = ThreadPriority().priority - 10, .cpu = {}};  // below the loop
   server.token = options.token.empty() && !is_loopback(options.address) ? random_text() : options.token;
   const auto site = [this](const std::string& path) { return page(path); };
   const auto listen = [&](int port) {
@@ -128,6 +129,8 @@ LiveGateway::~LiveGateway() { stop(); }
 void LiveGateway::start() {
   topics_ = std::make_unique<LiveTopics>(hub_, feed_, system_.client_hand(), system_.clock(),
                                          system_.loop().statistics(), map_, device_kind_ == "client");
+  topics_->on_other_hand = [this] { system_.tick().governor().stop(Fault::kChanging); };
+  topics_->stale_after = SafetyLimits::of(system_.device(), SafetyLimits().tick).stale_after;
   // Who locks all memory does not mean this: it is read when someone wants to see it.
   if (scene_file_) ::munlock(scene_file_->bytes().data(), scene_file_->bytes().size());
   server_->every(LiveTopics::kRate, [this] { beat(); });

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <support/splats.h>
 
@@ -65,6 +66,7 @@ class LiveTopicsTest : public testing::Test {
   static void put(Client& client, const Vector3d& position, const std::string& frame, int seconds = 0) {
     const Json message{{"header", header({seconds, 0}, frame, 0)}, {"pose", to_json(Pose{position})}};
     client.receive(Json{{"op", "publish"}, {"topic", kHand}, {"msg", message}}.dump(), false);
+    client.caught_up();
   }
 
   /// What the servo thread does.
@@ -160,7 +162,7 @@ TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
   for (Client* client : {first.get(), second.get()}) subscribe(*client, {kAnswer, kSpatial, kBody});
   put(*first, {1, 0, 0}, "device", 7);
   live->answer();
-  EXPECT_THAT(all(*first), IsEmpty()) << "it was not felt yet";
+  EXPECT_THAT(all(*first)[kSpatial], IsEmpty()) << "it was not felt yet";
 
   record.sent = {{1, 2, 3}, {4, 5, 6}};
   record.sent_force = {-2, 1, 3};  // turned by 90 degrees about z
@@ -184,12 +186,136 @@ TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
   EXPECT_NEAR(body["wrench"]["force"]["y"].get<double>(), -1.0, 1e-12);
   EXPECT_NEAR(body["wrench"]["force"]["z"].get<double>(), -3.0, 1e-12);
 
-  tick();
-  live->answer();
-  EXPECT_THAT(all(*first), IsEmpty()) << "a tick without another pose";
   live->publish();
   EXPECT_THAT(all(*first), IsEmpty()) << "who gets it a tick does not get it 60 times a second, too";
   EXPECT_EQ(all(*second)[kSpatial].size(), 1U);
+}
+
+TEST_F(LiveTopicsTest, TheFallToZeroReachesAClientThatHasFallenSilent) {
+  begin(true);
+  subscribe(*first, {kAnswer});
+  put(*first, {1, 0, 0}, "device", 7);
+  for (const double force : {3.0, 2.0, 0.0}) {
+    record.sent = {{force, 0, 0}, {0, 0, 0}};
+    tick();
+    pollfd woken{feed.wake().descriptor(), POLLIN, 0};
+    ASSERT_EQ(::poll(&woken, 1, 0), 1) << "the gateway is woken";
+    live->answer();
+    const std::vector<Json> told = all(*first)[kAnswer];
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0]["wrench"]["force"]["x"], force);
+    EXPECT_EQ(told[0]["header"]["stamp"]["secs"], 7) << "of the last pose";
+  }
+}
+
+TEST_F(LiveTopicsTest, WhatADeviceShallShowGoesToNobodyElse) {
+  begin(true);
+  for (Client* client : {first.get(), second.get()}) subscribe(*client, {kAnswer});
+  put(*first, {1, 0, 0}, "device");
+  put(*second, {2, 0, 0}, "device");
+  EXPECT_EQ(all(*second)["status"].size(), 1U);
+  record.sent = {{5, 0, 0}, {0, 0, 0}};
+  for (int k = 0; k < 10; ++k) {
+    tick();
+    live->answer();
+    live->publish();
+  }
+  EXPECT_THAT(all(*second), IsEmpty());
+  EXPECT_EQ(all(*first)[kAnswer].size(), 10U);
+}
+
+TEST_F(LiveTopicsTest, WhoLosesTheToolIsToldToShowNothing) {
+  begin(true);
+  subscribe(*first, {kAnswer});
+  put(*first, {1, 0, 0}, "device");
+  clock.sleep_until(clock.now() + LiveTopics::kSilence + 0.01);
+  live->publish();
+  const std::vector<Json> told = all(*first)[kAnswer];
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0]["wrench"], to_json(Wrench{}));
+}
+
+TEST_F(LiveTopicsTest, OfThePosesThatWaitTheNewestCounts) {
+  begin(true);
+  const auto receive = [&](double x) {
+    const Json message{{"header", header({}, "device", 0)}, {"pose", to_json(Pose{{x, 0, 0}})}};
+    first->receive(Json{{"op", "publish"}, {"topic", kHand}, {"msg", message}}.dump(), false);
+  };
+  for (const double x : {1.0, 2.0, 3.0}) {
+    receive(x);
+    EXPECT_EQ(hand.newest().number, 0U) << "more of it waits";
+  }
+  first->caught_up();
+  EXPECT_EQ(hand.newest().number, 1U);
+  EXPECT_EQ(hand.newest().pose.position.x(), 3.0);
+  second->caught_up();
+  first->caught_up();
+  EXPECT_EQ(hand.newest().number, 1U);
+}
+
+TEST_F(LiveTopicsTest, AnotherHandIsFeltOnceTheForceOfTheOneBeforeHasFallen) {
+  begin(true);
+  int changes = 0;
+  live->on_other_hand = [&] { ++changes; };
+  subscribe(*second, {kAnswer});
+  put(*first, {1, 0, 0}, "device");
+  const auto old_hand = hand.newest().hand;
+  EXPECT_EQ(changes, 0) << "there was no hand before it";
+  record.t = clock.now();
+  record.state = GovernorState::kActive;
+  record.sent = {{5, 0, 0}, {0, 0, 0}};
+  tick();
+  live->answer();
+  first.reset();
+  put(*second, {2, 0, 0}, "device");
+  EXPECT_EQ(changes, 1);
+  const auto next = [&](GovernorState state, double force) {
+    record.t = clock.now();
+    record.state = state;
+    record.sent.force.x() = force;
+    tick();
+    live->answer();
+  };
+  next(GovernorState::kFalling, 3.0);
+  put(*second, {2.5, 0, 0}, "device");
+  next(GovernorState::kFalling, 0.0);
+  EXPECT_EQ(hand.newest().pose.position.x(), 1.0);
+  const std::vector<Json> wrenches = all(*second)[kAnswer];
+  for (const Json& told : wrenches) EXPECT_EQ(told["wrench"], to_json(Wrench{}));
+  next(GovernorState::kStopped, 0.0);
+  live->publish();  // nobody holds on before that, so that no tick wakes the gateway
+  EXPECT_EQ(hand.newest().pose.position.x(), 2.5) << "its newest";
+  EXPECT_NE(hand.newest().hand, old_hand);
+}
+
+TEST_F(LiveTopicsTest, APoseIsAsOldAsItsStampSaysOnceTheClockIsKnown) {
+  begin(true);
+  subscribe(*first, {"/palpate/client/echo"});
+  const auto say = [&](const char* topic, const Json& message) {
+    first->receive(Json{{"op", "publish"}, {"topic", topic}, {"msg", message}}.dump(), false);
+    first->caught_up();
+  };
+  const auto pose = [&](double x, std::int64_t ms) {
+    return Json{{"header", header({50, ms * 1'000'000}, "device", 0)}, {"pose", to_json(Pose{{x, 0, 0}})}};
+  };
+  say(kHand, pose(1.0, 0));
+  EXPECT_NEAR(hand.newest().t, clock.now(), 0.1) << "nothing is known of its clock";
+  const auto asked = all(*first)["/palpate/client/echo"];
+  ASSERT_EQ(asked.size(), 1U);
+  live->stale_after = 10.0;
+  say("/palpate/client/echoed", header({50, 900'000'000}, "", asked[0]["seq"]));
+  say(kHand, pose(2.0, 500));
+  EXPECT_EQ(hand.newest().pose.position.x(), 2.0);
+  EXPECT_NEAR(clock.now() - hand.newest().t, 0.4, 0.1) << "measured 0.4 s before the echo";
+
+  live->stale_after = 0.2;
+  say(kHand, pose(3.0, 501));
+  EXPECT_EQ(hand.newest().pose.position.x(), 2.0) << "it is dropped";
+  const auto told = all(*first)["status"];
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told[0].get<std::string>(), HasSubstr("dropped"));
+  say(kHand, pose(3.0, 502));
+  EXPECT_THAT(all(*first)["status"], IsEmpty()) << "told once a second";
 }
 
 TEST_F(LiveTopicsTest, PublishesAsOftenAsItSays) {
@@ -204,7 +330,8 @@ TEST_F(LiveTopicsTest, PublishesAsOftenAsItSays) {
   tick();
   for (int k = 0; k < 60; ++k) live->publish();
   auto told = all(*first);
-  for (std::size_t k = 0; k < 7; ++k) EXPECT_EQ(told[topics[k]].size(), 60U) << topics[k];
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(told[topics[k]].size(), 60U) << topics[k];
+  EXPECT_THAT(told[kAnswer], IsEmpty()) << "it holds nothing";
   EXPECT_EQ(told[kContacts].size(), 30U + 1U) << "and the reset";
   EXPECT_EQ(told["/palpate/diagnostics"].size(), 20U);
   EXPECT_EQ(told["/palpate/measured_cp"][0]["pose"], to_json(record.tool));

@@ -461,6 +461,20 @@ TEST_F(HubTest, HasSixtyFourIdsOfATopicAtMost) {
   EXPECT_THAT(all(), IsEmpty());
 }
 
+// Two megabytes at once and as many a second later are allowed, in however few messages; a byte more is not.
+TEST_F(HubTest, TooManyBytesASecondAreAFault) {
+  const auto most = static_cast<std::size_t>(Client::kMostBytes);
+  EXPECT_TRUE(client->admit(most / 2));
+  EXPECT_TRUE(client->admit(most / 2));
+  now += 0.5;
+  EXPECT_TRUE(client->admit(most / 2));
+  EXPECT_EQ(client->fault(), "");
+  EXPECT_FALSE(client->admit(1));
+  EXPECT_THAT(client->fault(), HasSubstr("bytes a second"));
+  now += 10.0;
+  EXPECT_FALSE(client->admit(1)) << "it is on its way out";
+}
+
 TEST_F(HubTest, TooManyMessagesASecondAreAFault) {
   const auto most = static_cast<int>(Client::kMostMessages);
   const auto send = [&](int count) {

@@ -7,7 +7,7 @@
 namespace palpate {
 
 std::uint64_t ClientHand::put(const Pose& pose, double t) {
-  samples_.back() = {pose, t, ++count_};
+  samples_.back() = {pose, t, ++count_, hand_};
   samples_.publish();
   held_.store(true, std::memory_order_relaxed);
   arrived_.set();
@@ -22,7 +22,8 @@ const ClientHand::Sample& ClientHand::newest() {
 bool ClientDevice::read(double, DeviceReading& reading) {
   const ClientHand::Sample& sample = hand_.newest();
   if (sample.number == read_) return false;
-  const double dt = sample.t - last_.t;
+  if (sample.hand != last_.hand) last_.velocity = {};
+  const double dt = sample.hand == last_.hand ? sample.t - last_.t : 0.0;
   if (read_ != 0 && dt > 0.0) {
     const double share = -std::expm1(-dt / kVelocityFilter);
     last_.velocity.linear +=
@@ -33,6 +34,7 @@ bool ClientDevice::read(double, DeviceReading& reading) {
   read_ = sample.number;
   last_.pose = sample.pose;
   last_.t = sample.t;
+  last_.hand = sample.hand;
   reading = last_;
   return true;
 }

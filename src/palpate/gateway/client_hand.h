@@ -17,14 +17,17 @@ class ClientHand {
  public:
   struct Sample {
     Pose pose;
-    double t = 0.0;            ///< when it came, on the loop's clock. Unit: [s].
+    double t = 0.0;            ///< when it was measured, as far as is known, on the loop's clock. Unit: [s].
     std::uint64_t number = 0;  ///< from 1
+    std::uint32_t hand = 0;    ///< another number: another hand
   };
 
   /// \name The gateway's thread
   /// @{
   /// \returns its number.
   std::uint64_t put(const Pose& pose, double t);
+  /// What is put from now on is where another hand is.
+  void change_hand() { ++hand_; }
   /// Nobody holds on any longer.
   void let_go() { held_.store(false, std::memory_order_relaxed); }
   /// @}
@@ -44,6 +47,7 @@ class ClientHand {
  private:
   LatestValue<Sample> samples_;
   std::uint64_t count_ = 0;
+  std::uint32_t hand_ = 0;
   std::atomic<std::uint64_t> seen_ = 0;
   std::atomic<bool> held_ = false;
   Wake arrived_;

@@ -1,11 +1,14 @@
 #include <palpate/gateway/live_topics.h>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace palpate {
 namespace {
 
 constexpr double kMilli = 1e3, kMicro = 1e6;
+constexpr double kMostEchoes = 1e15;  ///< whole in a double
 constexpr const char* kWorld = "world";
 constexpr Color kToolColor{0.04, 0.34, 0.77, 0.35};
 
@@ -34,10 +37,16 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
       contacts_(hub.add_topic("/palpate/contacts", "visualization_msgs/MarkerArray")),
       tool_topic_(hub.add_topic("/palpate/tool", "visualization_msgs/MarkerArray")),
       diagnostics_(hub.add_topic("/palpate/diagnostics", "diagnostic_msgs/DiagnosticArray")),
-      client_(hub.add_topic("/palpate/client/servo_cf", "geometry_msgs/WrenchStamped")) {
+      client_(hub.add_topic("/palpate/client/servo_cf", "geometry_msgs/WrenchStamped")),
+      echo_(hub.add_topic("/palpate/client/echo", "std_msgs/Header")) {
   contacts_.set_reset(ContactMarkers::reset(header({}, kWorld, 0)), ContactMarkers::kReach);
   hub.add_input("/palpate/client/measured_cp", "geometry_msgs/PoseStamped",
                 [this](const Json& message, Client& from) { take(message, from); });
+  hub.add_input("/palpate/client/echoed", "std_msgs/Header",
+                [this](const Json& message, Client& from) { take_echo(message, from); });
+  hub.on_caught_up = [this](const Client& client) {
+    if (&client == holder_) hand_over();
+  };
   hub.on_leave = [this](const Client& gone) {
     if (&gone == holder_) release();
   };
@@ -53,55 +62,123 @@ void LiveTopics::take(const Json& message, Client& from) {
   const StampedPose said = pose_stamped(message);
   if (holder_ != nullptr && holder_ != &from)
     throw Refusal("another client holds the tool; it is free a second after that is silent");
+  if (holder_ == nullptr) hold(from);
   const bool world = said.frame.empty() ? !client_is_device_ : said.frame == kWorld;
-  const Pose device = world ? map_.to_device(said.pose) : said.pose;
-  holder_ = &from;
   held_at_ = clock_.now();
-  stamps_[hand_.put(device, held_at_) % stamps_.size()] = said.stamp;
+  if (const auto measured = measured_at(said.stamp, held_at_))
+    waiting_ = {world ? map_.to_device(said.pose) : said.pose, *measured, said.stamp};
+}
+
+std::optional<double> LiveTopics::measured_at(const Stamp& stamp, double now) {
+  constexpr double kTellAgain = 1.0;  // s
+  const std::optional<double> age =
+      stamp.is_zero() ? std::nullopt : holder_clock_.age(stamp.in_seconds(), now);
+  if (!age) return now;
+  if (*age <= stale_after) return now - std::max(0.0, *age);
+  if (now - told_late_ < kTellAgain) return std::nullopt;
+  told_late_ = now;
+  throw Refusal(
+      fmt::format("poses come {:.0f} ms after they were measured, and are dropped from {:.0f} ms on",
+                  kMilli * *age, kMilli * stale_after));
+}
+
+void LiveTopics::hold(Client& client) {
+  holder_ = &client;
+  client.set_urgent(true);
+  holder_clock_ = {};
+  hand_.change_hand();
+  ask_echo();
+  if (client_is_device_ && was_held_) {
+    waits_since_ = clock_.now();
+    if (on_other_hand) on_other_hand();
+  }
+  was_held_ = true;
 }
 
 void LiveTopics::release() {
+  publish_device_wrench({});
+  holder_->set_urgent(false);
   holder_ = nullptr;
+  waiting_.reset();
+  waits_since_.reset();
   hand_.let_go();
 }
 
-void LiveTopics::publish_wrenches(const Stamp& stamp, Client* only) {
+void LiveTopics::ask_echo() {
+  if (!echo_.is_watched()) return;
+  echo_.publish_to(*holder_, header(Stamp::now(), "", holder_clock_.ask(clock_.now())));
+}
+
+void LiveTopics::take_echo(const Json& message, const Client& from) {
+  if (&from != holder_) return;
+  const double number = number_field(message, "seq", 0.0);
+  const Stamp stamp = stamp_of(message);
+  if (number < 0.0 || number > kMostEchoes || stamp.is_zero())
+    throw Refusal("an echo has the 'seq' that it answers, and the client's own time as 'stamp'");
+  holder_clock_.answer(static_cast<std::uint64_t>(number), stamp.in_seconds(), clock_.now());
+}
+
+bool LiveTopics::force_has_fallen() const {
   const TickRecord& tick = feed_.newest().record;
-  const auto send = [&](Topic& topic, const Json& message) {
-    only != nullptr ? topic.publish_to(*only, message) : topic.publish(message, holder_);
-  };
-  const auto message = [&](const Wrench& wrench, const char* frame, const Stamp& when) {
-    return Json{{"header", header(when, frame, feed_.newest().answers)}, {"wrench", to_json(wrench)}};
-  };
-  if (client_.is_watched())
-    send(client_,
-         message(tick.sent, "device", only != nullptr ? stamps_[answered_ % stamps_.size()] : stamp));
+  const bool off = tick.state == GovernorState::kStopped || tick.state == GovernorState::kWaiting;
+  return tick.t > *waits_since_ && off && tick.sent.force.isZero() && tick.sent.torque.isZero();
+}
+
+void LiveTopics::hand_over() {
+  if (waits_since_ && force_has_fallen()) waits_since_.reset();
+  if (!waiting_ || waits_since_) return;
+  stamps_[hand_.put(waiting_->device, waiting_->t) % stamps_.size()] = waiting_->stamp;
+  waiting_.reset();
+}
+
+void LiveTopics::publish_device_wrench(const Wrench& wrench) {
+  if (!client_.is_watched()) return;
+  const Json head = header(stamps_[answered_ % stamps_.size()], "device", feed_.newest().answers);
+  client_.publish_to(*holder_, {{"header", head}, {"wrench", to_json(wrench)}});
+}
+
+void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
   if (!spatial_.is_watched() && !body_.is_watched()) return;
+  const TickRecord& tick = feed_.newest().record;
+  const auto send = [&](Topic& topic, const char* frame, const Wrench& wrench) {
+    if (!topic.is_watched()) return;
+    const Json message{{"header", header(stamp, frame, feed_.newest().answers)}, {"wrench", to_json(wrench)}};
+    only != nullptr ? topic.publish_to(*only, message) : topic.publish(message, told_ ? holder_ : nullptr);
+  };
   // Torques as forces: what the device shows, along the axes of the world.
   const Wrench world{tick.sent_force, map_.rotation * tick.sent.torque};
-  if (spatial_.is_watched()) send(spatial_, message(world, kWorld, stamp));
+  send(spatial_, kWorld, world);
   const Eigen::Quaterniond back = tick.tool.orientation.conjugate();
-  if (body_.is_watched()) send(body_, message({back * world.force, back * world.torque}, "tool", stamp));
+  send(body_, "tool", {back * world.force, back * world.torque});
 }
 
 void LiveTopics::answer() {
   feed_.wake().clear();
   feed_.update();
-  if (holder_ == nullptr || feed_.newest().answers == answered_) return;
+  if (holder_ == nullptr) return;
+  const bool another = feed_.newest().answers != answered_;
   answered_ = feed_.newest().answers;
-  publish_wrenches(Stamp::now(), holder_);
+  if (waits_since_) hand_over();
+  // What the hand before it is still sent is not for this one.
+  publish_device_wrench(waits_since_ ? Wrench{} : feed_.newest().record.sent);
+  if (!another) return;
+  told_ = true;
+  publish_world_wrenches(Stamp::now(), holder_);
 }
 
 void LiveTopics::publish() {
   if (holder_ != nullptr && clock_.now() - held_at_ > kSilence) release();
   feed_.update();
+  if (holder_ != nullptr && waits_since_) hand_over();
+  if (holder_ != nullptr && count_ % kEchoEvery == 0) ask_echo();
   const TickRecord& tick = feed_.newest().record;
   const Stamp stamp = Stamp::now();
   const Json head = header(stamp, kWorld, count_);
   if (pose_.is_watched()) pose_.publish({{"header", head}, {"pose", to_json(tick.tool)}});
   if (velocity_.is_watched()) velocity_.publish({{"header", head}, {"twist", to_json(tick.velocity)}});
   if (proxy_.is_watched()) proxy_.publish({{"header", head}, {"pose", to_json(tick.felt.proxy)}});
-  publish_wrenches(stamp, nullptr);
+  publish_world_wrenches(stamp, nullptr);
+  told_ = false;
   if (tool_topic_.is_watched()) publish_tool(stamp);
   if (count_ % kContactsEvery == 0 && contacts_.is_watched()) publish_contacts(stamp);
   if (count_ % kDiagnosticsEvery == 0) {

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// Hands every tick over, and wakes the gateway where one is the answer to a client's pose.
+/// Hands every tick over, and wakes the gateway where a client holds the hand: it gets the force of every
+/// tick, that of the fall to zero, too, when it has fallen silent.
 class TickFeed final : public TickObserver {
  public:
   struct Tick {
@@ -25,8 +26,7 @@ class TickFeed final : public TickObserver {
     const std::uint64_t answers = hand_.seen();
     ticks_.back() = {record, times, answers};
     ticks_.publish();
-    if (answers != answered_) wake_.set();
-    answered_ = answers;
+    if (hand_.is_held()) wake_.set();
   }
 
   /// \name One other thread
@@ -40,7 +40,6 @@ class TickFeed final : public TickObserver {
  private:
   const ClientHand& hand_;
   LatestValue<Tick> ticks_;
-  std::uint64_t answered_ = 0;
   Wake wake_;
 };
 

@@ -110,28 +110,41 @@ Client::~Client() {
   if (hub_.on_leave) hub_.on_leave(*this);
 }
 
-bool Client::too_many() {
-  const double now = clock_();
-  allowance_ = std::min(kMostMessages, allowance_ + kMostMessages * (now - counted_at_)) - 1.0;
+bool Client::admit(std::size_t bytes) {
+  if (!fault_.empty()) return false;
+  const double now = clock_(), passed = now - counted_at_;
+  messages_left_ = std::min(kMostMessages, messages_left_ + kMostMessages * passed) - 1.0;
+  bytes_left_ = std::min(kMostBytes, bytes_left_ + kMostBytes * passed) - static_cast<double>(bytes);
   counted_at_ = now;
-  return allowance_ < 0.0;
+  if (messages_left_ < 0.0) fault_ = fmt::format("more than {} messages a second", kMostMessages);
+  if (bytes_left_ < 0.0) fault_ = fmt::format("more than {} bytes a second", kMostBytes);
+  return fault_.empty();
 }
 
-void Client::receive(std::string_view frame, bool binary) {
-  if (!fault_.empty()) return;
-  if (too_many()) {
-    fault_ = fmt::format("more than {} messages a second", kMostMessages);
-    return;
+Client::Decoded Client::decode(std::string_view frame, bool binary) {
+  try {
+    return {binary ? decode_cbor(frame) : decode_json(frame), {}};
+  } catch (const Refusal& refusal) {
+    return {{}, refusal.what()};
   }
+}
+
+void Client::take(const Decoded& decoded) {
+  if (!fault_.empty()) return;
+  const Json& message = decoded.message;
+  if (!decoded.refusal.empty()) return tell("error", decoded.refusal);
   Json id;
   try {
-    const Json message = binary ? decode_cbor(frame) : decode_json(frame);
     if (!message.is_object()) throw Refusal("a message must be an object with an 'op'");
     if (const auto at = message.find("id"); at != message.end() && at->is_string()) id = *at;
     handle(message);
   } catch (const Refusal& refusal) {
     tell("error", refusal.what(), id);
   }
+}
+
+void Client::receive(std::string_view frame, bool binary) {
+  if (admit(frame.size())) take(decode(frame, binary));
 }
 
 void Client::handle(const Json& message) {

@@ -94,6 +94,8 @@ class Hub {
   std::size_t client_count() const { return clients_; }
   /// Told of every client that goes.
   std::function<void(const Client&)> on_leave;
+  /// Told when nothing more of what a client has sent waits: what it published last is the newest there is.
+  std::function<void(Client&)> on_caught_up;
 
  private:
   friend class Client;
@@ -115,8 +117,31 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// One frame. What is wrong with it is told to the client.
+  /// A frame that was read, or why it cannot be.
+  struct Decoded {
+    Json message;
+    std::string refusal;  ///< empty: there is none
+  };
+
+  /// \name One frame: admit(), then decode(), then take()
+  /// What is wrong with it is told to the client.
+  /// @{
+  /// Counts it. \returns false where it is too much: see fault().
+  bool admit(std::size_t bytes);
+  /// Any thread: it is the part that takes long.
+  static Decoded decode(std::string_view frame, bool binary);
+  void take(const Decoded& decoded);
+  /// All three.
   void receive(std::string_view frame, bool binary);
+  /// @}
+  /// Nothing more waits of what it has sent.
+  void caught_up() {
+    if (hub_.on_caught_up) hub_.on_caught_up(*this);
+  }
+
+  /// Of whom frames go before those of others: who moves a hand.
+  bool is_urgent() const { return urgent_; }
+  void set_urgent(bool urgent) { urgent_ = urgent; }
 
   struct Outgoing {
     std::shared_ptr<const std::string> bytes;
@@ -135,6 +160,8 @@ class Client {
   static constexpr std::size_t kMostAnswers = 1024;  ///< that it has not read
   static constexpr std::size_t kMostAnswerBytes = 1 << 22;
   static constexpr double kMostMessages = 5000.0;  ///< a second
+  /// Bytes a second: poses as JSON at kMostMessages are 1.5 MB. A second's worth may come at once.
+  static constexpr double kMostBytes = 2 << 20;
 
  private:
   friend class Topic;
@@ -164,8 +191,6 @@ class Client {
   void answer(Json message);
   void offer(const Topic& topic, const std::shared_ptr<const Publication>& publication);
   void drop(std::map<std::string, Subscription>::iterator subscription);
-  bool too_many();
-
   Hub& hub_;
   std::function<void()> wake_;
   std::function<double()> clock_;
@@ -173,8 +198,9 @@ class Client {
   std::deque<std::string> turn_;  ///< topics with something waiting, each once
   std::deque<std::shared_ptr<const std::string>> answers_;
   std::size_t answer_bytes_ = 0;
-  double allowance_ = kMostMessages, counted_at_;
-  bool quiet_ = false;
+  /// Messages and bytes that may still come, when that was counted last.
+  double messages_left_ = kMostMessages, bytes_left_ = kMostBytes, counted_at_;
+  bool quiet_ = false, urgent_ = false;
   std::string fault_;
 };
 

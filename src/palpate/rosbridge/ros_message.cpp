@@ -111,15 +111,18 @@ Json deleted_marker(const Json& header, const std::string& ns, std::uint32_t id)
 
 Json all_deleted_marker(const Json& header) { return marker(header, "", 0, kDeleteAll); }
 
+Stamp stamp_of(const Json& header) {
+  const auto stamp = header.find("stamp");
+  if (stamp == header.end() || !stamp->is_object()) return {};
+  const bool first = stamp->contains("secs");
+  return {whole_field(*stamp, first ? "secs" : "sec"), whole_field(*stamp, first ? "nsecs" : "nanosec")};
+}
+
 StampedPose pose_stamped(const Json& message) {
   StampedPose result;
   if (const auto at = message.find("header"); at != message.end() && at->is_object()) {
     result.frame = text_field(*at, "frame_id");
-    if (const auto stamp = at->find("stamp"); stamp != at->end() && stamp->is_object()) {
-      const bool first = stamp->contains("secs");
-      result.stamp = {whole_field(*stamp, first ? "secs" : "sec"),
-                      whole_field(*stamp, first ? "nsecs" : "nanosec")};
-    }
+    result.stamp = stamp_of(*at);
   }
   const Json& pose = object_at(message, "pose");
   const Json& p = object_at(pose, "position");

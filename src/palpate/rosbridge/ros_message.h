@@ -17,6 +17,9 @@ struct Stamp {
 
   /// The wall clock's.
   static Stamp now();
+  double in_seconds() const { return static_cast<double>(seconds) + 1e-9 * static_cast<double>(nanoseconds); }
+  /// What clients send that stamp nothing.
+  bool is_zero() const { return seconds == 0 && nanoseconds == 0; }
 };
 
 /// std_msgs/Header of ROS 1.
@@ -51,6 +54,9 @@ struct StampedPose {
   Stamp stamp;
   std::string frame;
 };
+
+/// The stamp in a header of ROS 1 or 2; zero where there is none.
+Stamp stamp_of(const Json& header);
 
 /// Of ROS 1 or 2. \throws Refusal if a number is missing or not finite, or the quaternion is far from unit
 /// length; it is normalised.

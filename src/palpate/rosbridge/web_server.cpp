@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 #include <boost/asio/dispatch.hpp>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -59,10 +60,19 @@ struct Shared {
   Hub& hub;
   WebServer::Site site;
   Access access;
+  /// Has `work` done on the server's other thread, and then `then` on its own. Keeps neither from its end.
+  std::function<void(std::function<void()> work, std::function<void()> then)> elsewhere;
   std::size_t connections = 0, sockets = 0;
   /// To close whatever is open.
   std::set<class Session*> sessions;
+  /// With a frame that waits, in the order in which they came.
+  std::deque<std::shared_ptr<class SocketSession>> turn;
 };
+
+/// A frame that is longer is decoded on the other thread: what this takes is a fraction of a millisecond.
+constexpr std::size_t kShort = 4 << 10;
+/// How long frames of those who hold no hand may take between two looks at the sockets. Unit: [s].
+constexpr double kTurnTime = 3e-4;
 
 /// Something that is open.
 class Session {
@@ -107,16 +117,65 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
 
   void close() override { beast::get_lowest_layer(socket_).close(); }
 
+  /// Takes the frame that was read, and reads on.
+  void take_frame() { take(Client::decode(frame(), socket_.got_binary())); }
+
  private:
+  std::string_view frame() const {
+    const auto bytes = buffer_.cdata();
+    return {static_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+  /// Nothing more is read before this frame is taken: what a client sends faster waits at its end.
   void read() {
     socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      ++self->frames_;
       if (error) return self->close();
-      const auto bytes = self->buffer_.cdata();
-      self->client_.receive({static_cast<const char*>(bytes.data()), bytes.size()},
-                            self->socket_.got_binary());
-      self->buffer_.consume(self->buffer_.size());
-      if (!self->client_.fault().empty()) return self->say_goodbye();
-      self->read();
+      if (!self->client_.admit(self->buffer_.size())) return self->say_goodbye();
+      if (self->buffer_.size() > kShort) return self->decode_elsewhere();
+      if (self->client_.is_urgent()) return self->take_frame();
+      self->wait_for_turn();
+    });
+  }
+
+  /// One at a time of each client; the message ends there, too, since that takes as long.
+  void decode_elsewhere() {
+    const auto decoded = std::make_shared<Client::Decoded>();
+    shared_.elsewhere([self = shared_from_this(), decoded,
+                       binary = socket_.got_binary()] { *decoded = Client::decode(self->frame(), binary); },
+                      [self = shared_from_this(), decoded] {
+                        self->take(*decoded);
+                        self->shared_.elsewhere([decoded] { *decoded = {}; }, [] {});
+                      });
+  }
+
+  void wait_for_turn() {
+    shared_.turn.push_back(shared_from_this());
+    if (shared_.turn.size() == 1)
+      net::post(socket_.get_executor(), [self = shared_from_this()] { self->take_turns(); });
+  }
+
+  /// As many frames as there is time for; those of whom is urgent come in between.
+  void take_turns() {
+    const double until = monotonic_now() + kTurnTime;
+    std::shared_ptr<SocketSession> last;
+    do {
+      last = shared_.turn.front();
+      last->take_frame();
+      shared_.turn.pop_front();  // only now: what comes meanwhile finds that turns are being taken
+    } while (!shared_.turn.empty() && monotonic_now() < until);
+    if (!shared_.turn.empty())
+      net::post(socket_.get_executor(), [self = shared_.turn.front()] { self->take_turns(); });
+  }
+
+  void take(const Client::Decoded& decoded) {
+    client_.take(decoded);
+    buffer_.consume(buffer_.size());
+    if (!client_.fault().empty()) return say_goodbye();
+    read();
+    // Where another frame is here already, that was posted before this, and counts.
+    net::post(socket_.get_executor(), [self = shared_from_this(), seen = frames_] {
+      if (seen == self->frames_) self->client_.caught_up();
     });
   }
 
@@ -175,6 +234,7 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
   beast::flat_buffer buffer_;
   Client client_;
   std::shared_ptr<const std::string> sent_;
+  std::uint64_t frames_ = 0;  ///< that were read
   bool open_ = false, writing_ = false, woken_ = false, held_back_ = false;
 };
 
@@ -329,7 +389,7 @@ WebPage text_page(int status, std::string text) {
 class WebServer::Implementation : public std::enable_shared_from_this<Implementation> {
  public:
   Implementation(Hub& hub, Site site, const WebServerOptions& options)
-      : acceptor_(context_), address_(options.address), retry_(context_) {
+      : real_time_(options.real_time), acceptor_(context_), address_(options.address), retry_(context_) {
     error_code error;
     const auto address = net::ip::make_address(options.address, error);
     if (error) throw Error("{}: is not an address to listen on; give one of this machine", options.address);
@@ -343,7 +403,14 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
                   options.port, error.message());
     }
     port_ = acceptor_.local_endpoint().port();
-    shared_.emplace(Shared{hub, std::move(site), Access(options.address, port_, options.token), 0, 0, {}});
+    shared_.emplace(Shared{hub,
+                           std::move(site),
+                           Access(options.address, port_, options.token),
+                           [this](auto work, auto then) { elsewhere(std::move(work), std::move(then)); },
+                           0,
+                           0,
+                           {},
+                           {}});
   }
 
   void every(double rate, std::function<void()> work) {
@@ -364,7 +431,12 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     for (Watch& watch : watches_) wait(watch);
     thread_ = std::thread([this] {
       name_thread("palpate-gateway");
+      if (real_time_) make_real_time(*real_time_);  // the loop has told why not, if not
       context_.run();
+    });
+    other_thread_ = std::thread([this] {
+      name_thread("palpate-pages");
+      other_.run();
     });
   }
 
@@ -381,12 +453,22 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
         for (Session* session : open) session->close();
       });
       thread_.join();
+      other_.stop();
+      other_thread_.join();
+      shared_->turn.clear();
     }
     for (Watch& watch : watches_) watch.descriptor.release();  // its owner closes it
     watches_.clear();
   }
 
   void post(std::function<void()> work) { net::post(context_, std::move(work)); }
+  void elsewhere(std::function<void()> work, std::function<void()> then) {
+    net::post(other_, [this, work = std::move(work), then = std::move(then)]() mutable {
+      work();
+      work = nullptr;
+      net::post(context_, std::move(then));
+    });
+  }
   std::uint16_t port() const { return port_; }
   const std::string& address() const { return address_; }
   const std::string& token() const { return shared_->access.token(); }
@@ -440,8 +522,11 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     });
   }
 
-  std::optional<Shared> shared_;  ///< outlives what is still to be called in the context
+  std::optional<Shared> shared_;  ///< outlives what is still to be called in the contexts
   net::io_context context_{1};
+  net::io_context other_{1};
+  net::executor_work_guard<net::io_context::executor_type> other_stays_ = net::make_work_guard(other_);
+  std::optional<ThreadPriority> real_time_;
   tcp::acceptor acceptor_;
   std::string address_;
   std::uint16_t port_ = 0;
@@ -449,7 +534,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   std::list<Timer> timers_;
   std::list<Watch> watches_;
   bool ends_ = false;
-  std::thread thread_;
+  std::thread thread_, other_thread_;
 };
 
 WebServer::WebServer(Hub& hub, Site site, const WebServerOptions& options)
@@ -461,6 +546,9 @@ void WebServer::every(double rate, std::function<void()> work) {
 void WebServer::when(Wake& wake, std::function<void()> work) { implementation_->when(wake, std::move(work)); }
 void WebServer::start() { implementation_->start(); }
 void WebServer::stop() { implementation_->stop(); }
+void WebServer::elsewhere(std::function<void()> work, std::function<void()> then) {
+  implementation_->elsewhere(std::move(work), std::move(then));
+}
 void WebServer::post(std::function<void()> work) { implementation_->post(std::move(work)); }
 std::uint16_t WebServer::port() const { return implementation_->port(); }
 

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <palpate/base/real_time.h>
 #include <palpate/rosbridge/hub.h>
 #include <palpate/rosbridge/wake.h>
 
@@ -29,10 +31,13 @@ struct WebServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 9090;  ///< 0: any that is free
   std::string token;          ///< that every request must bring; empty: none
+  /// Of the server's thread, which hands over the hands of clients, where that is permitted; unset: ordinary.
+  std::optional<ThreadPriority> real_time;
 };
 
 /// Serves HTTP/1.1 (GET and HEAD, ranges, validation) and, for requests to upgrade, rosbridge v2 over
-/// WebSocket, on a thread of its own, which the Hub belongs to from start() to stop().
+/// WebSocket, on a thread of its own, which the Hub belongs to from start() to stop(). What a client sends
+/// that is long is decoded on another, so that it keeps nobody's pose waiting.
 ///
 /// Refused are requests whose Host is not an address of this server (DNS rebinding), those of pages of
 /// another Origin, and those without the token.
@@ -61,6 +66,9 @@ class WebServer {
 
   /// Runs `work` on the server's thread. Any thread.
   void post(std::function<void()> work);
+  /// Runs `work` on a thread for what takes longer, one after the other, then `then` on the server's. After
+  /// stop() neither is run. Any thread.
+  void elsewhere(std::function<void()> work, std::function<void()> then);
 
   std::uint16_t port() const;
   /// "http://127.0.0.1:9090/", with the token; by this machine's name where all of its addresses are listened

@@ -96,6 +96,7 @@ SafetyGovernor::SafetyGovernor(const SafetyLimits& limits)
 
 Fault SafetyGovernor::check(const DeviceReading& reading) {
   if (!started_) return Fault::kNone;
+  if (reading.hand != newest_.hand) return Fault::kChanging;  // and not a jump
   const double dt = std::min(reading.t - newest_.t, limits_.stale_after), period = limits_.reading_period;
   const double way = (reading.pose.position - newest_.pose.position).norm();
   const double turn = turn_between(newest_.pose.orientation, reading.pose.orientation).norm();
@@ -138,7 +139,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   DeviceReading reading = said;
   reading.pose.orientation.normalize();
   const Fault found = check(reading);
-  if (started_ && found != Fault::kJump)
+  if (started_ && found != Fault::kJump && found != Fault::kChanging)
     watch_energy(newest_.pose, reading.pose, std::min(reading.t - newest_.t, limits_.stale_after));
   newest_ = reading;
   newest_said_ = said.pose;

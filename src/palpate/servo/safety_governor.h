@@ -17,9 +17,10 @@ namespace palpate {
 
 /// What a device says at one instant.
 struct DeviceReading {
-  double t = 0.0;  ///< when it was measured, on the loop's clock. Unit: [s].
-  Pose pose;       ///< of the handle, the device's frame
-  Twist velocity;  ///< the same frame
+  double t = 0.0;          ///< when it was measured, on the loop's clock. Unit: [s].
+  Pose pose;               ///< of the handle, the device's frame
+  Twist velocity;          ///< the same frame
+  std::uint32_t hand = 0;  ///< another number: another hand has the handle, and is elsewhere
 };
 
 /// What is allowed. The defaults fit a hand on any of the devices that are sold for hands.
