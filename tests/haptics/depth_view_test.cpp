@@ -145,6 +145,30 @@ TEST_F(DepthViewTest, SeesWhatIsKnownWhereverItBegins) {
   });
 }
 
+// A veil before the place where the look begins takes from each ray what it hides of that one: 0.4 exp(-m^2 /
+// 2), out to where that is a 255th.
+TEST_F(DepthViewTest, EachRayLosesTheLightThatIsHiddenFromIt) {
+  constexpr double kSigma = 0.003;
+  LooksDown ball(
+      test::splat({0.004, 0.003, 0.008}, {kSigma, kSigma, 1e-6}, Eigen::Quaterniond::Identity(), 0.4));
+  Vector2d anchor = Vector2d::Zero();
+  const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
+  on_every_target([&] {
+    RayLight light;
+    light.since = -0.01;
+    ball.image->look(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
+                     light);
+    double least = 1.0;
+    for (std::size_t k = 0; k < pattern.size; ++k) {
+      const double m = std::hypot(ball.image->x(k) - 0.004, ball.image->y(k) + 0.003) / kSigma;
+      EXPECT_NEAR(light.left[k], m < 3.3 ? 1.0 - 0.4 * std::exp(-0.5 * m * m) : 1.0, 5e-3) << k;
+      least = std::min(least, static_cast<double>(light.left[k]));
+    }
+    EXPECT_LT(least, 0.7);
+    EXPECT_EQ(light.since, 0.0);
+  });
+}
+
 // Rays that are no regular ones have the light of the regular one that is nearest.
 TEST_F(DepthViewTest, LightIsThatOfTheNearestRay) {
   LooksDown ball(test::splat({0.004, 0.002, -0.03}, {1e-4, 1e-4, 1e-5}));
