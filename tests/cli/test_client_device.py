@@ -17,9 +17,10 @@ FREE, PRESSED = 0.05, 0.016  # heights of a ball of 2 cm over the wall. Unit: [m
 NOTHING = 0.1  # N
 
 
-def flood(port, size, rate, ends):
-    """Messages of `size` bytes, as fast as `rate` Hz, on one connection after the other where they are closed."""
-    numbers = ",".join(["0"] * (size // 2 - 100))
+def flood(port, size, ends):
+    """Messages of `size` bytes that take long to decode, as fast as they are taken, on one connection after the other where they
+    are closed."""
+    numbers = ",".join(["[0]"] * (size // 4 - 100))
     data = ('{"op":"publish","topic":"/nobody","msg":{"x":[%s]}}' % numbers).encode()
     frame = b"\x81\xff" + len(data).to_bytes(8, "big") + bytes(4) + data
     while not ends.is_set():
@@ -29,7 +30,6 @@ def flood(port, size, rate, ends):
                                     f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {KEY}\r\n\r\n").encode())
                 while not ends.is_set():
                     connection.sendall(frame)
-                    time.sleep(1 / rate)
         except OSError:
             time.sleep(0.02)
 
@@ -89,7 +89,7 @@ class Backlog(Gateway):
         for turn in range(5):
             self.assertTrue(hand.press(), "no force came")
             ends = multiprocessing.Event()
-            flooding = multiprocessing.Process(target=flood, args=(self.port, 256 << 10, 100, ends), daemon=True)
+            flooding = multiprocessing.Process(target=flood, args=(self.port, 256 << 10, ends), daemon=True)
             flooding.start()
             time.sleep(1.5)
             hand.height = FREE
