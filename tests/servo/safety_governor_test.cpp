@@ -17,7 +17,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kTick = 1e-3;
-constexpr double kRounding = 1e-9;  // of a clock that tells hours, in what is of milliseconds. Unit: [N].
+constexpr double kRounding = 1e-7;  // of a clock that tells days, in what is of milliseconds. Unit: [N].
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -612,8 +612,9 @@ TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
   const test::AllocationGuard guard;
   for (std::size_t k = 0; k < hostile_ticks(); ++k) {
     hostile.turn();
-    const double passed = !hostile.evil() ? kTick : hostile.below(2) == 0 ? 0.03 : 1e-4;
-    t += passed;
+    const double last = t;
+    t += !hostile.evil() ? kTick : hostile.below(2) == 0 ? 0.03 : 1e-4;
+    const double passed = t - last;
     DeviceReading reading{t, {}, {}};
     reading.pose.position = 1e-3 * Vector3d(std::sin(0.01 * static_cast<double>(k)), 0, 0);
     Wrench wanted = force({0, 0, k / 300 % 3 == 2 ? 9.0 : 0.1});
