@@ -9,11 +9,15 @@
 
 namespace palpate::cli {
 
-void notify(std::string_view message) { fmt::print(stderr, "palpate: {}\n", message_line(message)); }
+std::string notice(std::string_view message) { return fmt::format("palpate: {}\n", message_line(message)); }
 
-void print_json(const Json& json) {
-  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+void notify(std::string_view message) { fmt::print(stderr, "{}", notice(message)); }
+
+std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
+
+void print_json(const Json& json) { fmt::print("{}\n", json_text(json, 2)); }
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 

@@ -19,10 +19,15 @@ using Json = nlohmann::ordered_json;
 /// One line on stderr: "palpate: " and the message, printable.
 void notify(std::string_view message);
 
-/// [x, y, z]
-/// On stdout. Text that is not UTF-8, as of a file name, is replaced where it is not.
+/// What notify() writes: a line of its own.
+std::string notice(std::string_view message);
+
+/// Text that is not UTF-8, as of a file name, is replaced where it is not. \param indent -1: in one line
+std::string json_text(const Json& json, int indent = -1);
+/// On stdout, indented.
 void print_json(const Json& json);
 
+/// [x, y, z]
 Json vector_json(const Eigen::Vector3d& v);
 
 /// [{name, semi_axes, position, orientation}, ...], a part each, in the tool frame; m and w, x, y, z

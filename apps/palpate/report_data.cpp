@@ -212,16 +212,13 @@ std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool*
   const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
   std::optional<GovernorStretches> stretches;
   if (run.rows.front().live) stretches = stretches_of(run);
-  const auto text = [](const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  };
   std::string out = fmt::format(
       "{{\"title\":{},\"generator\":\"{}\",\"summary\":{},\"tool\":{},\"columns\":{},\"episodes\":{},"
       "\"governor\":{},\"contacts\":{},\"scene\":{}}}",
-      text(std::filesystem::path(run.source).filename().string()), kVersion,
-      text(summary_json(run, stretches ? &*stretches : nullptr, stride)),
-      tool != nullptr ? text(tool_json(*tool)) : "null", columns_json(run, stride),
-      text(episodes_json(run, stride)), stretches ? governor_json(*stretches, stride) : "null",
+      json_text(std::filesystem::path(run.source).filename().string()), kVersion,
+      json_text(summary_json(run, stretches ? &*stretches : nullptr, stride)),
+      tool != nullptr ? json_text(tool_json(*tool)) : "null", columns_json(run, stride),
+      json_text(episodes_json(run, stride)), stretches ? governor_json(*stretches, stride) : "null",
       contacts != nullptr ? contacts_json(*contacts, stride) : "null",
       scene != nullptr ? scene_json(*scene) : "null");
   return escaped(out);

@@ -179,8 +179,8 @@ void Console::tell_transitions() {
     const GovernorTransition& change = transitions[told_];
     if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
     clear();
-    stderr_.write(fmt::format("palpate: {:.3f} s: no force: {}: {}\n", change.t, traits(change.fault).name,
-                              traits(change.fault).advice));
+    stderr_.write(notice(fmt::format("{:.3f} s: no force: {}: {}", change.t, traits(change.fault).name,
+                                     traits(change.fault).advice)));
   }
 }
 

@@ -1,20 +1,16 @@
 """How a run ends, or is held up, while a hand leans on a wall: the force falls to zero and never rises. Times are read from the
 program's own record and are wide: the machine is shared."""
 
-import csv
-import io
 import os
-import pty
 import signal
-import subprocess
 import time
 import unittest
 
-from support import PALPATE, SANITIZED, Case, path_csv, ply, wall_rows
+from support import path_csv
+from test_run import RATE, Live
 
 FALLING, STOPPED = 3, 4
 PAUSED, LATE_TICK = 11, 14
-RATE = "200" if SANITIZED else "1000"
 LEANS = 3.0  # N, at least
 
 
@@ -28,26 +24,13 @@ def force(row):
     return sum(float(row[f"sf{axis}"]) ** 2 for axis in "xyz") ** 0.5
 
 
-class Ends(Case):
+class Ends(Live):
     def setUp(self):
         super().setUp()
-        self.write("wall.ply", ply(wall_rows()))
         self.write("hand.csv", lean())
 
     def arguments(self, *more, scene="wall.ply"):
-        return ["run", scene, "--trajectory", "hand.csv", "--tool", "0.01,0.01,0.01", "--hand", "0.1,30,5000", "--rate", RATE,
-                "--record", "run.csv", *more]
-
-    def start(self, *more, scene="wall.ply", **options):
-        given = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
-        process = subprocess.Popen([PALPATE, *self.arguments(*more, scene=scene)], cwd=self.folder, **given)
-        self.addCleanup(lambda: process.poll() is None and process.kill())
-        return process
-
-    def rows(self):
-        """Of the record so far, without a last line that is not whole."""
-        text = self.read("run.csv").decode()
-        return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
+        return super().arguments("--hand", "0.1,30,5000", "--record", "run.csv", *more, scene=scene)
 
     def until_it_leans(self, process, since=0):
         for _ in range(600):
@@ -123,10 +106,7 @@ class Ends(Case):
                 self.assert_falls(rows, k, 0.03)
 
     def test_a_terminal_that_is_held_holds_up_nothing(self):
-        master, slave = pty.openpty()
-        process = self.start("--json", stdin=slave, stderr=slave, start_new_session=True,
-                             preexec_fn=lambda: __import__("fcntl").ioctl(0, 0x540E, 0))  # TIOCSCTTY
-        os.close(slave)
+        master, process = self.on_a_terminal()
         self.addCleanup(os.close, master)
         self.until_it_leans(process)
         os.write(master, b"\x13")  # Ctrl-S

@@ -37,8 +37,8 @@ class Live(Case):
         self.write("wall.ply", ply(wall_rows()))
         self.write("hand.csv", press_path())
 
-    def arguments(self, *more):
-        return ["run", "wall.ply", "--trajectory", "hand.csv", "--tool", "0.01,0.01,0.01", "--rate", RATE, *more]
+    def arguments(self, *more, scene="wall.ply"):
+        return ["run", scene, "--trajectory", "hand.csv", "--tool", "0.01,0.01,0.01", "--rate", RATE, *more]
 
     def together(self, *runs):
         """The summaries of several runs at the same time: each waits for its next tick most of the time."""
@@ -54,9 +54,9 @@ class Live(Case):
                 break
         return document
 
-    def start(self, *more, **options):
-        process = subprocess.Popen([PALPATE, *self.arguments(*more)], cwd=self.folder, stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+    def start(self, *more, scene="wall.ply", **options):
+        given = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
+        process = subprocess.Popen([PALPATE, *self.arguments(*more, scene=scene)], cwd=self.folder, **given)
         self.addCleanup(lambda: process.poll() is None and process.kill())
         return process
 
@@ -70,8 +70,10 @@ class Live(Case):
         os.close(slave)
         return master, process
 
-    def rows(self, name):
-        return list(csv.DictReader(io.StringIO(self.read(name).decode())))
+    def rows(self, name="run.csv"):
+        """Of a record, also of one that is being written, whose last line may not be whole."""
+        text = self.read(name).decode()
+        return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
 
 
 class Summary(Live):

@@ -51,6 +51,24 @@ std::string resolve_links(const std::string& path) {
   return resolved.string();
 }
 
+/// Fills `out` from byte `offset` on. \returns the bytes read: fewer at the end of the file, and where errno
+/// says why; it is 0 otherwise.
+std::size_t read_at(int descriptor, std::uint64_t offset, std::span<char> out) {
+  std::size_t done = 0;
+  errno = 0;
+  while (done < out.size()) {
+    const ssize_t n =
+        ::pread(descriptor, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) {
+      errno = 0;
+      continue;
+    }
+    if (n <= 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  return done;
+}
+
 }  // namespace
 
 void throw_file_error(const std::string& path, std::string_view action, int error_number) {
@@ -79,15 +97,8 @@ InputFile::InputFile(InputFile&& other) noexcept
     : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
 
 std::size_t InputFile::read_some(std::uint64_t offset, std::span<char> out) const {
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t n =
-        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw Error("{}: cannot read at byte {}: {}", path_, offset + done, error_text(errno));
-    if (n == 0) break;
-    done += static_cast<std::size_t>(n);
-  }
+  const std::size_t done = read_at(descriptor_, offset, out);
+  if (errno != 0) throw Error("{}: cannot read at byte {}: {}", path_, offset + done, error_text(errno));
   return done;
 }
 
@@ -229,14 +240,8 @@ void TemporaryFile::write(std::uint64_t offset, std::span<const char> bytes) {
 }
 
 void TemporaryFile::read(std::uint64_t offset, std::span<char> out) const {
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t n =
-        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) throw Error("{}: cannot read a temporary file: {}", folder_, error_text(n < 0 ? errno : EIO));
-    done += static_cast<std::size_t>(n);
-  }
+  if (read_at(descriptor_, offset, out) == out.size()) return;
+  throw Error("{}: cannot read a temporary file: {}", folder_, error_text(errno != 0 ? errno : EIO));
 }
 
 FileStamp stamp_of(const std::string& path) {

@@ -11,9 +11,8 @@ namespace palpate {
 /// Whose memory a file's bytes are in.
 enum class FileMemory {
   /// Shared with every process that maps the file: pages are read when they are first touched, and take no
-  /// memory that the system could not have back. The file must not be cut or written to meanwhile: the
-  /// process
-  /// that touches a page that is gone ends (SIGBUS). Who replaces it should rename another over it.
+  /// memory that the system could not have back. The file must not be cut or written to meanwhile: touching
+  /// a page that is gone raises SIGBUS. Who replaces it should rename another over it.
   kShared,
   kOwn,  ///< a copy: nothing that happens to the file afterwards reaches it
 };

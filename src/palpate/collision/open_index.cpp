@@ -118,8 +118,10 @@ void write_index_in_parts(const Request& request, const std::string& options, co
   writer.finish(built.forest.join(), built.description);
 }
 
-OpenedIndex opened(std::shared_ptr<const IndexFile> file, const Request& request,
+/// The index file `path`. \throws Error as IndexFile.
+OpenedIndex opened(const std::string& path, const std::string& options, const Request& request,
                    OpenedIndex::Origin origin) {
+  auto file = std::make_shared<const IndexFile>(path, request.path, options, request.memory);
   const FilterReport report = file->description().report;
   return {SceneIndex(std::move(file), request.world_from_scene), report, origin, {}, {}};
 }
@@ -153,8 +155,7 @@ OpenedIndex make_index(const Request& request, const std::string& options, const
                                                     : here.string();
     if (!writable) return opened(build_in_parts_in_memory(request, spill_folder), request);
     write_index_in_parts(request, options, file, spill_folder);
-    return opened(std::make_shared<IndexFile>(file, request.path, options, request.memory), request,
-                  OpenedIndex::Origin::kNewFile);
+    return opened(file, options, request, OpenedIndex::Origin::kNewFile);
   }
 
   if (!writable) return opened(build_small(request, *reader), request);
@@ -163,8 +164,7 @@ OpenedIndex make_index(const Request& request, const std::string& options, const
   try {
     write_index(*built.arrays, {source, options, built.report, built.arrays->gaussians, built.arrays->origin},
                 file);
-    return opened(std::make_shared<IndexFile>(file, request.path, options, request.memory), request,
-                  OpenedIndex::Origin::kNewFile);
+    return opened(file, options, request, OpenedIndex::Origin::kNewFile);
   } catch (const Error& error) {
     not_written = error.what();
     return opened(built, request);
@@ -185,8 +185,7 @@ OpenedIndex open_index(const std::string& path, const SceneFilter& filter, const
   std::error_code ignored;
   if (!file.empty() && std::filesystem::exists(file, ignored) && std::filesystem::exists(path, ignored)) {
     try {
-      return opened(std::make_shared<IndexFile>(file, path, options, memory), request,
-                    OpenedIndex::Origin::kFile);
+      return opened(file, options, request, OpenedIndex::Origin::kFile);
     } catch (const Error& error) {
       rejected = error.what();
     }

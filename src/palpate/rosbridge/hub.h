@@ -191,6 +191,7 @@ class Client {
   void answer(Json message);
   void offer(const Topic& topic, const std::shared_ptr<const Publication>& publication);
   void drop(std::map<std::string, Subscription>::iterator subscription);
+
   Hub& hub_;
   std::function<void()> wake_;
   std::function<double()> clock_;

@@ -546,9 +546,6 @@ void WebServer::every(double rate, std::function<void()> work) {
 void WebServer::when(Wake& wake, std::function<void()> work) { implementation_->when(wake, std::move(work)); }
 void WebServer::start() { implementation_->start(); }
 void WebServer::stop() { implementation_->stop(); }
-void WebServer::elsewhere(std::function<void()> work, std::function<void()> then) {
-  implementation_->elsewhere(std::move(work), std::move(then));
-}
 void WebServer::post(std::function<void()> work) { implementation_->post(std::move(work)); }
 std::uint16_t WebServer::port() const { return implementation_->port(); }
 

@@ -66,9 +66,6 @@ class WebServer {
 
   /// Runs `work` on the server's thread. Any thread.
   void post(std::function<void()> work);
-  /// Runs `work` on a thread for what takes longer, one after the other, then `then` on the server's. After
-  /// stop() neither is run. Any thread.
-  void elsewhere(std::function<void()> work, std::function<void()> then);
 
   std::uint16_t port() const;
   /// "http://127.0.0.1:9090/", with the token; by this machine's name where all of its addresses are listened

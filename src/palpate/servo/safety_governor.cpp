@@ -16,6 +16,8 @@ constexpr double kBelow = 1.0 - 1e-12;
 constexpr double kUnitTolerance = 1e-3;
 /// Over which the rate of readings is measured. Unit: [s].
 constexpr double kRateFilter = 0.25;
+/// After which a tick is late, and what slew is given time for at most. Unit: [ticks].
+constexpr double kOnTime = 2.0;
 
 bool is_finite(const Wrench& w) { return w.force.allFinite() && w.torque.allFinite(); }
 
@@ -131,18 +133,17 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   // Not from the future: a device whose clock runs away would otherwise never be stale.
   const bool fresh = good && said.t <= t + limits_.stale_after && (!started_ || said.t > newest_.t);
   watch_rate(fresh);
-  watch_stillness(fresh && (!started_ || !same(said.pose, newest_said_)));
+  DeviceReading reading = said;
+  if (good) reading.pose.orientation.normalize();
+  watch_stillness(fresh && (!started_ || !same(reading.pose, newest_.pose)));
   if (!fresh) {
     if (t - arrived_ > limits_.stale_after) raise(Fault::kStalePose);
     return false;
   }
-  DeviceReading reading = said;
-  reading.pose.orientation.normalize();
   const Fault found = check(reading);
   if (started_ && found != Fault::kJump && found != Fault::kChanging)
     watch_energy(newest_.pose, reading.pose, std::min(reading.t - newest_.t, limits_.stale_after));
   newest_ = reading;
-  newest_said_ = said.pose;
   arrived_ = t;
   started_ = true;
   if (found != Fault::kNone) {
@@ -208,7 +209,7 @@ void SafetyGovernor::watch_stillness(bool moved) {
 
 void SafetyGovernor::watch_lateness() {
   constexpr double kForgiven = 0.1;
-  late_ = std::max(0.0, late_ - kForgiven * passed_) + std::max(0.0, passed_ - 2.0 * limits_.tick);
+  late_ = std::max(0.0, late_ - kForgiven * passed_) + std::max(0.0, passed_ - kOnTime * limits_.tick);
   if (late_ <= limits_.late_max) return;
   late_ = limits_.late_max;
   raise(Fault::kLateTick);
@@ -298,7 +299,7 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
     sent_ = share() * at_fall_;
     return sent_;
   }
-  const double time = std::min(passed_, 2.0 * limits_.tick);
+  const double time = std::min(passed_, kOnTime * limits_.tick);
   sent_ = sent_ + shortened(share() * asked - sent_, limits_.force_slew * time, limits_.torque_slew * time);
   return sent_;
 }

@@ -180,7 +180,6 @@ class SafetyGovernor {
   unsigned held_ = 0;             ///< latched faults that nobody has resumed, a bit each
   SpeedBound jump_, quick_, angular_jump_, angular_quick_;
   DeviceReading newest_;   ///< that was a pose at all
-  Pose newest_said_;       ///< of it, to the last bit
   DeviceReading reading_;  ///< that was good
   double arrived_ = 0.0;   ///< when a new reading came last. Unit: [s].
   double moved_ = 0.0;     ///< when the pose changed last, or no force was asked for. Unit: [s].

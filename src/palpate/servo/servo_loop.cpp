@@ -59,7 +59,7 @@ void ServoLoop::watch(const Options& options) {
   double since = clock_.now();
   while (!over_.load(std::memory_order_relaxed)) {
     clock_.sleep_until(clock_.now() + kLook * patience);
-    const std::uint64_t now = beats_.load(std::memory_order_relaxed);
+    const std::uint64_t now = statistics_.ticks.load(std::memory_order_relaxed);
     if (now != seen) {
       seen = now;
       since = clock_.now();
@@ -75,7 +75,6 @@ std::vector<std::string> ServoLoop::refused() const {
 }
 
 void ServoLoop::tick(double due) {
-  beats_.fetch_add(1, std::memory_order_relaxed);
   const double begin = clock_.now(), spent = thread_time();
   const TickRecord& record = tick_.run(begin);
   TickTimes times;

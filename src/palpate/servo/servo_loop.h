@@ -86,7 +86,6 @@ class ServoLoop {
   double mean_age_ = 0.0;             ///< TickTimes::age, filtered. Unit: [s].
   std::vector<std::string> refused_;  ///< before begun_
   std::atomic<bool> begun_ = false, ends_ = false, over_ = false;
-  std::atomic<std::uint64_t> beats_ = 0;
   std::thread thread_, watchdog_;
 };
 

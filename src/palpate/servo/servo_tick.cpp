@@ -16,6 +16,15 @@ constexpr double kHeldFilter = 0.5;
 /// So that nothing is divided by nothing.
 constexpr double kLeastGain = 1e-6;
 
+/// The share of a wrench that a device can show; 1 for one that is not finite, which is the governor's to
+/// see.
+double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
+  const auto share = [](double most, double asked) { return asked > most ? most / asked : 1.0; };
+  const double rho = std::min(share(device.force_max, wrench.force.norm()),
+                              device.torque_max > 0.0 ? share(device.torque_max, wrench.torque.norm()) : 1.0);
+  return rho > 0.0 ? rho : 1.0;
+}
+
 }  // namespace
 
 ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptions& options)
@@ -40,15 +49,6 @@ void ServoTick::use(const FeltModel& model) {
 
 void ServoTick::press_clutch(bool pressed) { clutch_pressed_.store(pressed, std::memory_order_relaxed); }
 
-/// The share of a wrench that a device can show; 1 for one that is not finite, which is the governor's to
-/// see.
-double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
-  const auto share = [](double most, double asked) { return asked > most ? most / asked : 1.0; };
-  const double rho = std::min(share(device.force_max, wrench.force.norm()),
-                              device.torque_max > 0.0 ? share(device.torque_max, wrench.torque.norm()) : 1.0);
-  return rho > 0.0 ? rho : 1.0;
-}
-
 /// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
 /// \param passed since the last tick. Unit: [s].
 void ServoTick::change(double passed) {
@@ -67,10 +67,11 @@ void ServoTick::change(double passed) {
 
 void ServoTick::feel() {
   const DeviceReading& reading = record_.reading;
-  // The force of the world that the device shows all of, at this gain.
-  const double force_max = device_.capabilities().force_max * map_.scale / std::max(gain_, kLeastGain);
   const double passed = asked_ ? reading.t - asked_at_ : 0.0;
-  const double damping_max = device_.capabilities().damping_max / std::max(gain_, kLeastGain);
+  // The force of the world that the device shows all of, at this gain, and the damping.
+  const double least = std::max(gain_, kLeastGain);
+  const double force_max = device_.capabilities().force_max * map_.scale / least;
+  const double damping_max = device_.capabilities().damping_max / least;
   const ForceInput input{record_.tool, record_.velocity, passed, &found_, force_max, damping_max};
   if (used_.model->wants_contacts()) {
     used_.contacts->query(record_.tool, found_, ToolTracker::kMost);
@@ -81,7 +82,7 @@ void ServoTick::feel() {
   asked_ = true;
   asked_at_ = reading.t;
   held_for_ += -std::expm1(-passed / kHeldFilter) * (passed - held_for_);
-  keep_passive(record_.felt.stiffness, passive_gain_.stored() == 0.0);
+  const double margin = keep_passive(record_.felt.stiffness, passive_gain_.stored() == 0.0);
 
   ForceOutput& felt = record_.felt;
   const double gain = passive_gain_.at(gain_, felt.stored, unfelt);
@@ -89,6 +90,7 @@ void ServoTick::feel() {
   felt.wrench.torque *= gain;
   felt.stored = passive_gain_.stored();
   felt.stiffness *= gain_;
+  record_.margin = felt.stiffness > 0.0 ? margin : 0.0;
   Wrench wanted = map_.to_device(felt.wrench);
   if (device_.capabilities().torque_max == 0.0 && wanted.torque.allFinite()) wanted.torque.setZero();
   // Clamped before it is damped: what is damped and then clamped is not damped. Of what the model's spring
@@ -102,16 +104,16 @@ void ServoTick::feel() {
 }
 
 /// A spring that would be active is made softer. \param stiffness of the model, as set without a gain. Unit:
-/// [N/m]. \param begins nothing was pressed before: it is soft from the start
-void ServoTick::keep_passive(double stiffness, bool begins) {
-  margin_ = 0.0;
-  if (!(stiffness > 0.0)) return;
+/// [N/m]. \param begins nothing was pressed before: it is soft from the start \returns TickRecord::margin
+double ServoTick::keep_passive(double stiffness, bool begins) {
+  if (!(stiffness > 0.0)) return 0.0;
   const double bound = passive_stiffness(device_.capabilities().damping + kHandDamping, 0.0, held_for_,
                                          delay_.load(std::memory_order_relaxed));
-  margin_ = bound / (stiffness * std::max(wanted_gain_.load(std::memory_order_relaxed), kLeastGain));
-  if (!keeps_passive_) return;
-  gain_max_ = bound / stiffness;
-  if (begins) gain_ = std::min(gain_, gain_max_);
+  if (keeps_passive_) {
+    gain_max_ = bound / stiffness;
+    if (begins) gain_ = std::min(gain_, gain_max_);
+  }
+  return bound / (stiffness * std::max(wanted_gain_.load(std::memory_order_relaxed), kLeastGain));
 }
 
 double ServoTick::unfelt_work(const Wrench& felt) {
@@ -140,7 +142,6 @@ void ServoTick::tell() {
   record_.energy = governor_.energy();
   record_.put_out = passivity_.put_out();
   record_.added_damping = passivity_.added_damping();
-  record_.margin = record_.felt.stiffness > 0.0 ? margin_ : 0.0;
 }
 
 /// \returns true if there is a good new reading.
@@ -169,6 +170,7 @@ const TickRecord& ServoTick::run(double t) {
     asked_ = false;
     wanted_ = {};
     record_.felt = {Wrench{}, record_.tool};
+    record_.margin = 0.0;
   } else if (fresh) {
     feel();
   }

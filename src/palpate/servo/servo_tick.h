@@ -119,7 +119,7 @@ class ServoTick {
   /// What has been wound up by a turn against a torque that the device does not show. Unit: [J], of the
   /// world.
   double unfelt_work(const Wrench& felt);
-  void keep_passive(double stiffness, bool begins);
+  double keep_passive(double stiffness, bool begins);
   void tell();
 
   HapticDevice& device_;
@@ -130,8 +130,7 @@ class ServoTick {
   SafetyGovernor governor_;
   PassivityController passivity_;
   bool keeps_passive_;
-  double held_for_;      ///< a force until the next one, the mean over time. Unit: [s].
-  double margin_ = 0.0;  ///< see TickRecord::margin
+  double held_for_;  ///< a force until the next one, the mean over time. Unit: [s].
   double gain_max_ = std::numeric_limits<double>::infinity();   ///< with which the spring is passive
   Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();            ///< of the model, last
   Eigen::Quaterniond turned_ = Eigen::Quaterniond::Identity();  ///< the tool, then
