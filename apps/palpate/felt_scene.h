@@ -24,7 +24,7 @@ class FeltScene {
             double worker_delay);
 
   /// Of kModels[k].
-  FeltModel model(std::size_t k) const;
+  FeltModel model(std::size_t k);
   const std::shared_ptr<const SceneIndex>& index() const { return index_; }
   const Tool& tool() const { return tool_; }
 
@@ -32,14 +32,14 @@ class FeltScene {
   /// Everything that one of kModels needs.
   struct Model {
     std::unique_ptr<ForceModel> felt;
-    std::unique_ptr<ToolTracker> contacts;  ///< for `felt`, or for who looks on
-    std::unique_ptr<ToolTracker> asked;     ///< for `felt` where that is held
+    std::unique_ptr<ToolTracker> asked;  ///< for `felt` where that is held
     std::unique_ptr<HeldForce> held;
   };
 
   std::shared_ptr<const SceneIndex> index_;
   Tool tool_;
   Lookahead lookahead_;
+  ToolTracker contacts_;  ///< of the servo thread, for whichever model it feels
   std::array<Model, kModels.size()> models_;
   std::unique_ptr<WorkerThread> worker_;  ///< of all models; gone before them
 };

@@ -1,12 +1,17 @@
 """How a run ends, or is held up, while a hand leans on a wall: the force falls to zero and never rises. Times are read from the
 program's own record and are wide: the machine is shared."""
 
+import csv
+import io
+import json
 import os
+import resource
 import signal
 import time
 import unittest
 
-from support import path_csv
+from support import SANITIZED, path_csv
+from test_gateway import Gateway
 from test_run import RATE, Live
 
 FALLING, STOPPED = 3, 4
@@ -182,6 +187,49 @@ class Ends(Live):
         self.until_it_leans(process)
         process.send_signal(signal.SIGINT)
         self.end(process)
+
+
+class OutOfMemory(Gateway):
+    def setUp(self):
+        super().setUp()
+        self.write("hand.csv", lean())
+
+    def forces(self):
+        text = self.read("run.csv").decode()
+        return [force(row) for row in csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1]))]
+
+    def until(self, done):
+        for _ in range(600):
+            if done():
+                return
+            time.sleep(0.1)
+        self.fail("it does not come to that")
+
+    def message(self, send, receive):
+        send({"op": "call_service", "service": "/palpate/get_parameters", "id": "get"})
+        while (answer := json.loads(receive()[1])).get("id") != "get":
+            pass
+        return json.loads(answer["values"]["message"])["message"]
+
+    @unittest.skipIf(SANITIZED, "AddressSanitizer reserves all there is")
+    def test_a_change_that_finds_no_memory_changes_nothing(self):
+        self.start("--tool", "0.01,0.01,0.01", "--hand", "0.1,30,5000", "--record", "run.csv")
+        send, receive = self.socket()
+        self.until(lambda: os.path.exists(os.path.join(self.folder, "run.csv")) and max(self.forces(), default=0) > LEANS)
+        with open(f"/proc/{self.process.pid}/statm") as pages:
+            taken = int(pages.read().split()[0]) * resource.getpagesize()
+        before = resource.prlimit(self.process.pid, resource.RLIMIT_AS, (taken, resource.RLIM_INFINITY))
+        large = json.dumps({"tool": [{"semi_axes": [0.01, 0.01, 0.01]}] * 128})
+        change = {"op": "call_service", "service": "/palpate/set_parameters", "args": {"json": large}}
+        send(change)
+        self.until(lambda: "not enough memory" in self.message(send, receive))
+        begin = len(self.forces())
+        self.until(lambda: len(self.forces()) > begin + 50)
+        self.assertGreater(min(self.forces()[begin:]), LEANS, "what was felt is felt on")
+        resource.prlimit(self.process.pid, resource.RLIMIT_AS, before)
+        send(change)
+        self.until(lambda: self.message(send, receive) == "")
+        self.end()
 
 
 if __name__ == "__main__":

@@ -76,6 +76,24 @@ class Live(Case):
         return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
 
 
+class ManyParts(Live):
+    @unittest.skipIf(SANITIZED, "which takes memory of its own")
+    def test_the_memory_of_a_tool_is_bounded(self):
+        parts = [f"[[ellipsoid]]\nname = \"{k}\"\nsemi_axes = [0.004, 0.004, 0.004]\nposition = [{k % 16 * 0.01}, {k // 16 * 0.01}, 0.0]\n"
+                 for k in range(256)]
+        self.write("many.toml", "".join(parts))
+        for contacts in ("inline", "worker"):
+            process = subprocess.Popen(
+                [PALPATE, "run", "wall.ply", "--trajectory", "hand.csv", "--tool", "many.toml", "--contacts", contacts,
+                 "--seconds", "0.5", "--no-gateway", "-q"], cwd=self.folder, stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+            self.addCleanup(process.stderr.close)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(process.returncode, 0, process.stderr.read())
+            self.assertLess(usage.ru_maxrss, 1_000_000, contacts)  # KiB
+
+
 class Summary(Live):
     def test_json_is_the_only_thing_on_stdout(self):
         document = self.calm(*self.arguments("--seconds", "3"))

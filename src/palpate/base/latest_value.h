@@ -16,6 +16,9 @@ template <class T>
 class LatestValue {
  public:
   LatestValue() = default;
+  /// Each of the three is T(argument).
+  template <class Argument>
+  explicit LatestValue(const Argument& argument) : places_{T(argument), T(argument), T(argument)} {}
 
   /// \name The writer's
   /// @{

@@ -12,9 +12,6 @@ namespace {
 /// The first grain, of the median extent, and how much larger the next one is.
 constexpr float kFirstGrain = 0.5F, kCoarser = 1.25F;
 
-/// A sample that is made takes no more than this, so that there is room for more.
-constexpr std::size_t kFull = CandidateSet::kCapacity * 3 / 4;
-
 /// Multiples of the golden ratio, by place in the index: of neighbours there, any share is evenly spread.
 float lot_of(GaussianSlot slot) {
   constexpr std::uint32_t kGolden = 2654435769U;
@@ -77,7 +74,9 @@ void sample(CandidateSet& candidates) {
 void coarsen(CandidateSet& candidates) {
   if (candidates.grain == 0.0F)
     candidates.grain = std::max(kFirstGrain * median_extent(candidates), std::numeric_limits<float>::min());
-  while (candidates.size > kFull) {
+  // So that there is room for more.
+  const std::size_t full = candidates.capacity * 3 / 4;
+  while (candidates.size > full) {
     candidates.grain *= kCoarser;
     sample(candidates);
   }

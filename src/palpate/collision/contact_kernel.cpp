@@ -260,7 +260,7 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Siz
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
     crowd.thin(pairs, candidates);
     screen<kPrecision, Kept::kPair>(pairs, tool, singles);
-    fits = fits && (candidates.size + pairs.size <= CandidateSet::kCapacity || crowd.make_room(candidates));
+    fits = fits && (candidates.size + pairs.size <= candidates.capacity || crowd.make_room(candidates));
     if (fits) append_candidates<L>(index, pairs, singles, candidates);
     pairs.size = 0;
     return fits;
@@ -342,6 +342,16 @@ HWY_EXPORT(ContactsAmong);
 void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
                    ContactSet& result) {
   HWY_DYNAMIC_DISPATCH(FindContacts)(index, tool, precision, most, result);
+}
+
+CandidateSet::CandidateSet(std::size_t most) : capacity(most) {
+  const std::size_t room = most + kSlack;
+  for (auto& lane : center) lane.resize(room);
+  for (auto& lane : axes) lane.resize(room);
+  for (auto& lane : rounded_axes) lane.resize(room);
+  t.resize(room);
+  slot.resize(room);
+  label.resize(room);
 }
 
 bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,

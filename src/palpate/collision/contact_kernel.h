@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <palpate/base/aligned_vector.h>
 #include <palpate/collision/contact.h>
 #include <palpate/collision/contact_output.h>
 #include <palpate/collision/index_layout.h>
@@ -25,27 +26,33 @@
 namespace palpate {
 
 /// Gaussians near a tool, activated, as a structure of arrays. Captured frame, relative to the index's
-/// origin. Its size is fixed, so that refilling it takes nothing from the heap.
+/// origin. Its capacity is fixed when it is made, so that refilling it takes nothing from the heap.
 struct CandidateSet {
-  /// Twelve times the contacts of the most crowded pose of the seal under the default tool. A set that is
-  /// full takes 600 KB; what is not used costs nothing.
+  /// \param most from kLeastCapacity to kCapacity; a set takes 150 bytes for each
+  explicit CandidateSet(std::size_t most = kCapacity);
+
+  /// Twelve times the contacts of the most crowded pose of the seal under the default tool.
   static constexpr std::size_t kCapacity = 4096;
+  /// A quarter of it, which coarsen() leaves free, holds a PairBuffer.
+  static constexpr std::size_t kLeastCapacity = 1024;
+  static_assert(kLeastCapacity / 4 >= PairBuffer::kCapacity);
   static constexpr std::size_t kSlack = kIndexWidth;  ///< that whole vectors may be stored at the end
 
   template <typename T>
-  using Array = std::array<T, kCapacity + kSlack>;
+  using Array = AlignedVector<T>;
 
+  std::size_t capacity;
   std::size_t size = 0;
-  std::size_t walked = 0;                          ///< ContactSet::candidates of the query that filled it
-  alignas(64) std::array<Array<float>, 3> center;  ///< as their file has it
+  std::size_t walked = 0;              ///< ContactSet::candidates of the query that filled it
+  std::array<Array<float>, 3> center;  ///< as their file has it
   /// The three semi-axis vectors k sigma r, one after the other: for Precision::kDouble, or for kSingle.
-  alignas(64) std::array<Array<double>, 9> axes;
-  alignas(64) std::array<Array<float>, 9> rounded_axes;
-  alignas(64) Array<float> t;  ///< lambda / (1 - lambda) where K was least when last seen
-  alignas(64) Array<GaussianSlot> slot;
-  alignas(64) Array<GaussianLabel> label;
+  std::array<Array<double>, 9> axes;
+  std::array<Array<float>, 9> rounded_axes;
+  Array<float> t;  ///< lambda / (1 - lambda) where K was least when last seen
+  Array<GaussianSlot> slot;
+  Array<GaussianLabel> label;
   /// Of find_magnified(): Gaussians of less extent than this are a sample. Unit: [captured units].
-  float grain;
+  float grain = 0.0F;
 };
 
 /// All contacts of `tool`, into `result`, in the order of the blocks; or those among `most` pairs and what is

@@ -10,10 +10,12 @@ constexpr double kMargin = 0.1;
 
 }  // namespace
 
-ContactTracker::ContactTracker(const SceneIndex& index, Precision precision, Lookahead* lookahead)
+ContactTracker::ContactTracker(const SceneIndex& index, Precision precision, Lookahead* lookahead,
+                               std::size_t capacity)
     : index_(index),
       precision_(precision),
-      ahead_(lookahead == nullptr ? nullptr : &lookahead->add(index, precision)) {}
+      ahead_(lookahead == nullptr ? nullptr : &lookahead->add(index, precision, capacity)),
+      near_(capacity) {}
 
 void ContactTracker::query(const Ellipsoid& tool, ContactSet& result, std::size_t most) {
   Neighbourhood* known = &near_;

@@ -20,9 +20,9 @@ namespace palpate {
 /// a `result` that is too small.
 class ContactTracker {
  public:
-  /// `lookahead` must outlive it; null: it looks for itself.
+  /// `lookahead` must outlive it; null: it looks for itself. \param capacity see Neighbourhood
   explicit ContactTracker(const SceneIndex& index, Precision precision = Precision::kDouble,
-                          Lookahead* lookahead = nullptr);
+                          Lookahead* lookahead = nullptr, std::size_t capacity = Neighbourhood::kCapacity);
 
   /// Replaces `result` by the contacts of `tool`. ContactSet::candidates is that of the last search,
   /// `filtered` the number of Gaussians it left. \param most as of SceneIndex::query \pre as

@@ -107,6 +107,15 @@ void magnify(LocalSplats& splats, std::size_t i, float times) {
 
 }  // namespace
 
+LocalSplats::LocalSplats(std::size_t capacity) {
+  const std::size_t room = capacity + kIndexWidth;
+  for (auto& lane : center) lane.resize(room);
+  for (auto& lane : whitening) lane.resize(room);
+  radius.resize(room);
+  opacity.resize(room);
+  id.resize(room);
+}
+
 void fill_splats(const CandidateSet& from, const CapturedFrame& frame, float times, LocalSplats& result) {
   static_assert(LocalSplats::kCapacity >= CandidateSet::kCapacity);
   result.size = from.size;

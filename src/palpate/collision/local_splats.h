@@ -8,27 +8,31 @@
 
 #include <Eigen/Core>
 
+#include <palpate/base/aligned_vector.h>
 #include <palpate/collision/index_layout.h>
 
 namespace palpate {
 
 /// Gaussians as a structure of arrays, along the axes of the world: centres in double precision, so that a
-/// view may take them from wherever it is; the rest in single. Its size is fixed, so that refilling it takes
-/// nothing from the heap.
+/// view may take them from wherever it is; the rest in single. Its capacity is fixed when it is made, so that
+/// refilling it takes nothing from the heap.
 struct LocalSplats {
-  static constexpr std::size_t kCapacity = 4096;
+  static constexpr std::size_t kCapacity = 4096;  ///< at most
+
+  explicit LocalSplats(std::size_t capacity = kCapacity);
 
   template <typename T>
-  using Array = std::array<T, kCapacity + kIndexWidth>;  // so that whole vectors may be read at the end
+  using Array =
+      AlignedVector<T>;  // of the capacity and kIndexWidth, that whole vectors may be read at the end
 
   std::size_t size = 0;
-  alignas(64) std::array<Array<double>, 3> center;  ///< world frame. Unit: [m].
+  std::array<Array<double>, 3> center;  ///< world frame. Unit: [m].
   /// The rows of L, one after the other, with m^2 = |L (x - center)|^2: unit vectors along the semi-axes,
   /// over their lengths. Unit: [1/m].
-  alignas(64) std::array<Array<float>, 9> whitening;
-  alignas(64) Array<float> radius;   ///< the longest semi-axis. Unit: [m].
-  alignas(64) Array<float> opacity;  ///< alpha in (0, 1]
-  alignas(64) Array<std::uint32_t> id;
+  std::array<Array<float>, 9> whitening;
+  Array<float> radius;   ///< the longest semi-axis. Unit: [m].
+  Array<float> opacity;  ///< alpha in (0, 1]
+  Array<std::uint32_t> id;
 
   /// A semi-axis counts as at least this share of the longest one: splats of no thickness are legal, and
   /// their whitening is not.
@@ -41,7 +45,7 @@ struct CandidateSet;
 struct CapturedFrame;
 
 /// What find_magnified(..., times, `from`) found, as splatting draws it; what stands for others is larger for
-/// it. Takes nothing from the heap.
+/// it. Takes nothing from the heap. \pre `result` has the capacity of `from`
 /// \param frame of the index that it was found in
 void fill_splats(const CandidateSet& from, const CapturedFrame& frame, float times, LocalSplats& result);
 

@@ -24,8 +24,9 @@ class Lookahead final : public BackgroundWork {
   class Line {
    public:
     /// Of contacts in that precision; none: of what is drawn, see Neighbourhood::search_drawn().
-    Line(const SceneIndex& index, std::optional<Precision> precision)
-        : index_(index), precision_(precision) {}
+    /// \param capacity see Neighbourhood
+    Line(const SceneIndex& index, std::optional<Precision> precision, std::size_t capacity)
+        : index_(index), precision_(precision), found_(capacity) {}
 
     /// \name The servo thread's. Neither waits nor takes memory.
     /// @{
@@ -52,9 +53,13 @@ class Lookahead final : public BackgroundWork {
   };
 
   /// A line for tools in `index`, which must outlive it.
-  Line& add(const SceneIndex& index, Precision precision) { return lines_.emplace_back(index, precision); }
+  Line& add(const SceneIndex& index, Precision precision, std::size_t capacity = Neighbourhood::kCapacity) {
+    return lines_.emplace_back(index, precision, capacity);
+  }
   /// The same, for what is drawn.
-  Line& add_drawn(const SceneIndex& index) { return lines_.emplace_back(index, std::nullopt); }
+  Line& add_drawn(const SceneIndex& index, std::size_t capacity = Neighbourhood::kCapacity) {
+    return lines_.emplace_back(index, std::nullopt, capacity);
+  }
 
   void take() override;
   void finish() override;

@@ -14,7 +14,14 @@ constexpr double kRounding = 1e-10;
 
 }  // namespace
 
-Neighbourhood::Neighbourhood() : candidates_(std::make_unique<CandidateSet>()) {}
+Neighbourhood::Neighbourhood(std::size_t capacity) : candidates_(std::make_unique<CandidateSet>(capacity)) {
+  static_assert(kCapacity == CandidateSet::kCapacity);
+}
+
+std::size_t Neighbourhood::capacity_for(std::size_t solids) {
+  constexpr std::size_t kTogether = 16 * kCapacity;
+  return std::clamp(kTogether / solids, CandidateSet::kLeastCapacity, kCapacity);
+}
 
 Neighbourhood::~Neighbourhood() = default;
 

@@ -16,8 +16,15 @@ struct CandidateSet;
 /// that solid. Takes nothing from the heap after construction.
 class Neighbourhood {
  public:
-  Neighbourhood();
+  /// \param capacity Gaussians to keep at most, see capacity_for()
+  explicit Neighbourhood(std::size_t capacity = kCapacity);
   ~Neighbourhood();
+
+  /// For one solid alone.
+  static constexpr std::size_t kCapacity = 4096;
+  /// For each of `solids` that are near each other: so many of them keep no more together than sixteen alone,
+  /// until each has the least that a search needs.
+  static std::size_t capacity_for(std::size_t solids);
 
   /// Looks for what `solid` touches. \returns false if that is too much to keep; it then covers nothing.
   bool search(const SceneIndex& index, const Ellipsoid& solid, Precision precision);

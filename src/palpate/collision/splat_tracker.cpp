@@ -8,10 +8,11 @@ constexpr double kMargin = 0.1;
 
 }  // namespace
 
-SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead)
+SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead, std::size_t capacity)
     : index_(index),
-      ahead_(lookahead == nullptr ? nullptr : &lookahead->add_drawn(index)),
-      splats_(std::make_unique<LocalSplats>()) {}
+      ahead_(lookahead == nullptr ? nullptr : &lookahead->add_drawn(index, capacity)),
+      near_(capacity),
+      splats_(std::make_unique<LocalSplats>(capacity)) {}
 
 const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
   const Neighbourhood* known = &near_;

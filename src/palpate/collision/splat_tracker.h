@@ -17,8 +17,9 @@ namespace palpate {
 /// nothing from the heap after construction.
 class SplatTracker {
  public:
-  /// `lookahead` must outlive it; null: it looks for itself.
-  explicit SplatTracker(const SceneIndex& index, Lookahead* lookahead = nullptr);
+  /// `lookahead` must outlive it; null: it looks for itself. \param capacity see Neighbourhood
+  explicit SplatTracker(const SceneIndex& index, Lookahead* lookahead = nullptr,
+                        std::size_t capacity = Neighbourhood::kCapacity);
 
   /// All Gaussians that splatting draws something of inside `solid` (Neighbourhood::kDrawn), and some
   /// besides; the same until the next call. Where they are more than LocalSplats has room for, a sample that

@@ -44,7 +44,7 @@ struct DepthViewLanes {
   /// What the mean depth is the mean over.
   static constexpr float kBright = 0.75F, kDim = 0.25F;
 
-  const std::array<LocalSplats::Array<float>, 3>& from() const { return view.from_; }
+  const auto& from() const { return view.from_; }
   std::size_t& size() { return view.size_; }
   float* x() { return view.x_.data(); }
   float* y() { return view.y_.data(); }
@@ -106,7 +106,8 @@ struct Vec3 {
   }
 };
 
-HWY_INLINE Vec3 load3(const std::array<LocalSplats::Array<float>, 3>& lanes, std::size_t i) {
+template <class Lanes>
+HWY_INLINE Vec3 load3(const Lanes& lanes, std::size_t i) {
   return {hn::Load(D(), &lanes[0][i]), hn::Load(D(), &lanes[1][i]), hn::Load(D(), &lanes[2][i])};
 }
 

@@ -188,7 +188,7 @@ class DepthView {
   friend struct DepthViewLanes;
   static constexpr std::size_t kMost = LocalSplats::kCapacity;
   template <typename T>
-  using PerSplat = LocalSplats::Array<T>;
+  using PerSplat = std::array<T, kMost + kIndexWidth>;
   template <typename T>
   using PerRay = std::array<T, kRays>;
 

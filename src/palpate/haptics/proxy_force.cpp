@@ -111,8 +111,9 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
       radius_(tool.radius()),
       step_(std::numeric_limits<double>::infinity()) {
   const double extent = index.usual_extent();
+  const std::size_t capacity = Neighbourhood::capacity_for(tool.parts().size());
   for (const ToolPart& part : tool.parts()) {
-    parts_.emplace_back(index, part, parameters, extent, lookahead, budget_);
+    parts_.emplace_back(index, part, parameters, extent, lookahead, capacity, budget_);
     step_ = std::min(step_, 0.5 * parts_.back().reach);
   }
   contacts_.contacts.reserve(kRoom);

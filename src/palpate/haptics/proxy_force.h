@@ -119,12 +119,12 @@ class ProxyForce final : public ForceModel {
 
   struct Part {
     Part(const SceneIndex& index, const ToolPart& part, const ProxyParameters& parameters, double extent,
-         Lookahead* lookahead, LookBudget& budget)
+         Lookahead* lookahead, std::size_t capacity, LookBudget& budget)
         : solid(part),
           reach(reach_of(part, detail_of(part, parameters), extent)),
           larger(enlarged(part, detail_of(part, parameters), reach)),
-          splats(index, lookahead),
-          touched(index, Precision::kDouble, lookahead),
+          splats(index, lookahead, capacity),
+          touched(index, Precision::kDouble, lookahead, capacity),
           patches(detail_of(part, parameters), larger.semi_axes.cwiseQuotient(part.semi_axes), budget) {}
 
     ToolPart solid;
