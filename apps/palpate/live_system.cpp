@@ -192,19 +192,18 @@ void LiveSystem::go(const Trajectory& path) {
   way_.publish();
 }
 
-/// On its own way, which may change, or where a client leads it; in the device's frame.
+/// On its own way, which may change, or where a client leads it; in the device's frame. The servo thread's.
 HandPath LiveSystem::simulated_hand() {
   const HandPath own = [this](double t) {
     way_.update();
-    return (*way_.front())(t);
+    return tick_->map().to_device((*way_.front())(t));
   };
   const LedHand::Lead lead = [this](double) -> std::optional<Pose> {
     const ClientHand::Sample& client = client_hand_.newest();
     if (!client_hand_.is_held()) return std::nullopt;
-    return map_.to_world(client.pose);
+    return client.pose;
   };
-  return
-      [this, hand = with_tremor(LedHand(own, lead), kTremor)](double t) { return map_.to_device(hand(t)); };
+  return with_tremor(LedHand(own, lead), kTremor);
 }
 
 std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,

@@ -104,7 +104,7 @@ TEST_P(LateWorker, TheHandRests) {
   Session session(GetParam(), Contacts::kLookahead);
   EXPECT_LE(limit_cycle(session), 0.05e-3);
   EXPECT_EQ(session.tick().state, GovernorState::kActive);
-  EXPECT_GT(session.tick().sent_force.z(), 0.5);
+  EXPECT_GT(session.tick().sent_world.force.z(), 0.5);
 }
 
 // Which Gaussians are touched does not depend on who looked for them; their figures do by rounding, and with
@@ -115,8 +115,8 @@ TEST_P(LateWorker, SlidingFeelsTheSameAsWithoutDelay) {
   late.tick_until(3.6);
   prompt.tick_until(3.6);
   while (late.time() < 5.0) {
-    const Vector3d felt = prompt.tick().sent_force;
-    EXPECT_LE((late.tick().sent_force - felt).norm(), two_counts);
+    const Vector3d felt = prompt.tick().sent_world.force;
+    EXPECT_LE((late.tick().sent_world.force - felt).norm(), two_counts);
     EXPECT_GT(felt.norm(), 0.5);
   }
 }
@@ -130,7 +130,7 @@ TEST_P(LateWorker, TheGovernorEndsThat) {
   Session session(GetParam(), Contacts::kHold, true);
   session.tick_until(2.5);
   EXPECT_EQ(session.tick().fault, Fault::kOverEnergy);
-  EXPECT_EQ(session.tick().sent_force, Vector3d(Vector3d::Zero()));
+  EXPECT_EQ(session.tick().sent_world.force, Vector3d(Vector3d::Zero()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, LateWorker, testing::Values("field", "proxy"));

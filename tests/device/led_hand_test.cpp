@@ -56,6 +56,26 @@ struct Drive {
   double speed = 0.0, turn_speed = 0.0;
 };
 
+// Its way is another from one moment to the next, as where a clutch is released or another path is given.
+TEST(LedHand, GoesAtTheSpeedOfAHandWhereItsOwnWayGoesOnElsewhere) {
+  Vector3d shift = Vector3d::Zero();
+  Drive drive([&](double t) {
+    Pose there = round_and_round(t);
+    there.position += shift;
+    return there;
+  });
+  drive.start();
+  drive.to(0.5, 1e-3);
+  drive.forget_speeds();
+  shift = {0.2, -0.1, 0.1};
+  drive.to(1.5, 1e-3);
+  EXPECT_LE(drive.speed, LedHand::kSpeed + 1e-9);
+  EXPECT_GT(drive.speed, 0.9);
+  Pose there = round_and_round(drive.t);
+  there.position += shift;
+  EXPECT_LT(distance(drive.at, there), 1e-9);
+}
+
 TEST(LedHand, GoesExactlyItsOwnWayUntilItIsLed) {
   LedHand hand(round_and_round, [](double) { return std::nullopt; });
   for (const double t : {3.0, 3.001, 3.0015, 3.5, 3.5, 7.0})

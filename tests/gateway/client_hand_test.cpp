@@ -214,7 +214,6 @@ TEST(TickFeed, WakesForEveryTickWhileAClientHoldsTheHand) {
   };
   EXPECT_FALSE(feed.update());
   TickRecord record;
-  record.sent_force.setZero();
   record.t = 1.0;
   feed.see(record, {});
   ASSERT_TRUE(feed.update());

@@ -78,7 +78,7 @@ class LiveTopicsTest : public testing::Test {
 
   static TickRecord quiet() {
     TickRecord record;
-    record.sent_force.setZero();
+    record.map = map();
     record.tool.position = {0, 0, 5};
     return record;
   }
@@ -106,6 +106,20 @@ TEST_F(LiveTopicsTest, TakesAPoseInTheWorldToTheDevice) {
   EXPECT_NEAR(hand.newest().pose.orientation.angularDistance(map().rotation.conjugate()), 0.0, 1e-12);
   put(*first, {1, 2, 4}, "device");
   EXPECT_EQ(hand.newest().pose.position, Vector3d(1, 2, 4));
+}
+
+// The clutch has moved the device in the world: what a client says of the world is of that one.
+TEST_F(LiveTopicsTest, TakesAPoseInTheWorldToWhereTheDeviceIsNow) {
+  begin();
+  put(*first, {1, 2, 4}, "world");
+  record.map.offset = {1, 4, 0};
+  record.map.tool = Quaterniond(AngleAxisd(0.5, Vector3d::UnitX()));
+  tick();
+  live->publish();
+  put(*first, {1, 6, 4}, "world");
+  EXPECT_TRUE(hand.newest().pose.position.isApprox(Vector3d(1, 0, 2)));
+  EXPECT_LT(record.map.to_world(hand.newest().pose).orientation.angularDistance(Quaterniond::Identity()),
+            1e-12);
 }
 
 TEST_F(LiveTopicsTest, APoseWithoutAFrameIsInThatOfWhatTheClientIs) {
@@ -165,7 +179,7 @@ TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
   EXPECT_THAT(all(*first)[kSpatial], IsEmpty()) << "it was not felt yet";
 
   record.sent = {{1, 2, 3}, {4, 5, 6}};
-  record.sent_force = {-2, 1, 3};  // turned by 90 degrees about z
+  record.sent_world = {{-2, 1, 3}, {-5, 4, 6}};  // turned by 90 degrees about z
   record.tool.orientation = Quaterniond(AngleAxisd(M_PI, Vector3d::UnitX()));
   tick();
   live->answer();
@@ -177,14 +191,12 @@ TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
   EXPECT_EQ(answer["header"]["frame_id"], "device");
   EXPECT_EQ(answer["header"]["stamp"], (Json{{"secs", 7}, {"nsecs", 0}})) << "that of the pose";
   EXPECT_EQ(spatial["header"]["frame_id"], "world");
-  EXPECT_EQ(spatial["wrench"]["force"], to_json(record.sent_force));
-  EXPECT_NEAR(spatial["wrench"]["torque"]["x"].get<double>(), -5.0, 1e-12);
-  EXPECT_NEAR(spatial["wrench"]["torque"]["y"].get<double>(), 4.0, 1e-12);
-  EXPECT_NEAR(spatial["wrench"]["torque"]["z"].get<double>(), 6.0, 1e-12);
+  EXPECT_EQ(spatial["wrench"], to_json(record.sent_world));
   EXPECT_EQ(body["header"]["frame_id"], "tool");
   EXPECT_NEAR(body["wrench"]["force"]["x"].get<double>(), -2.0, 1e-12);
   EXPECT_NEAR(body["wrench"]["force"]["y"].get<double>(), -1.0, 1e-12);
   EXPECT_NEAR(body["wrench"]["force"]["z"].get<double>(), -3.0, 1e-12);
+  EXPECT_NEAR(body["wrench"]["torque"]["z"].get<double>(), -6.0, 1e-12);
 
   live->publish();
   EXPECT_THAT(all(*first), IsEmpty()) << "who gets it a tick does not get it 60 times a second, too";

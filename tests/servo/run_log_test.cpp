@@ -65,14 +65,15 @@ TEST(WriteRun, AddsTheUserForceWhereThereIsOne) {
 }
 
 const std::string kLiveHeader =
-    ",vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,state,fault,energy,stored,damping,margin,age_us";
-const std::string kLiveLine = ",23,24,25,26,27,28,29,30,31,3,5,-0.5,0.25,32,1.5,33";
+    ",vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,stx,sty,stz,state,fault,energy,stored,damping,margin,age_us";
+const std::string kLiveLine = ",23,24,25,26,27,28,29,30,31,34,35,36,3,5,-0.5,0.25,32,1.5,33";
 
 LiveColumns numbered_live() {
   LiveColumns live;
   live.velocity.linear << 23, 24, 25;
   live.velocity.angular << 26, 27, 28;
-  live.sent << 29, 30, 31;
+  live.sent.force << 29, 30, 31;
+  live.sent.torque << 34, 35, 36;
   live.state = GovernorState::kFalling;
   live.fault = Fault::kOverSpeed;
   live.energy = -0.5;
@@ -132,7 +133,8 @@ TEST(ReadRun, ReadsWhatALiveLoopKnows) {
   const LiveColumns &live = *run.rows[0].live, expected = numbered_live();
   EXPECT_EQ(live.velocity.linear, expected.velocity.linear);
   EXPECT_EQ(live.velocity.angular, expected.velocity.angular);
-  EXPECT_EQ(live.sent, expected.sent);
+  EXPECT_EQ(live.sent.force, expected.sent.force);
+  EXPECT_EQ(live.sent.torque, expected.sent.torque);
   EXPECT_EQ(live.state, GovernorState::kFalling);
   EXPECT_EQ(live.fault, Fault::kOverSpeed);
   EXPECT_EQ(live.energy, -0.5);
@@ -177,7 +179,7 @@ TEST(Run, NumbersReadBackToTheBit) {
     row.compute_us = any();
     row.user_force = vector();
     row.live.emplace().velocity = {vector(), vector()};
-    row.live->sent = vector();
+    row.live->sent = {vector(), vector()};
     row.live->energy = any();
     rows.push_back(row);
   }
@@ -198,7 +200,8 @@ TEST(Run, NumbersReadBackToTheBit) {
       EXPECT_TRUE(same(run.rows[i].wrench.force[k], rows[i].wrench.force[k]));
       EXPECT_TRUE(same(run.rows[i].tool.position[k], rows[i].tool.position[k]));
       EXPECT_TRUE(same((*run.rows[i].user_force)[k], (*rows[i].user_force)[k]));
-      EXPECT_TRUE(same(run.rows[i].live->sent[k], rows[i].live->sent[k]));
+      EXPECT_TRUE(same(run.rows[i].live->sent.force[k], rows[i].live->sent.force[k]));
+      EXPECT_TRUE(same(run.rows[i].live->sent.torque[k], rows[i].live->sent.torque[k]));
     }
   }
   write_run(run.rows, again.path());
@@ -271,7 +274,7 @@ TEST(ReadRun, NamesAMissingColumnOfAGroup) {
 TEST(ReadRun, NamesLineAndColumnOfWhatIsNoStateOrFault) {
   // The last of each is read; the next is not.
   const auto lines = [](const std::string& state, const std::string& fault) {
-    return kNumberedLine + ",0,0,0,0,0,0,0,0,0," + state + "," + fault + ",0,0,0,0,0\n";
+    return kNumberedLine + ",0,0,0,0,0,0,0,0,0,0,0,0," + state + "," + fault + ",0,0,0,0,0\n";
   };
   const TemporaryFile good(kHeader + kLiveHeader + "\n" + lines("4", std::to_string(kFaultCount - 1)));
   EXPECT_EQ(read_run(good.path()).rows[0].live->state, GovernorState::kStopped);

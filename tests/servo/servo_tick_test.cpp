@@ -112,7 +112,7 @@ TEST_F(ServoTickTest, WhatTheModelAsksForIsSentOnceTheGateIsOpen) {
   go_to(-0.01);
   const TickRecord& now = run(0.05);
   EXPECT_NEAR(device.shown.force.x(), 5.0, 1e-3);
-  EXPECT_NEAR(now.sent_force.x(), 5.0, 1e-3);
+  EXPECT_NEAR(now.sent_world.force.x(), 5.0, 1e-3);
   EXPECT_DOUBLE_EQ(now.felt.stiffness, 500.0);
   EXPECT_NEAR(now.margin, 3.0 / (0.5 * kTick) / 500.0, 1e-6);  // b / (T / 2) over K
 }
@@ -369,6 +369,45 @@ TEST_F(ServoTickTest, TheClutchMovesTheHandAndNotTheTool) {
   EXPECT_NEAR(device.shown.force.x(), 5.0, 0.02);
 }
 
+// A hand that turns while the clutch is pressed takes hold anew: the tool keeps its orientation, and turns
+// from there on as the hand does. The map that says so is in the record.
+TEST_F(ServoTickTest, TheClutchTurnsTheHandAndNotTheTool) {
+  ServoTickOptions options;
+  options.map.rotation = Eigen::AngleAxisd(0.7, Vector3d::UnitY());
+  begin(options);
+  const auto turn_to = [&](double angle) {
+    const Eigen::Quaterniond from = device.pose.orientation;
+    const Eigen::Quaterniond there(Eigen::AngleAxisd(angle, Vector3d(1, 2, 2) / 3.0));
+    for (int k = 1; k <= 50; ++k) {
+      device.pose.orientation = from.slerp(k / 50.0, there);
+      run(kTick);
+    }
+  };
+  device.pose.position.x() = 0.02;
+  run(1.0);
+  loop->press_clutch(true);
+  run(0.3);
+  const Pose held = run(kTick).tool;
+  const WorkspaceMap before = loop->map();
+  turn_to(1.0);
+  const TickRecord& pressed = run(kTick);
+  EXPECT_LT(pressed.tool.orientation.angularDistance(held.orientation), 1e-12);
+  EXPECT_EQ(pressed.tool.position, held.position);
+  EXPECT_EQ(pressed.velocity.angular, Vector3d(Vector3d::Zero()));
+  EXPECT_EQ(pressed.map.offset, before.offset) << "while it is pressed, who maps poses keeps its map";
+  loop->press_clutch(false);
+  EXPECT_LT(run(1.0).tool.orientation.angularDistance(held.orientation), 1e-9);
+  turn_to(1.5);
+  const TickRecord& turned = run(kTick);
+  const Eigen::Quaterniond by = options.map.rotation *
+                                Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d(1, 2, 2) / 3.0)) *
+                                options.map.rotation.conjugate();
+  EXPECT_LT(turned.tool.orientation.angularDistance(by * held.orientation), 1e-9);
+  const Pose again = turned.map.to_world(turned.reading.pose);
+  EXPECT_TRUE(again.position.isApprox(turned.tool.position, 1e-12));
+  EXPECT_LT(again.orientation.angularDistance(turned.tool.orientation), 1e-9);
+}
+
 TEST_F(ServoTickTest, AMapScalesTheWayAndNotTheStiffness) {
   ServoTickOptions options;
   options.map.scale = 4.0;
@@ -383,7 +422,7 @@ TEST_F(ServoTickTest, AMapScalesTheWayAndNotTheStiffness) {
   const TickRecord& now = run(0.05);
   EXPECT_NEAR(now.tool.position.x(), -0.04, 1e-4);
   EXPECT_NEAR(device.shown.force.y(), -500.0 * 0.01, 0.01);  // 10 mm of the hand's way in
-  EXPECT_NEAR(now.sent_force.x(), 5.0, 0.01);                // along the world's axes
+  EXPECT_NEAR(now.sent_world.force.x(), 5.0, 0.01);          // along the world's axes
 }
 
 TEST_F(ServoTickTest, ADeviceThatIsSilentIsNotHeld) {

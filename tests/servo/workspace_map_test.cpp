@@ -10,7 +10,10 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 WorkspaceMap some_map() {
-  return {4.0, Quaterniond(AngleAxisd(1.1, Vector3d(1, -2, 0.5).normalized())), {0.3, -0.2, 1.0}};
+  return {4.0,
+          Quaterniond(AngleAxisd(1.1, Vector3d(1, -2, 0.5).normalized())),
+          {0.3, -0.2, 1.0},
+          Quaterniond(AngleAxisd(0.4, Vector3d(2, 1, -1).normalized()))};
 }
 
 Pose some_pose() {
@@ -29,6 +32,15 @@ TEST(WorkspaceMap, ThereAndBackIsTheSamePose) {
   const Pose back = some_map().to_device(some_map().to_world(some_pose()));
   EXPECT_TRUE(back.position.isApprox(some_pose().position, 1e-12));
   EXPECT_TRUE(back.orientation.isApprox(some_pose().orientation, 1e-12));
+}
+
+TEST(WorkspaceMap, AttachesAToolToAHandle) {
+  WorkspaceMap map = some_map();
+  const Pose tool{{1, 2, 3}, Quaterniond(AngleAxisd(2.0, Vector3d(1, 1, 0).normalized()))};
+  map.attach(tool, some_pose());
+  EXPECT_TRUE(map.to_world(some_pose()).position.isApprox(tool.position, 1e-12));
+  EXPECT_LT(map.to_world(some_pose()).orientation.angularDistance(tool.orientation), 1e-7);
+  EXPECT_EQ(map.rotation.coeffs(), some_map().rotation.coeffs()) << "which forces go by";
 }
 
 TEST(WorkspaceMap, AMetreOfTheHandIsScaleMetresOfTheWorld) {

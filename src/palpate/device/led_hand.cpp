@@ -32,9 +32,11 @@ Pose LedHand::operator()(double t) {
   // What leads comes in steps, which are followed smoothly; its own way is smooth, and joined while it goes
   // on.
   const Pose from = led || led_before_ ? goal : own_before_;
+  const bool jumped = (goal.position - from.position).norm() > kJump * dt ||
+                      turn_between(from.orientation, goal.orientation).norm() > kTurnJump * dt;
   led_before_ = led.has_value();
   own_before_ = goal;
-  if (led) away_ = true;
+  if (led || (started_ && jumped)) away_ = true;
   if (!started_ || !away_) {
     started_ = true;
     return pose_ = goal;

@@ -146,15 +146,18 @@ void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
     only != nullptr ? topic.publish_to(*only, message) : topic.publish(message, told_ ? holder_ : nullptr);
   };
   // Torques as forces: what the device shows, along the axes of the world.
-  const Wrench world{tick.sent_force, map_.rotation * tick.sent.torque};
-  send(spatial_, kWorld, world);
+  send(spatial_, kWorld, tick.sent_world);
   const Eigen::Quaterniond back = tick.tool.orientation.conjugate();
-  send(body_, "tool", {back * world.force, back * world.torque});
+  send(body_, "tool", {back * tick.sent_world.force, back * tick.sent_world.torque});
+}
+
+void LiveTopics::look() {
+  if (feed_.update()) map_ = feed_.newest().record.map;
 }
 
 void LiveTopics::answer() {
   feed_.wake().clear();
-  feed_.update();
+  look();
   if (holder_ == nullptr) return;
   const bool another = feed_.newest().answers != answered_;
   answered_ = feed_.newest().answers;
@@ -168,7 +171,7 @@ void LiveTopics::answer() {
 
 void LiveTopics::publish() {
   if (holder_ != nullptr && clock_.now() - held_at_ > kSilence) release();
-  feed_.update();
+  look();
   if (holder_ != nullptr && waits_since_) hand_over();
   if (holder_ != nullptr && count_ % kEchoEvery == 0) ask_echo();
   const TickRecord& tick = feed_.newest().record;

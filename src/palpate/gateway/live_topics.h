@@ -24,7 +24,7 @@ namespace palpate {
 /// thread.
 class LiveTopics {
  public:
-  /// All must outlive it. \param map where poses of a client that are not in the frame "world" are
+  /// All must outlive it. \param map where the device is in the world, until a tick says where it is now
   LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClock& clock,
              const LoopStatistics& statistics, const WorkspaceMap& map, bool client_is_device);
 
@@ -61,6 +61,8 @@ class LiveTopics {
   void take_echo(const Json& message, const Client& from);
   /// The newest pose goes on to the loop, once no force is on that was for another hand.
   void hand_over();
+  /// At the newest tick.
+  void look();
   bool force_has_fallen() const;
   void publish_device_wrench(const Wrench& wrench);
   void publish_world_wrenches(const Stamp& stamp, Client* only);

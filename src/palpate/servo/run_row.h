@@ -14,9 +14,9 @@ namespace palpate {
 /// What a live loop knows of a tick besides; a replay has no device.
 struct LiveColumns {
   Twist velocity;  ///< of the tool, world frame
-  /// What the motors were told, after safety, world frame; RunRow::wrench is what the model asked for. Unit:
-  /// [N].
-  Eigen::Vector3d sent = Eigen::Vector3d::Zero();
+  /// What the motors were told, after safety, along the axes of the world; RunRow::wrench is what the model
+  /// asked for.
+  Wrench sent;
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
   double energy = 0.0;   ///< SafetyGovernor::energy(): net, put into the hand. Unit: [J].

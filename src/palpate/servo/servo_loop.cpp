@@ -25,7 +25,7 @@ RunRow run_row(const TickRecord& record, const TickTimes& times) {
   row.compute_us = kMicro * times.compute;
   const double stored = std::isnan(record.felt.stored) ? 0.0 : record.felt.stored;
   row.live =
-      LiveColumns{record.velocity, record.sent_force,    record.state,  record.fault,      record.energy,
+      LiveColumns{record.velocity, record.sent_world,    record.state,  record.fault,      record.energy,
                   stored,          record.added_damping, record.margin, kMicro * times.age};
   return row;
 }

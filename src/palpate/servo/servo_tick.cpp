@@ -136,12 +136,21 @@ const TickRecord& ServoTick::look() {
 }
 
 void ServoTick::tell() {
-  record_.sent_force = map_.rotation * record_.sent.force;
+  record_.sent_world = {map_.rotation * record_.sent.force, map_.rotation * record_.sent.torque};
   record_.state = governor_.state();
   record_.fault = governor_.fault();
   record_.energy = governor_.energy();
   record_.put_out = passivity_.put_out();
   record_.added_damping = passivity_.added_damping();
+}
+
+/// \param held by the clutch, so that the hand goes elsewhere without it
+void ServoTick::place_tool(bool held) {
+  if (tool_held_ && !held) map_.attach(record_.tool, record_.reading.pose);
+  tool_held_ = held;
+  record_.map = map_;
+  if (!held) record_.tool = map_.to_world(record_.reading.pose);
+  record_.velocity = held ? Twist{} : map_.to_world(record_.reading.velocity);
 }
 
 /// \returns true if there is a good new reading.
@@ -159,10 +168,7 @@ const TickRecord& ServoTick::run(double t) {
   const bool on = before != GovernorState::kFalling && before != GovernorState::kStopped;
   record_.t = t;
   record_.reading = governor_.reading();
-  if (clutched_ && before == GovernorState::kStopped)
-    map_.offset += record_.tool.position - map_.to_world(record_.reading.pose).position;
-  record_.tool = map_.to_world(record_.reading.pose);
-  record_.velocity = map_.to_world(record_.reading.velocity);
+  place_tool(clutched_ && before == GovernorState::kStopped);
   if (!on) {  // the tool may be anywhere when the force comes back
     used_.model->reset();
     passivity_.reset();

@@ -25,9 +25,9 @@ struct TickRecord {
   Pose tool;              ///< where that is in the world
   Twist velocity;         ///< world frame
   ForceOutput felt;       ///< of the model, there
+  WorkspaceMap map;       ///< that took the reading there
   Wrench sent;            ///< what the device was told, its frame
-  Eigen::Vector3d sent_force =
-      Eigen::Vector3d::Zero();  ///< of that, the force along the axes of the world. Unit: [N].
+  Wrench sent_world;      ///< the same along the axes of the world, as large as in the hand
   /// Of the tool, by ServoTick::look(); see ContactSet. Of more than ToolTracker::kMost pairs, those that
   /// come first.
   std::size_t candidates = 0, filtered = 0, contacts = 0;
@@ -85,6 +85,9 @@ class ServoTick {
   /// Until it is time for the next tick: HapticDevice::wait().
   void wait(const LoopClock& clock, double until) { device_.wait(clock, until); }
 
+  /// Where the device is in the world now. The thread of run(); devices may ask while they are read.
+  const WorkspaceMap& map() const { return map_; }
+
   /// For stop(), resume() and, on the thread of run(), the transitions.
   SafetyGovernor& governor() { return governor_; }
   const SafetyGovernor& governor() const { return governor_; }
@@ -99,8 +102,8 @@ class ServoTick {
   /// The gain goes there within a few tenths of a second, and no work is done by that (PassiveGain).
   void set_gain(double gain) { wanted_gain_.store(gain, std::memory_order_relaxed); }
   double wanted_gain() const { return wanted_gain_.load(std::memory_order_relaxed); }
-  /// While it is pressed, the tool stays where it is and there is no force: the hand can be moved to where it
-  /// has room.
+  /// While it is pressed, the tool keeps its pose and there is no force: the hand can be moved and turned to
+  /// where it has room. TickRecord::map is another once it is released.
   void press_clutch(bool pressed);
   /// run() does not come to an end, or the program is about to: the device is stopped, and whatever run() was
   /// about to write is of no force. Also from a signal handler.
@@ -115,6 +118,7 @@ class ServoTick {
  private:
   void change(double passed);
   bool listen(double t);
+  void place_tool(bool held);
   void feel();
   /// What has been wound up by a turn against a torque that the device does not show. Unit: [J], of the
   /// world.
@@ -137,8 +141,9 @@ class ServoTick {
   DeviceReading said_;
   bool heard_ = false;  ///< the device has said something
   bool clutched_ = false;
-  bool asked_ = false;     ///< the model was, since it was reset
-  double asked_at_ = 0.0;  ///< DeviceReading::t of the last time. Unit: [s].
+  bool tool_held_ = false;  ///< by the clutch, where it was
+  bool asked_ = false;      ///< the model was, since it was reset
+  double asked_at_ = 0.0;   ///< DeviceReading::t of the last time. Unit: [s].
   ContactSet found_;
   Wrench wanted_;
   TickRecord record_;
