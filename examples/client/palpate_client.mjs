@@ -1,11 +1,11 @@
 // Reference client of Palpate's gateway: makes something with motors the device of `palpate run --device client`.
 //
-// One module without dependencies, for browsers and for Node 20 or later; a Node that has no global WebSocket (before 22)
-// gets one from the package ws:
+// One module without dependencies, for browsers and for Node 20 or later. A Node that has no global WebSocket (before
+// 22) gets one from the package ws: `new PalpateClient({ forceMax: 8, WebSocket: (await import('ws')).WebSocket })`.
 //
 //     import { PalpateClient } from './palpate_client.mjs';
-//     const client = new PalpateClient({ forceMax: 8, torqueMax: 0 });          // in Node 20: , WebSocket: (await import('ws')).WebSocket
-//     await client.connect('ws://127.0.0.1:9090/');                             // with a token: ws://HOST:PORT/?token=TOKEN
+//     const client = new PalpateClient({ forceMax: 8, torqueMax: 0 });
+//     await client.connect('ws://127.0.0.1:9090/'); // with a token: ws://HOST:PORT/?token=TOKEN
 //     // 60 to 1000 times a second:
 //     client.send({ position: [0, 0, 0.1], orientation: [1, 0, 0, 0] });
 //     motors.show(client.wrench.force);
@@ -150,6 +150,7 @@ export class PalpateClient extends EventTarget {
   /// Rejects where the program does not answer or does not want this client.
   async connect(url) {
     this.disconnect();
+    this.#waiting = null; // what was measured before is not sent
     const socket = new this.#WebSocket(url);
     this.#socket = socket;
     socket.addEventListener('message', ({ data }) => { if (socket === this.#socket) this.#hear(data); });
@@ -211,7 +212,6 @@ export class PalpateClient extends EventTarget {
 
   #lose() {
     this.#socket = null;
-    this.#waiting = null;
     this.#governor.fail();
     this.dispatchEvent(new Event('close'));
   }

@@ -143,6 +143,14 @@ TEST_F(WrenchGovernorTest, WhatIsNoMessageOrALossOfTheConnectionEndsInZero) {
   open();
 }
 
+TEST_F(WrenchGovernorTest, NoWrenchFromBeforeAFailureOpensTheGate) {
+  open();
+  hold(0.03 * kForceMax, 0.01);
+  governor.fail();
+  for (const double end = now + 0.04; now < end; now += kTick) show();
+  EXPECT_EQ(show(), 0.0);
+}
+
 TEST_F(WrenchGovernorTest, AFailureLateInASilenceDoesNotLengthenIt) {
   open();
   const double last_came = now;

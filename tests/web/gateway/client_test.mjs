@@ -108,7 +108,13 @@ describe('the governor of a client', () => {
     on.now = measured + 0.05;
     on.governor.take(along(4), measured, on.now);
     assert.equal(on.show(), 0);
-    on.governor.take(along(0), NaN, on.now);
+    on.open();
+    on.now += 0.06;
+    on.show();
+    for (let k = 0; k < 2; k += 1) {
+      on.governor.take(along(0), NaN, on.now);
+      on.show();
+    }
     assert.equal(on.hold(4, 0.1), 0);
   });
 
@@ -118,6 +124,30 @@ describe('the governor of a client', () => {
     for (let k = 0; k < 60; k += 1, on.now += 1e-3) on.take(4);
     on.show();
     assert.equal(on.hold(4, 0.1), 0);
+  });
+
+  test('counts a silence that no call has seen', () => {
+    const on = begin();
+    on.open();
+    on.now += 0.04;
+    assert.equal(on.show(), 4);
+    on.now += 0.02;
+    on.take(4);
+    on.show();
+    assert.equal(on.hold(4, 0.1), 0);
+  });
+
+  test('opens for no wrench from before a failure, nor for a torque that is not small', () => {
+    const on = begin();
+    on.open();
+    on.hold(0.3, 0.01);
+    on.governor.fail();
+    for (const end = on.now + 0.04; on.now < end; on.now += 1e-3) on.show();
+    assert.equal(on.show(), 0);
+    for (let k = 0; k < 100; k += 1, on.now += 1e-3) {
+      on.governor.take({ force: [0, 0, 0], torque: [0.03, 0, 0] }, on.now, on.now);
+      assert.equal(on.governor.show(on.now).torque[0], 0);
+    }
   });
 
   test('refuses limits that are none', () => {
@@ -139,11 +169,11 @@ describe('a client and a scripted server', () => {
 
   const url = () => `ws://127.0.0.1:${server.address().port}/`;
   const published = (topic) => heard.filter((m) => m.op === 'publish' && m.topic === `/palpate/client/${topic}`).map((m) => m.msg);
-  const begin = async () => {
+  const begin = async (again = null) => {
     client?.disconnect();
     heard = [];
     const came = once(server, 'connection');
-    client = new PalpateClient({ forceMax: 12, WebSocket });
+    client = again ?? new PalpateClient({ forceMax: 12, WebSocket });
     await client.connect(url());
     [peer] = await came;
     peer.on('message', (text) => heard.push(JSON.parse(text)));
@@ -220,9 +250,15 @@ describe('a client and a scripted server', () => {
     await eventually(() => client.wrench.force[2] === 0);
     await wait(200);
     assert.equal(server.clients.size, 0);
-    await begin();
+    await begin(client);
+    peer.send(wrench(0));
     await wait(50);
     assert.equal(heard.length, 2, 'what was measured before is not sent');
+    await open();
+    client.disconnect();
+    assert.ok(client.wrench.force[2] > 0, 'the line begins');
+    await wait(10);
+    assert.equal(client.wrench.force[2], 0);
   });
 
   test('never has a queue of old poses', async () => {
