@@ -479,7 +479,7 @@ class AgainstTheProgram : public testing::Test {
   }
   /// Onto the sphere until there is a force; a machine that stands still for a moment is a fault: then again.
   bool press() {
-    for (int k = 0; k < 20; ++k) {
+    for (int k = 0; k < 60; ++k) {
       lead(kFree, 1.2);
       if (lead(kPressed, 0.8, 1.0).back().force > 1.0) return true;
     }

@@ -324,7 +324,7 @@ describe('a client and the program', () => {
   const [free, pressed] = [0.19, 0.165]; // m
   // Onto the sphere until there is a force; a machine that stands still for a moment is a fault: then again.
   const press = async () => {
-    for (let k = 0; k < 20; k += 1) {
+    for (let k = 0; k < 60; k += 1) {
       await lead(free, 1.2);
       if ((await lead(pressed, 0.8, (now) => now?.force > 1)).at(-1).force > 1) return;
     }
