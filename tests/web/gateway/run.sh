@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# roslib against the program. usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]
+# roslib and the reference client against the program. usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]
 set -euo pipefail
 work=$(realpath -m "${1:?usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]}")
 PALPATE=$(realpath "${2:?usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]}")
 export PALPATE
 here=$(dirname "$(realpath "$0")")
+PALPATE_CLIENT=$(realpath "$here/../../../examples/client/palpate_client.mjs")
+export PALPATE_CLIENT
 # shellcheck source=tests/web/packages.sh
 source "$here/../packages.sh"
 enter "$work" "$here"
@@ -14,5 +16,5 @@ node=(node)
 if [[ $# -gt 2 ]]; then
   "${node[@]}" "${@:3}"
 else
-  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs
+  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs client_test.mjs
 fi
