@@ -95,6 +95,23 @@ TEST(SimulatedDevice, MotorsAreLateByTheDelayAndNoStrongerThanTheyAre) {
   EXPECT_NEAR(bench.device.velocity().linear.x(), 1.0 / 0.5 * 4e-3, 2.0 * 2 * SimulatedDevice::kStep);
 }
 
+TEST(SimulatedDevice, ItsWatchdogTurnsItsMotorsOffOnceNothingIsWritten) {
+  DeviceCapabilities watched = strong();
+  watched.watchdog = 0.05;
+  Bench bench(plant_of(0.1, 0.5), {0.1, 5.0, 400.0}, still, watched);
+  bench.run(0.1, kPush);
+  EXPECT_EQ(bench.device.motors().force, kPush.force);
+  for (int k = 1; k <= 60; ++k) {
+    bench.device.read(bench.t += kTick, bench.reading);
+    if (k <= 48) {
+      EXPECT_EQ(bench.device.motors().force, kPush.force) << k;
+    }
+  }
+  EXPECT_EQ(bench.device.motors().force, Vector3d::Zero());
+  bench.run(2 * kTick, kPush);
+  EXPECT_EQ(bench.device.motors().force, kPush.force);
+}
+
 TEST(SimulatedDevice, FollowsTheHand) {
   const auto path = [](double t) {
     Pose p;
