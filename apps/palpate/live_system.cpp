@@ -127,6 +127,7 @@ LiveSystem::LiveSystem(const SceneOptions& scene, const QueryOptions& query, con
     contacts_ = many && std::thread::hardware_concurrency() > 1 ? "worker" : "inline";
   }
   make_device(device);
+  open_device(*device_, [](const std::string& line) { notify("note: " + line); });
   const auto first = std::find(kModels.begin(), kModels.end(), force.model_for(*index_));
   settings_.model = static_cast<std::size_t>(first - kModels.begin());
 }
@@ -169,7 +170,9 @@ void LiveSystem::make_device(const DeviceOptions& options) {
   DeviceProfile profile = device_profile(options.profile);
   if (options.device == "client") {
     profile.capabilities.rate = options.client_rate;
-    profile.capabilities.damping = 0.0;  // of what a client holds, nobody knows
+    // Of what a client holds, nobody knows.
+    profile.capabilities.damping = profile.capabilities.watchdog = 0.0;
+    profile.capabilities.damping_source = DampingSource::kUnknown;
     device_ = std::make_unique<ClientDevice>(profile.capabilities, client_hand_);
     return;
   }
@@ -216,6 +219,7 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {
+  device_->enable();
   clock_ = LoopClock();
   felt_ = make_felt(index_, settings_);
   ServoTickOptions ticks;
@@ -242,6 +246,7 @@ void LiveSystem::stop() {
   wanted_.notify_all();
   // First of all the force: what is being made ready may take a while to end.
   if (loop_) loop_->stop();
+  device_->close();
   if (changer_.joinable()) changer_.join();
 }
 

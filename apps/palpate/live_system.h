@@ -55,14 +55,15 @@ struct LiveSettings {
 /// What a loop runs on, and what it is asked for. All of it lives as long as this.
 class LiveSystem {
  public:
-  /// Reads the scene, or makes the built-in one if it has no path. \throws Error.
+  /// Reads the scene, or makes the built-in one if it has no path, and opens the device, for whose
+  /// calibration it waits where that is needed. \throws Error.
   LiveSystem(const SceneOptions& scene, const QueryOptions& query, const ForceOptions& force,
              const DeviceOptions& device, const LoopOptions& loop, const Progress& progress);
   ~LiveSystem();
 
-  /// Begins. `observers` must outlive this.
+  /// Motors on, and begins. `observers` must outlive this. \throws Error if the device cannot be enabled.
   void start(std::vector<TickObserver*> observers);
-  /// Ramps the force down and ends.
+  /// Ramps the force down, closes the device and ends.
   void stop();
 
   /// \name From any thread, once it has started
@@ -85,6 +86,10 @@ class LiveSystem {
   ServoLoop& loop() { return *loop_; }
   const LoopClock& clock() const { return clock_; }
   const DeviceCapabilities& device() const { return device_->capabilities(); }
+  /// What it says of itself in a fault; else empty.
+  std::string_view device_fault() const {
+    return device_->status() == DeviceStatus::kFault ? device_->status_text() : std::string_view();
+  }
   ClientHand& client_hand() { return client_hand_; }
   /// "inline", "worker" or "hold".
   const std::string& contacts() const { return contacts_; }

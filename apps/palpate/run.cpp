@@ -179,8 +179,10 @@ void Console::tell_transitions() {
     const GovernorTransition& change = transitions[told_];
     if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
     clear();
-    stderr_.write(notice(fmt::format("{:.3f} s: no force: {}: {}", change.t, traits(change.fault).name,
-                                     traits(change.fault).advice)));
+    const std::string_view device = system_.device_fault();
+    stderr_.write(
+        notice(fmt::format("{:.3f} s: no force: {}: {}{}{}", change.t, traits(change.fault).name,
+                           traits(change.fault).advice, device.empty() ? "" : "; it says: ", device)));
   }
 }
 
@@ -342,6 +344,8 @@ void run(const Options& options) {
     notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
                        options.device.device, tool_text(options.query.tool), kModels[system.settings().model],
                        system.contacts(), system.scene_text()));
+    if (system.device().watchdog == 0.0)
+      notify("note: no watchdog of this device is known; it must show no force once none has come for 50 ms");
     if (gateway) notify(fmt::format("see and take part: {}", gateway->url()));
   }
 

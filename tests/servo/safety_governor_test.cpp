@@ -156,6 +156,32 @@ TEST(SafetyGovernor, SlewsByHand) {
   EXPECT_NEAR(loop.tick().force.z(), 1.7, 1e-9);
 }
 
+// A hand that leans on a wall: motors that hold a quarter for ever.
+TEST(SafetyGovernor, AForceThatTheMotorsDoNotHoldComesDownToWhatTheyDo) {
+  DeviceCapabilities warm = device();
+  warm.force_sustained = 2.0;
+  warm.torque_sustained = 0.1;
+  Loop loop(warm);
+  loop.feel({7, 0, 0});
+  loop.wanted = {{20, 0, 0}, {0, 1, 0}};
+  Wrench before = loop.tick();
+  for (int k = 0; k < 60'000; ++k) {
+    loop.tick();
+    if (k > 50) {
+      ASSERT_LE(loop.sent.force.x(), before.force.x() + 1e-12);
+    }
+    before = loop.sent;
+  }
+  EXPECT_EQ(loop.governor.state(), GovernorState::kActive);
+  EXPECT_NEAR(loop.sent.force.x(), 2.0, 0.01);
+  EXPECT_NEAR(loop.sent.torque.y(), 0.1, 0.001);
+  loop.wanted = force({0.1, 0, 0});
+  loop.run(20.0);
+  loop.wanted = force({8, 0, 0});
+  loop.run(0.02);
+  EXPECT_NEAR(loop.sent.force.x(), 8.0, 1e-9) << "it has cooled";
+}
+
 /// One way for things to go wrong.
 struct Trouble {
   const char* name;

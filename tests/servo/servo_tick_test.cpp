@@ -126,6 +126,15 @@ TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {
   EXPECT_NEAR(run(0.01).margin, 3.0 / 1e-3 / 500.0, 1e-6);
 }
 
+TEST_F(ServoTickTest, MotorsThatAreLateAreALesserMargin) {
+  device.can.delay = 0.5e-3;
+  begin();
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  go_to(-0.01);
+  EXPECT_NEAR(run(0.01).margin, 3.0 / 1e-3 / 500.0, 1e-6);
+}
+
 TEST_F(ServoTickTest, TheGainIsThereWithoutAJump) {
   begin();
   device.pose.position.x() = 0.01;

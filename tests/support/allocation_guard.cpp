@@ -28,6 +28,8 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std
 
 namespace palpate::test {
 
+std::size_t allocations_of_thread() { return allocations; }
+
 AllocationGuard::AllocationGuard() : before_(allocations) {}
 std::size_t AllocationGuard::count() const { return allocations - before_; }
 

@@ -6,6 +6,9 @@
 
 namespace palpate::test {
 
+/// How often the calling thread has called operator new so far.
+std::size_t allocations_of_thread();
+
 /// Counts calls of operator new by the thread that made it, while it lives. Link
 /// support/allocation_guard.cpp, which replaces operator new for the whole program.
 class AllocationGuard {

@@ -18,8 +18,9 @@ struct DeviceProfile {
 };
 
 /// Touch, omega, lambda.7, delta.3 and Falcon: forces and workspaces from the makers' data sheets; of the
-/// mechanics, what those leave out is of the usual size for the class. The damping is the one that makes
-/// DeviceCapabilities::stiffness_max the passive bound at the device's rate (passive_stiffness()).
+/// mechanics, what those leave out is assumed, of the usual size for the class. The damping that is credited
+/// is that of the plant (DampingSource::kSimulated); of a device of hardware nothing is credited that was not
+/// measured.
 std::span<const DeviceProfile> device_profiles();
 
 /// Of each, DeviceCapabilities::name.

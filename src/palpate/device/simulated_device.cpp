@@ -40,9 +40,20 @@ Vector3d stepped(const Vector3d& v, double h, double mass, const Vector3d& force
 
 SimulatedDevice::SimulatedDevice(const DeviceCapabilities& capabilities, const PlantProperties& plant,
                                  const HandProperties& hand, HandPath path)
-    : capabilities_(capabilities), plant_(plant), hand_(hand), path_(std::move(path)) {}
+    : capabilities_(capabilities), plant_(plant), hand_(hand), path_(std::move(path)) {
+  set_status(DeviceStatus::kEnabled);
+}
+
+void SimulatedDevice::enable() {
+  stop();  // what was written before is not shown
+  HapticDevice::enable();
+}
 
 Wrench SimulatedDevice::motors() const {
+  const bool off = status() != DeviceStatus::kEnabled || stopped_.load(std::memory_order_relaxed);
+  if (off || written_ == 0) return {};
+  const double silent = t_ - writes_[(written_ - 1) % writes_.size()].t;
+  if (capabilities_.watchdog > 0.0 && silent > capabilities_.watchdog) return {};
   const std::size_t oldest = written_ > writes_.size() ? written_ - writes_.size() : 0;
   for (std::size_t k = written_; k > oldest; --k) {
     const Written& w = writes_[(k - 1) % writes_.size()];
@@ -55,6 +66,7 @@ Wrench SimulatedDevice::motors() const {
 
 void SimulatedDevice::write(const Wrench& wrench) {
   writes_[written_++ % writes_.size()] = {read_at_, wrench};
+  stopped_.store(false, std::memory_order_relaxed);
 }
 
 void SimulatedDevice::step(double h) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <functional>
 
@@ -40,7 +41,8 @@ using HandPath = std::function<Pose(double t)>;
 /// that dry friction holds is at rest. F is what was written `delay` ago, no more than the motors can.
 ///
 /// Time is the loop's: in virtual time all is the same at every run; in real time it follows the clock that
-/// read() is given. Starts where the hand is at the first read().
+/// read() is given. Starts where the hand is at the first read(). Has nothing to connect: it is enabled from
+/// its construction on.
 class SimulatedDevice final : public HapticDevice {
  public:
   /// `path` must be good as long as the object is used.
@@ -48,9 +50,13 @@ class SimulatedDevice final : public HapticDevice {
                   const HandProperties& hand, HandPath path);
 
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  void enable() override;
   bool read(double t, DeviceReading& reading) override;
   void write(const Wrench& wrench) override;
+  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
 
+  /// What the motors show at the time of the last read(). Device's frame.
+  Wrench motors() const;
   /// What the encoders do not tell: where the handle really is. World frame.
   const Pose& pose() const { return pose_; }
   const Twist& velocity() const { return velocity_; }
@@ -68,7 +74,6 @@ class SimulatedDevice final : public HapticDevice {
 
   void step(double h);
   void turn(double h, const Eigen::Vector3d& torque, const Pose& wanted, const Eigen::Vector3d& wanted_spin);
-  Wrench motors() const;
 
   DeviceCapabilities capabilities_;
   PlantProperties plant_;
@@ -84,6 +89,7 @@ class SimulatedDevice final : public HapticDevice {
   Twist told_velocity_;             ///< filtered differences, as drivers tell it
   std::array<Written, 64> writes_;  ///< a ring: at 10 kHz more than kMostDelay
   std::size_t written_ = 0;         ///< in all
+  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace palpate

@@ -96,7 +96,9 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   // A device that can push no harder is at rest whatever is asked of it.
   const double bearable = StabilityTrial::kForceShare * trial.profile.capabilities.force_max;
   const double press = std::min(StabilityTrial::kPress, bearable / trial.hand.stiffness);
-  SimulatedDevice device(trial.profile.capabilities, trial.profile.plant, trial.hand, path_at(place, press));
+  DeviceCapabilities can = trial.profile.capabilities;
+  can.force_sustained = can.torque_sustained = 0.0;  // whether it shakes is measured, not whether it gets hot
+  SimulatedDevice device(can, trial.profile.plant, trial.hand, path_at(place, press));
   ServoTickOptions options;
   options.period = StabilityTrial::kTick;
   options.gain = trial.gain;

@@ -64,6 +64,8 @@ SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
   SafetyLimits limits;
   limits.force_max = device.force_max;
   limits.torque_max = device.torque_max;
+  limits.force_sustained = device.force_sustained;
+  limits.torque_sustained = device.torque_sustained;
   limits.force_slew = device.force_max / kSlewTime;
   limits.torque_slew = device.torque_max / kSlewTime;
   constexpr double kThereAndBack = 4.0;  // radii, each way
@@ -94,7 +96,9 @@ SafetyGovernor::SafetyGovernor(const SafetyLimits& limits)
       jump_{limits.jump_speed, limits.noise, limits.noise},
       quick_{limits.speed_max, limits.noise, limits.noise},
       angular_jump_{limits.jump_angular_speed, limits.angular_noise, limits.angular_noise},
-      angular_quick_{limits.angular_speed_max, limits.angular_noise, limits.angular_noise} {}
+      angular_quick_{limits.angular_speed_max, limits.angular_noise, limits.angular_noise},
+      force_(limits.force_max, limits.force_sustained),
+      torque_(limits.torque_max, limits.torque_sustained) {}
 
 Fault SafetyGovernor::check(const DeviceReading& reading) {
   if (!started_) return Fault::kNone;
@@ -117,6 +121,8 @@ void SafetyGovernor::begin_tick(double t) {
     begun_ = true;
     arrived_ = moved_ = small_since_ = since_ = t;
   }
+  force_.pass(sent_.force.norm(), passed_);
+  torque_.pass(sent_.torque.norm(), passed_);
   watch_lateness();
   hear();
 }
@@ -300,7 +306,9 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
     return sent_;
   }
   const double time = std::min(passed_, kOnTime * limits_.tick);
-  sent_ = sent_ + shortened(share() * asked - sent_, limits_.force_slew * time, limits_.torque_slew * time);
+  const Wrench bearable = shortened(asked, force_.bound(), torque_.bound());
+  sent_ =
+      sent_ + shortened(share() * bearable - sent_, limits_.force_slew * time, limits_.torque_slew * time);
   return sent_;
 }
 

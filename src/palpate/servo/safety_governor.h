@@ -12,21 +12,26 @@
 #include <palpate/geometry/pose.h>
 #include <palpate/servo/device_capabilities.h>
 #include <palpate/servo/fault.h>
+#include <palpate/servo/sustained_limit.h>
 
 namespace palpate {
 
 /// What a device says at one instant.
 struct DeviceReading {
-  double t = 0.0;          ///< when it was measured, on the loop's clock. Unit: [s].
-  Pose pose;               ///< of the handle, the device's frame
-  Twist velocity;          ///< the same frame
-  std::uint32_t hand = 0;  ///< another number: another hand has the handle, and is elsewhere
+  double t = 0.0;  ///< when it was measured, on the loop's clock. Unit: [s].
+  Pose pose;       ///< of the handle, the device's frame
+  Twist velocity;  ///< the same frame
+  /// Another number: another hand has the handle, or the device was away, and the handle may be anywhere.
+  std::uint32_t hand = 0;
+  std::uint32_t buttons = 0;  ///< a bit each, set while it is pressed; the lowest is the first
 };
 
 /// What is allowed. The defaults fit a hand on any of the devices that are sold for hands.
 struct SafetyLimits {
   double force_max = 0.0;   ///< Unit: [N]. > 0
   double torque_max = 0.0;  ///< Unit: [N m]. >= 0
+  /// Kept over SustainedLimit::kTime; 0: as much as the peak. Unit: [N], [N m].
+  double force_sustained = 0.0, torque_sustained = 0.0;
   /// How fast the wrench may change; from nothing to all in kSlewTime by default. Unit: [N/s], [N m/s].
   double force_slew = 0.0, torque_slew = 0.0;
   double tick = 1e-3;            ///< between calls, as planned. Unit: [s]. > 0
@@ -83,7 +88,8 @@ struct GovernorTransition {
 
 /// Stands between what a force model asks for and what a device is sent. Whatever goes in, what comes out is
 ///
-///  - finite, at most force_max and torque_max, in the direction that was asked for;
+///  - finite, at most force_max and torque_max, in the direction that was asked for; on average over
+///    SustainedLimit::kTime, at most what the motors hold for ever;
 ///  - no farther from what came out before than slew makes in the time since, or in two ticks; but a fall
 ///    goes straight to its end;
 ///  - zero while the state is kWaiting or kStopped, and within FaultTraits::fall_time of every fault. Faults
@@ -188,6 +194,7 @@ class SafetyGovernor {
   double fresh_ = 1.0;     ///< share of the time that new readings speak for, filtered
   double energy_ = 0.0;
   Wrench sent_;
+  SustainedLimit force_, torque_;            ///< of what is sent
   Wrench at_fall_;                           ///< what was sent at fall_from_
   double fall_from_ = 0.0, fall_end_ = 0.0;  ///< a straight line to zero. Unit: [s].
   std::atomic<unsigned> stop_asked_ = 0;     ///< a bit for every Fault

@@ -107,8 +107,9 @@ void ServoTick::feel() {
 /// [N/m]. \param begins nothing was pressed before: it is soft from the start \returns TickRecord::margin
 double ServoTick::keep_passive(double stiffness, bool begins) {
   if (!(stiffness > 0.0)) return 0.0;
-  const double bound = passive_stiffness(device_.capabilities().damping + kHandDamping, 0.0, held_for_,
-                                         delay_.load(std::memory_order_relaxed));
+  const DeviceCapabilities& device = device_.capabilities();
+  const double bound = passive_stiffness(device.damping + kHandDamping, 0.0, held_for_,
+                                         delay_.load(std::memory_order_relaxed) + device.delay);
   if (keeps_passive_) {
     gain_max_ = bound / stiffness;
     if (begins) gain_ = std::min(gain_, gain_max_);

@@ -111,7 +111,8 @@ class ServoTick {
     governor_.stop(Fault::kStalled);
     device_.stop();
   }
-  /// From reading to force, as measured by who can; counts against the margin. Unit: [s].
+  /// From reading to write(), as measured by who can; counts against the margin, as does what the motors take
+  /// after that (DeviceCapabilities::delay). Unit: [s].
   void set_delay(double delay) { delay_.store(delay, std::memory_order_relaxed); }
   /// @}
 
