@@ -30,11 +30,12 @@ std::string_view to_string(DeviceStatus status);
 ///     kClosed --open()--> [kNeedsCalibration --calibrate()-->] kOpen --enable()--> kEnabled
 ///     any status --close()--> kClosed         kEnabled --the device fails--> kFault --it is back--> kEnabled
 ///
-/// | who calls | what | may |
-/// |---|---|---|
-/// | the owner's thread, while no loop runs | open(), calibrate(), enable(), close() | block, allocate, throw
-/// | | the loop's thread, once a tick, in this order | wait(), read(), write() | none of these, nor lock or
-/// log | | any thread or signal handler, at any time | stop(), status(), status_text() | likewise none |
+///  - open(), calibrate(), enable() and close() belong to the owner's thread, while no loop runs. They may
+///    block, allocate and (but for close()) throw.
+///  - wait(), read() and write() belong to the loop's thread, once a tick and in this order. They do not
+///    throw, allocate, lock or log.
+///  - stop(), status() and status_text() may be called by any thread or signal handler at any time, and do
+///    none of that either.
 ///
 /// A device that fails while it is enabled answers false from read() until it is back. It may come back by
 /// itself, with another DeviceReading::hand, and motors off until a write() of no force: however short it was
