@@ -91,26 +91,27 @@ void RecordingSwitch::finish(Job& job) {
   job.recorder.reset();
   if (maker_.joinable()) maker_.join();
   try {
-    auto csv = std::make_shared<const InputFile>(job.path);
-    const std::scoped_lock lock(mutex_);
-    recorded_ = {std::move(csv), nullptr, recorded_.version + 1};
-  } catch (const Error& error) {
+    set({std::make_shared<const InputFile>(job.path), nullptr});
+    maker_ = std::thread([this, path = job.path] { make_page(path); });
+  } catch (const std::exception& error) {
     if (job.failure.empty()) job.failure = error.what();
-    return;
   }
-  maker_ = std::thread([this, path = job.path] { make_page(path); });
 }
 
 void RecordingSwitch::make_page(const std::string& path) {
   std::string page;
   try {
     page = report_document(read_run(path), std::filesystem::path(path).filename().string());
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {  // also where there is no memory for a long one
     page = "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
   }
+  set({recorded().csv, std::make_shared<const std::string>(std::move(page))});
+}
+
+void RecordingSwitch::set(Recorded recorded) {
   const std::scoped_lock lock(mutex_);
-  recorded_.page = std::make_shared<const std::string>(std::move(page));
-  ++recorded_.version;
+  recorded.version = recorded_.version + 1;
+  std::swap(recorded_, recorded);
 }
 
 RecordingSwitch::Recorded RecordingSwitch::recorded() const {

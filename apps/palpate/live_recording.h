@@ -64,6 +64,7 @@ class RecordingSwitch final : public TickObserver {
   void make(Job& job);
   void finish(Job& job);
   void make_page(const std::string& path);
+  void set(Recorded recorded);
 
   Elsewhere elsewhere_;
   State state_ = State::kOff;

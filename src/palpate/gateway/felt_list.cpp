@@ -40,12 +40,14 @@ void FeltListMaker::follow(const std::shared_ptr<const SceneIndex>& index) {
 
 void FeltListMaker::make() {
   making_ = true;
-  const auto work = [this, index = index_] {
+  const auto work = [this, index = index_, number = ++count_] {
+    std::shared_ptr<List> list;
     try {
-      publish(felt_list(*index));
+      list = std::make_shared<List>(List{felt_list(*index), number});
     } catch (const std::bad_alloc&) {
-      publish({});
+      // an old list would be of another scene
     }
+    publish(std::move(list));
   };
   elsewhere_([work, old = std::exchange(made_of_, index_)] { work(); },
              [this] {
@@ -54,14 +56,10 @@ void FeltListMaker::make() {
              });
 }
 
-/// Elsewhere.
-void FeltListMaker::publish(std::string bytes) {
-  auto list = std::make_shared<List>();
-  list->bytes = std::move(bytes);
-  std::shared_ptr<const List> old = newest();
-  list->number = old ? old->number + 1 : 1;
+/// Elsewhere: what was there before may be much to give back.
+void FeltListMaker::publish(std::shared_ptr<const List> list) {
   const std::scoped_lock lock(mutex_);
-  newest_ = std::move(list);
+  newest_.swap(list);
 }
 
 std::shared_ptr<const FeltListMaker::List> FeltListMaker::newest() const {

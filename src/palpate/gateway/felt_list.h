@@ -36,16 +36,17 @@ class FeltListMaker {
   /// of `elsewhere`, which never waits for a list, and never lets one or an index go.
   void follow(const std::shared_ptr<const SceneIndex>& index);
 
-  /// Null before the first is there. Any thread.
+  /// Null before the first is there, and where there is no memory for it. Any thread.
   std::shared_ptr<const List> newest() const;
 
  private:
   void make();
-  void publish(std::string bytes);
+  void publish(std::shared_ptr<const List> list);
 
   Elsewhere elsewhere_;
   std::shared_ptr<const SceneIndex> index_, made_of_;
   bool making_ = false;
+  std::uint64_t count_ = 0;   ///< of lists
   mutable std::mutex mutex_;  ///< of what follows
   std::shared_ptr<const List> newest_;
 };
