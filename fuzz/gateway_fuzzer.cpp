@@ -89,15 +89,20 @@ void ask(std::vector<std::string_view> head) {
   head.resize(6);
   for (const char* token : {"", "s3cret"}) {
     for (const unsigned port : {80U, 9090U}) {
-      const auto refused =
-          palpate::Access("127.0.0.1", port, token).refusal({head[1], head[2], head[3], head[4], head[0]});
+      const auto refused = palpate::Access("127.0.0.1", port, token, "c00kie")
+                               .refusal({head[1], head[2], head[3], head[4], head[0]}, 0.0);
       require(!refused || refused->status == 401 || refused->status == 403);
-      // Nobody is let in without the secret being somewhere, percent-encoded perhaps.
-      const auto has = [&](std::string_view text) { return text.find("s3cret") != std::string_view::npos; };
+      // Nobody is let in without a secret being somewhere, percent-encoded perhaps.
+      const auto has = [](std::string_view text, std::string_view secret) {
+        return text.find(secret) != std::string_view::npos;
+      };
       if (*token != '\0' && !refused)
-        require(has(palpate::query_value(head[0], "token")) || has(head[3]) || has(head[4]));
+        require(has(palpate::query_value(head[0], "token"), token) || has(head[3], token) ||
+                has(head[4], "c00kie"));
     }
   }
+  const std::string without = palpate::without_query_value(head[0], "token");
+  require(without.size() <= head[0].size() && palpate::query_value(without, "token").empty());
   if (const auto path = palpate::path_of(head[0])) {
     require(path->starts_with('/') && path->find("..") == std::string::npos);
     require(path->find('\0') == std::string::npos && path->find('\\') == std::string::npos);

@@ -105,7 +105,7 @@ def sound_files():
     yield "gateway", b"\1" + b"\x81" * 33 + b"\1" + CUT + b"\x9f\xff" + CUT + b"\xc1\0" + CUT + b"\xbb" + b"\xff" * 8
     yield "gateway", b"\2" + CUT.join((b"/a%20b?x=1&token=s3cret", b"127.0.0.1:9090", b"http://127.0.0.1:9090", b"", b"",
                                       b"bytes=0-499"))
-    yield "gateway", b"\2" + CUT.join((b"/%2e%2e/a", b"[::1]", b"null", b"Bearer s3cret", b"a=b; palpate=s3cret",
+    yield "gateway", b"\2" + CUT.join((b"/%2e%2e/a", b"[::1]", b"null", b"Bearer s3cret", b"a=b; palpate-9090=c00kie",
                                       b"bytes=-5"))
     yield "gateway", b"\2" + CUT.join((b"http://a/b#c", b"LOCALHOST:80", b"", b"Basic x", b"palpate=", b"bytes=1-,5-6"))
 

@@ -4,14 +4,15 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <random>
+#include <utility>
 
 #include <fmt/format.h>
-#include <sys/mman.h>
 
+#include <palpate/base/clock.h>
 #include <palpate/base/error.h>
 #include <palpate/device/profiles.h>
 #include <palpate/haptics/tool_file.h>
+#include <palpate/rosbridge/access.h>
 #include <palpate/scene/ply_writer.h>
 
 #include "live_parameters.h"
@@ -31,14 +32,6 @@ constexpr const char* kViewerPolicy =
 constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'none'";
 
-/// 128 bits from the system.
-std::string random_text() {
-  std::random_device source;
-  std::string token;
-  for (int k = 0; k < 4; ++k) token += fmt::format("{:08x}", source());
-  return token;
-}
-
 bool is_loopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
 
 WebPage page_of(std::string_view type, std::string_view bytes, std::string tag,
@@ -49,10 +42,6 @@ WebPage page_of(std::string_view type, std::string_view bytes, std::string tag,
   page.keeps = std::move(keeps);
   page.tag = std::move(tag);
   return page;
-}
-
-std::string_view text_of(const MappedFile& file) {
-  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
 }
 
 bool flag_of(const Value& arguments) {
@@ -80,8 +69,14 @@ void GatewayOptions::declare(CLI::App& app) {
       .in_group(kGatewayGroup);
   add_text(app, "--listen", address, "ADDRESS", "of this machine; any but loopback wants a token")
       .in_group(kGatewayGroup);
-  add_text(app, "--token", token, "TEXT",
-           "that clients must bring (default: with --listen one is made and printed)")
+  const auto set_token = [this](const std::string& text) {
+    if (const std::string problem = token_problem(text); !problem.empty()) throw BadValue(problem);
+    token = text;
+  };
+  add_parsed(
+      app, "--token", "TEXT",
+      "that clients must bring, 16 characters or more (default: with --listen one is made and printed)",
+      set_token)
       .in_group(kGatewayGroup);
   add_flag(app, "--no-gateway", off, "serve nothing").in_group(kGatewayGroup);
 }
@@ -91,19 +86,19 @@ LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const 
       device_kind_(device.device),
       map_(device.map),
       feed_(system.client_hand()),
-      parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)) {
+      recording_(elsewhere()),
+      felt_list_(elsewhere()),
+      parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)),
+      run_tag_(random_text()) {
   const SceneOptions& scene = system.settings().scene;
   if (scene.path.empty()) {
-    scene_tag_ = "built-in";
     scene_bytes_ = ply_bytes(load_or_make(scene, {}).scene, "palpate: " + scene.name());
   } else {
-    scene_file_ = std::make_unique<MappedFile>(scene.path);
-    const std::filesystem::path path(scene.path);
-    scene_tag_ = fmt::format("{:x}-{:x}", std::filesystem::file_size(path),
-                             std::filesystem::last_write_time(path).time_since_epoch().count());
+    scene_file_ = std::make_unique<SceneFile>(scene.path);
   }
   add_rosapi(hub_);
   add_switches();
+  add_recording();
   add_services();
   add_parameters();
 
@@ -126,13 +121,16 @@ LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const 
 
 LiveGateway::~LiveGateway() { stop(); }
 
+Elsewhere LiveGateway::elsewhere() {
+  return [this](auto work, auto then) { server_->elsewhere(std::move(work), std::move(then)); };
+}
+
 void LiveGateway::start() {
   topics_ = std::make_unique<LiveTopics>(hub_, feed_, system_.client_hand(), system_.clock(),
                                          system_.loop().statistics(), map_, device_kind_ == "client");
   topics_->on_other_hand = [this] { system_.tick().governor().stop(Fault::kChanging); };
   topics_->stale_after = SafetyLimits::of(system_.device(), SafetyLimits().tick).stale_after;
-  // Who locks all memory does not mean this: it is read when someone wants to see it.
-  if (scene_file_) ::munlock(scene_file_->bytes().data(), scene_file_->bytes().size());
+  topics_->elsewhere = elsewhere();
   server_->every(LiveTopics::kRate, [this] { beat(); });
   server_->when(feed_.wake(), [this] { topics_->answer(); });
   server_->start();
@@ -140,7 +138,6 @@ void LiveGateway::start() {
 
 void LiveGateway::stop() { server_->stop(); }
 
-/// On the server's thread.
 void LiveGateway::beat() {
   const std::shared_ptr<const FeltScene> felt = system_.felt();
   if (felt != felt_.lock()) {
@@ -148,11 +145,67 @@ void LiveGateway::beat() {
     felt_list_.follow(felt->index());
     felt_ = felt;
   }
-  if (felt_list_.update()) felt_tag_ = random_text();
   topics_->publish();
-  const Shown shown{system_.version(), recording_.version(), felt_tag_, recording_.is_on(), is_paused()};
+  tick_for_pages_.back() = feed_.newest();
+  tick_for_pages_.publish();
+  look_at_recording();
+  look_at_scene();
+  const auto list = felt_list_.newest();
+  const Shown shown{system_.version(),       recording_.recorded().version,
+                    list ? list->number : 0, notices_,
+                    recording_.is_on(),      is_paused()};
   if (shown != told_) parameters_topic_.publish({{"data", encode_json(parameters())}});
   told_ = shown;
+}
+
+/// A disk that is full ends a recording. All else goes on.
+void LiveGateway::look_at_recording() {
+  if (recording_.failure()) end_recording([](const std::string&) {});
+}
+
+void LiveGateway::end_recording(RecordingSwitch::Done done) {
+  recording_.end([this, done = std::move(done)](const std::string& failure) {
+    if (!failure.empty())
+      tell(recording_notice_,
+           fmt::format("the recording has ended: {}; what it has until then is there", failure));
+    done(failure);
+  });
+}
+
+void LiveGateway::look_at_scene() {
+  constexpr double kEvery = 1.0;  // s
+  const double now = monotonic_now();
+  if (!scene_file_ || now - looked_at_scene_ < kEvery) return;
+  looked_at_scene_ = std::numeric_limits<double>::infinity();  // not before it is known
+  const auto change = std::make_shared<SceneFile::Change>();
+  server_->elsewhere([this, change] { *change = scene_file_->change(); },
+                     [this, change, now] {
+                       looked_at_scene_ = now;
+                       tell(scene_notice_, notice_of(*change));
+                     });
+}
+
+void LiveGateway::tell(std::string& notice, const std::string& text) {
+  if (notice == text) return;
+  notice = text;
+  ++notices_;
+  if (text.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  untold_.push_back(text);
+}
+
+std::vector<std::string> LiveGateway::take_notices() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(untold_, {});
+}
+
+/// What was refused last, and what still holds.
+std::string LiveGateway::message() const {
+  std::string all = system_.message();
+  for (const std::string& notice : {recording_notice_, scene_notice_}) {
+    if (!notice.empty()) all += (all.empty() ? "" : "; ") + notice;
+  }
+  return all;
 }
 
 Value LiveGateway::parameters() const {
@@ -161,13 +214,15 @@ Value LiveGateway::parameters() const {
   Value json = settings_json(settings);
   const SceneOptions& scene = settings.scene;
   const bool splat = std::filesystem::path(scene.path).extension() == ".splat";
-  const std::size_t bytes = scene_file_ ? scene_file_->bytes().size() : scene_bytes_.size();
+  const std::size_t bytes = scene_file_ ? scene_file_->bytes()->size() : scene_bytes_.size();
   json["scene"] = {{"name", std::filesystem::path(scene.name()).filename().string()},
                    {"format", splat ? "splat" : "ply"},
                    {"bytes", bytes},
                    {"url", "/scene"}};
-  if (const auto& list = felt_list_.bytes())
-    json["felt"] = {{"count", list->size() / sizeof(FeltGaussian)}, {"url", "/felt"}, {"tag", felt_tag_}};
+  if (const auto list = felt_list_.newest()) {
+    json["felt"] = {
+        {"count", list->bytes.size() / sizeof(FeltGaussian)}, {"url", "/felt"}, {"tag", felt_tag(*list)}};
+  }
   json["models"] = kModels;
   json["frames"] = frame_names();
   json["stiffness_max"] = device.stiffness_max;
@@ -178,9 +233,9 @@ Value LiveGateway::parameters() const {
                     {"workspace", device.workspace}};
   json["paused"] = is_paused();
   json["recording"] = recording_.is_on();
-  json["recorded"] = recording_.page() != nullptr;
+  json["recorded"] = recording_.recorded().page != nullptr;
   json["busy"] = system_.busy();
-  json["message"] = system_.message();
+  json["message"] = message();
   return json;
 }
 
@@ -202,8 +257,26 @@ void LiveGateway::add_switches() {
   });
   add("/palpate/clutch", "std_srvs/SetBool",
       [this](const Value& arguments) { system_.tick().press_clutch(flag_of(arguments)); });
-  add("/palpate/record", "std_srvs/SetBool",
-      [this](const Value& arguments) { flag_of(arguments) ? recording_.begin() : recording_.end(); });
+}
+
+/// Answered once the file is there, or whole.
+void LiveGateway::add_recording() {
+  hub_.add_slow_service("/palpate/record", "std_srvs/SetBool",
+                        [this](const Value& arguments, const Reply& reply) {
+                          const RecordingSwitch::Done done = [reply](const std::string& failure) {
+                            reply.give({{"success", failure.empty()}, {"message", failure}});
+                          };
+                          const Value begun = answer_of([&] {
+                            if (flag_of(arguments)) {
+                              recording_.begin(done);
+                              tell(recording_notice_, "");
+                            } else {
+                              end_recording(done);
+                            }
+                            return std::string();
+                          });
+                          if (!begun["success"].get<bool>()) reply.give(begun);
+                        });
 }
 
 void LiveGateway::add_services() {
@@ -267,43 +340,53 @@ WebPage LiveGateway::page(const std::string& path) {
     page.policy = kViewerPolicy;
     return page;
   }
-  if (path == "/scene") {
-    return page_of("application/octet-stream", scene_file_ ? text_of(*scene_file_) : scene_bytes_,
-                   scene_tag_);
-  }
+  if (path == "/scene") return scene_page();
   if (path == "/felt") {
-    const auto& list = felt_list_.bytes();
+    const auto list = felt_list_.newest();
     if (!list) return text_page(503, "what can be felt is still being looked for");
-    return page_of("application/octet-stream", *list, felt_tag_, list);
+    return page_of("application/octet-stream", list->bytes, felt_tag(*list), list);
   }
   if (path == "/healthz") return health();
   if (path == "/metrics") return metrics();
+  const RecordingSwitch::Recorded recorded = recording_.recorded();
+  const std::string tag = fmt::format("{}-{}", run_tag_, recorded.version);
   if (path == "/recording") {
-    const auto csv = recording_.csv();
-    if (!csv) return text_page(404, "nothing has been recorded yet");
-    return page_of("text/csv; charset=utf-8", text_of(*csv), fmt::format("{}", recording_.version()), csv);
+    if (!recorded.csv) return text_page(404, "nothing has been recorded yet");
+    WebPage page = page_of("text/csv; charset=utf-8", {}, tag);
+    page.file = recorded.csv;
+    return page;
   }
   if (path == "/recording.html") {
-    const auto report = recording_.page();
-    if (!report) return text_page(404, "nothing has been recorded yet, or its report is being made");
-    WebPage page =
-        page_of("text/html; charset=utf-8", *report, fmt::format("{}", recording_.version()), report);
+    if (!recorded.page) return text_page(404, "nothing has been recorded yet, or its report is being made");
+    WebPage page = page_of("text/html; charset=utf-8", *recorded.page, tag, recorded.page);
     page.policy = kReportPolicy;
     return page;
   }
   return text_page(404, "there is nothing here; the viewer is at /");
 }
 
-WebPage LiveGateway::health() const {
+WebPage LiveGateway::scene_page() const {
+  constexpr const char* kType = "application/octet-stream";
+  if (!scene_file_) return page_of(kType, scene_bytes_, "built-in");
+  const SceneFile::Change change = scene_file_->change();
+  if (change == SceneFile::Change::kOverwritten) return text_page(503, notice_of(change));
+  WebPage page = page_of(kType, {}, scene_file_->tag());
+  page.file = scene_file_->bytes();
+  return page;
+}
+
+WebPage LiveGateway::health() {
   constexpr double kPatience = 0.5;  // s
-  const double age = system_.clock().now() - feed_.newest().record.t;
+  tick_for_pages_.update();
+  const double age = system_.clock().now() - tick_for_pages_.front().record.t;
   if (age <= kPatience) return text_page(200, "ok");
   return text_page(503, fmt::format("the loop has not ticked for {:.1f} s", age));
 }
 
 /// The text format of Prometheus.
-WebPage LiveGateway::metrics() const {
-  const auto& [tick, times, answers] = feed_.newest();
+WebPage LiveGateway::metrics() {
+  tick_for_pages_.update();
+  const auto& [tick, times, answers] = tick_for_pages_.front();
   const LoopStatistics& statistics = system_.loop().statistics();
   std::string text;
   const auto add = [&](std::string_view name, std::string_view type, std::string_view help, double value) {

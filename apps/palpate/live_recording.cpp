@@ -1,5 +1,6 @@
 #include "live_recording.h"
 
+#include <exception>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -16,7 +17,7 @@ namespace palpate::cli {
 
 RecordingSwitch::~RecordingSwitch() {
   if (maker_.joinable()) maker_.join();
-  recorder_.reset();
+  job_.reset();
   if (!folder_.empty()) {
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
@@ -29,22 +30,54 @@ void RecordingSwitch::see(const TickRecord& record, const TickTimes& times) {
   ticks_.fetch_add(1, std::memory_order_release);
 }
 
-void RecordingSwitch::begin() {
-  if (recorder_) throw Error("a recording is under way");
-  if (folder_.empty()) {
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-      throw Error("cannot make a folder for recordings in {}", pattern);
-    folder_ = pattern;
-  }
-  path_ = fmt::format("{}/recording-{}.csv", folder_, ++count_);
-  recorder_ = std::make_unique<Recorder>(path_);
-  used_.store(recorder_.get(), std::memory_order_release);
+void RecordingSwitch::begin(Done done) {
+  if (state_ != State::kOff)
+    throw Error("a recording is {}", state_ == State::kEnding ? "being ended" : "under way");
+  state_ = State::kBeginning;
+  job_ = std::make_shared<Job>();
+  elsewhere_([this, job = job_] { make(*job); },
+             [this, job = job_, done = std::move(done)] {
+               state_ = job->failure.empty() ? State::kOn : State::kOff;
+               used_.store(job->recorder.get(), std::memory_order_release);
+               done(job->failure);
+             });
 }
 
-void RecordingSwitch::end() {
-  if (!recorder_) throw Error("nothing is being recorded");
+/// Elsewhere: the recorder's own thread is then as ordinary as that one.
+void RecordingSwitch::make(Job& job) {
+  try {
+    if (folder_.empty()) {
+      std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+      if (::mkdtemp(pattern.data()) == nullptr)
+        throw Error("cannot make a folder for recordings in {}", pattern);
+      folder_ = pattern;
+    }
+    job.path = fmt::format("{}/recording-{}.csv", folder_, ++count_);
+    job.recorder = std::make_unique<Recorder>(job.path);
+  } catch (const Error& error) {
+    job.failure = error.what();
+  } catch (const std::exception& error) {  // there is no such folder, no thread, or no memory
+    job.failure = fmt::format("cannot record: {}", error.what());
+  }
+}
+
+std::optional<std::string> RecordingSwitch::failure() const {
+  return is_on() ? job_->recorder->failure() : std::nullopt;
+}
+
+void RecordingSwitch::end(Done done) {
+  if (!is_on()) throw Error("nothing is being recorded");
+  state_ = State::kEnding;
   used_.store(nullptr, std::memory_order_release);
+  elsewhere_([this, job = job_] { finish(*job); },
+             [this, job = job_, done = std::move(done)] {
+               state_ = State::kOff;
+               done(job->failure);
+             });
+}
+
+/// Elsewhere.
+void RecordingSwitch::finish(Job& job) {
   // A tick that is under way may still use it; one that begins now does not. If none ends in time, because
   // the loop stands still, nobody knows, and it is kept.
   constexpr double kPatience = 0.1, kLook = 1e-3;  // s
@@ -52,44 +85,38 @@ void RecordingSwitch::end() {
   const double until = monotonic_now() + kPatience;
   while (ticks_.load(std::memory_order_acquire) == seen && monotonic_now() < until)
     sleep_until(monotonic_now() + kLook);
-  recorder_->close();
-  const std::optional<std::string> failure = recorder_->failure();
-  if (ticks_.load(std::memory_order_acquire) == seen) retired_.push_back(std::move(recorder_));
-  recorder_.reset();
-  if (failure) throw Error("{}", *failure);
+  job.recorder->close();
+  job.failure = job.recorder->failure().value_or("");
+  if (ticks_.load(std::memory_order_acquire) == seen) retired_.push_back(std::move(job.recorder));
+  job.recorder.reset();
   if (maker_.joinable()) maker_.join();
-  maker_ = std::thread([this, path = path_] { make_page(path); });
+  try {
+    set({std::make_shared<const InputFile>(job.path), nullptr});
+    maker_ = std::thread([this, path = job.path] { make_page(path); });
+  } catch (const std::exception& error) {
+    if (job.failure.empty()) job.failure = error.what();
+  }
 }
 
 void RecordingSwitch::make_page(const std::string& path) {
   std::string page;
   try {
-    auto csv = std::make_shared<const MappedFile>(path);
-    {
-      const std::scoped_lock lock(mutex_);
-      csv_ = std::move(csv);
-      page_.reset();
-    }
-    version_.fetch_add(1, std::memory_order_release);
     page = report_document(read_run(path), std::filesystem::path(path).filename().string());
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {  // also where there is no memory for a long one
     page = "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
   }
-  {
-    const std::scoped_lock lock(mutex_);
-    page_ = std::make_shared<const std::string>(std::move(page));
-  }
-  version_.fetch_add(1, std::memory_order_release);
+  set({recorded().csv, std::make_shared<const std::string>(std::move(page))});
 }
 
-std::shared_ptr<const MappedFile> RecordingSwitch::csv() const {
+void RecordingSwitch::set(Recorded recorded) {
   const std::scoped_lock lock(mutex_);
-  return csv_;
+  recorded.version = recorded_.version + 1;
+  std::swap(recorded_, recorded);
 }
 
-std::shared_ptr<const std::string> RecordingSwitch::page() const {
+RecordingSwitch::Recorded RecordingSwitch::recorded() const {
   const std::scoped_lock lock(mutex_);
-  return page_;
+  return recorded_;
 }
 
 }  // namespace palpate::cli

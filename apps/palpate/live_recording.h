@@ -3,58 +3,82 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include <palpate/base/mapped_file.h>
+#include <palpate/base/file.h>
+#include <palpate/rosbridge/elsewhere.h>
 #include <palpate/servo/recorder.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate::cli {
 
 /// Records every tick between begin() and end() into a file of its own in the system's folder for such, which
-/// goes with this object, and makes the report page of the last one.
+/// goes with this object, and makes the report page of the last one. Making and ending files is done
+/// elsewhere.
 class RecordingSwitch final : public TickObserver {
  public:
-  RecordingSwitch() = default;
+  explicit RecordingSwitch(Elsewhere elsewhere) : elsewhere_(std::move(elsewhere)) {}
+  /// Once the loop has stopped, and nothing more is done elsewhere.
   ~RecordingSwitch() override;
 
   /// The servo thread.
   void see(const TickRecord& record, const TickTimes& times) override;
 
-  /// \name One other thread
+  /// Told once it is done: why it failed, or nothing.
+  using Done = std::function<void(const std::string& failure)>;
+
+  /// \name One other thread, that of the `then` of `elsewhere`; it never waits
   /// @{
-  /// \throws Error if no file can be written, or one is being recorded.
-  void begin();
-  /// Ends, and has the page made. \throws Error if nothing is being recorded, or what was is not whole.
-  void end();
+  /// \throws Error if one is being recorded, begun or ended.
+  void begin(Done done);
+  /// Rows end at once. What was recorded is then there, also where that failed before, up to its last row.
+  /// \throws Error if nothing is being recorded.
+  void end(Done done);
+  bool is_on() const { return state_ == State::kOn; }
+  /// Why no more can be recorded, while it is on; nothing if all is well.
+  std::optional<std::string> failure() const;
   /// @}
 
-  bool is_on() const { return recorder_ != nullptr; }
-  /// Another number whenever csv() or page() is another.
-  std::uint64_t version() const { return version_.load(std::memory_order_acquire); }
-  /// The last finished recording; null if there is none yet. Any thread.
-  std::shared_ptr<const MappedFile> csv() const;
-  /// Its report; null until that is made.
-  std::shared_ptr<const std::string> page() const;
+  /// The last finished recording. Any thread.
+  struct Recorded {
+    std::shared_ptr<const InputFile> csv;     ///< null: there is none yet
+    std::shared_ptr<const std::string> page;  ///< its report; null until that is made
+    std::uint64_t version = 0;                ///< another number whenever one of them is another
+  };
+  Recorded recorded() const;
 
  private:
-  void make_page(const std::string& path);
+  enum class State { kOff, kBeginning, kOn, kEnding };
+  /// What is made or ended elsewhere.
+  struct Job {
+    std::unique_ptr<Recorder> recorder;
+    std::string path, failure;
+  };
 
-  std::unique_ptr<Recorder> recorder_;
-  std::vector<std::unique_ptr<Recorder>> retired_;  ///< that a tick may still be in
-  std::atomic<Recorder*> used_ = nullptr;           ///< by the servo thread from its next tick on
+  void make(Job& job);
+  void finish(Job& job);
+  void make_page(const std::string& path);
+  void set(Recorded recorded);
+
+  Elsewhere elsewhere_;
+  State state_ = State::kOff;
+  std::shared_ptr<Job> job_;               ///< of what is on, or about to be
+  std::atomic<Recorder*> used_ = nullptr;  ///< by the servo thread from its next tick on
   std::atomic<std::uint64_t> ticks_ = 0;
-  std::string folder_, path_;
+  // Of the jobs, one after the other:
+  std::string folder_;
   int count_ = 0;
-  std::atomic<std::uint64_t> version_ = 0;
-  mutable std::mutex mutex_;  ///< of what follows
-  std::shared_ptr<const MappedFile> csv_;
-  std::shared_ptr<const std::string> page_;
+  std::vector<std::unique_ptr<Recorder>> retired_;  ///< that a tick may still be in
   std::thread maker_;
+
+  mutable std::mutex mutex_;  ///< of what follows
+  Recorded recorded_;
 };
 
 }  // namespace palpate::cli

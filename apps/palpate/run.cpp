@@ -142,6 +142,10 @@ class Console {
   }
 
   void tell_transitions();
+  void tell(const std::string& message) const {
+    clear();
+    if (!quiet_) stderr_.write(notice(message));
+  }
 
   /// Until a fall that was asked for is over, so that its reason is told, and recorded where that is
   /// possible.
@@ -178,11 +182,9 @@ void Console::tell_transitions() {
   for (; told_ < transitions.size(); ++told_) {
     const GovernorTransition& change = transitions[told_];
     if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
-    clear();
     const std::string_view device = system_.device_fault();
-    stderr_.write(
-        notice(fmt::format("{:.3f} s: no force: {}: {}{}{}", change.t, traits(change.fault).name,
-                           traits(change.fault).advice, device.empty() ? "" : "; it says: ", device)));
+    tell(fmt::format("{:.3f} s: no force: {}: {}{}{}", change.t, traits(change.fault).name,
+                     traits(change.fault).advice, device.empty() ? "" : "; it says: ", device));
   }
 }
 
@@ -357,6 +359,8 @@ void run(const Options& options) {
     if (talks && ::isatty(STDIN_FILENO) != 0) notify(Console::kHelp);
     while (system.clock().now() < until && !failure && console.look()) {
       if (recorder) failure = recorder->failure();
+      if (!gateway) continue;
+      for (const std::string& message : gateway->take_notices()) console.tell(message);
     }
     if (failure) {
       system.tick().governor().stop(Fault::kRecorder);

@@ -4,15 +4,20 @@ import base64
 import json
 import os
 import re
+import resource
+import signal
 import socket
 import struct
 import subprocess
 import time
+import unittest
 
 from support import PALPATE, SANITIZED, Case, path_csv, ply, stood_still, wall_rows
 
 PATIENCE = 60 if SANITIZED else 20
 KEY = base64.b64encode(b"0123456789abcdef").decode()
+TOKEN = "s3cret_s3cret_s3cret"
+SLOW_DISK = os.environ.get("SLOW_DISK_LIBRARY")
 
 
 class Gateway(Case):
@@ -21,11 +26,11 @@ class Gateway(Case):
         self.write("wall.ply", ply(wall_rows()))
         self.write("hand.csv", path_csv([(0.0, 0.0, 0.0, 0.05), (60.0, 0.0, 0.0, 0.05)]))
 
-    def start(self, *more):
+    def start(self, *more, **how):
         """A run whose port and token are then self.port and self.token."""
         self.process = subprocess.Popen(
             [PALPATE, "run", "wall.ply", "--trajectory", "hand.csv", "--port", "0", "--json", *more], cwd=self.folder,
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **how)
         self.addCleanup(lambda: self.process.poll() is None and self.process.kill())
         said = b""
         while not (found := re.search(rb"http://[\w.-]+:(\d+)/(?:\?token=(\w+))?\n", said)):
@@ -60,11 +65,12 @@ class Gateway(Case):
     def upgrade(self, **headers):
         return self.ask(Upgrade="websocket", Sec_WebSocket_Version="13", Sec_WebSocket_Key=KEY, **headers)[0]
 
-    def socket(self):
+    def socket(self, proof=None):
         """A WebSocket, as a pair of functions: send a text, and receive one."""
         connection = self.connect()
+        proof = proof or (f"Authorization: Bearer {self.token}\r\n" if self.token else "")
         connection.sendall((f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-                            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {KEY}\r\n\r\n").encode())
+                            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {KEY}\r\n{proof}\r\n").encode())
         stream = connection.makefile("rb")
         self.assertIn(b" 101 ", stream.readline())
         while stream.readline().strip():
@@ -82,6 +88,28 @@ class Gateway(Case):
             return opcode & 15, stream.read(length)
 
         return send, receive
+
+    def client(self):
+        """A function that calls a service and gives what it answers."""
+        send, receive = self.socket()
+
+        def call(service, **arguments):
+            send({"op": "call_service", "service": service, "args": arguments})
+            while (answer := json.loads(receive()[1])).get("service") != service:
+                pass
+            return answer["values"]
+
+        return call
+
+    def parameters(self, call):
+        return json.loads(call("/palpate/get_parameters")["message"])
+
+    def until(self, condition):
+        for _ in range(10 * PATIENCE):
+            if condition():
+                return
+            time.sleep(0.1)
+        self.fail("it never came to that")
 
 
 class Refused(Gateway):
@@ -106,19 +134,35 @@ class Refused(Gateway):
         self.end()
 
     def test_without_the_token_when_it_listens_to_others(self):
-        self.start("--listen", "127.0.0.1", "--token", "s3cret")
-        self.assertEqual(self.token, "s3cret")
-        for headers in ({}, {"Authorization": "Bearer s3cre"}, {"Authorization": "Basic s3cret"}, {"Cookie": "palpate=x"}):
+        self.start("--listen", "127.0.0.1", "--token", TOKEN)
+        self.assertEqual(self.token, TOKEN)
+        for headers in ({}, {"Authorization": f"Bearer {TOKEN[:-1]}"}, {"Authorization": f"Basic {TOKEN}"}, {"Cookie": "palpate=x"}):
             self.assertEqual(self.ask(**headers)[0], 401, headers)
-            self.assertEqual(self.upgrade(**headers), 401, headers)
-        self.assertEqual(self.ask("/?token=s3cret2")[0], 401)
-        status, head, _ = self.ask("/?token=s3cret")
-        self.assertEqual(status, 200)
-        self.assertIn("set-cookie: palpate=s3cret", head)
+        self.assertEqual(self.upgrade(), 401)
+        self.assertEqual(self.ask(f"/?token={TOKEN}2")[0], 401)
+        # The page is then without the token in its address; whatever else comes with it gets what it asks for.
+        status, head, _ = self.ask(f"/?x=1&token={TOKEN}")
+        self.assertEqual(status, 303)
+        self.assertIn("location: /?x=1\r\n", head)
         self.assertIn("httponly", head)
-        self.assertEqual(self.ask("/scene", Cookie="a=b; palpate=s3cret")[0], 200)
-        self.assertEqual(self.ask("/scene", Authorization="Bearer s3cret")[0], 200)
+        self.assertNotIn(TOKEN, head)
+        cookie = re.search(rf"set-cookie: (palpate-{self.port}=\w+);", head)[1]
+        self.assertEqual(self.ask("/?x=1", Cookie=f"a=b; {cookie}")[0], 200)
+        self.assertEqual(self.ask("/scene", Cookie=cookie)[0], 200)
+        self.socket(f"Cookie: {cookie}\r\n")
+        self.assertEqual(self.ask("/scene", Authorization=f"Bearer {TOKEN}")[0], 200)
+        self.assertEqual(self.ask(f"/scene?token={TOKEN}")[0], 200)
+        # After too many wrong ones none is taken, but who is in is in.
+        for _ in range(10):
+            status = self.ask("/?token=wrong")[0]
+        self.assertEqual(status, 429)
+        self.assertEqual(self.ask(f"/scene?token={TOKEN}")[0], 429)
+        self.socket(f"Cookie: {cookie}\r\n")
         self.end()
+
+    def test_tokens_that_are_too_weak(self):
+        for token in ("", "s3cret", "a" * 15, "a" * 300, "s3cret s3cret s3cret", "s3cret&s3cret&s3cret", "s3cret;s3cret;s3cret"):
+            self.refuse(2, ["--token", "16"], "run", "wall.ply", "--seconds", "1", "--token", token)
 
     def test_addresses_that_it_cannot_have(self):
         for options in (["--listen", "nowhere"], ["--listen", "203.0.113.1"], ["--port", "70000"]):
@@ -168,6 +212,122 @@ class Served(Gateway):
         for line in body.decode().splitlines():
             self.assertRegex(line, r'\A(# (HELP|TYPE) palpate_\w+ .+|palpate_\w+(\{quantile="0\.\d+"\})? -?[\d.e+-]+)\Z')
         self.end()
+
+
+class Changed(Gateway):
+    """What happens to the scene's file while it is open."""
+
+    def said(self, words):
+        """The next line on the terminal that has these words."""
+        while words not in (line := self.process.stderr.readline().decode()):
+            self.assertTrue(line, f"it never said {words!r}")
+
+    def test_another_file_of_that_name_is_noticed_and_the_old_one_drawn(self):
+        self.start()
+        call, old = self.client(), self.read("wall.ply")
+        self.assertEqual(self.parameters(call)["message"], "")
+        self.write("new.ply", ply(wall_rows(5)))
+        os.rename(self.path("new.ply"), self.path("wall.ply"))
+        self.until(lambda: "has been replaced" in self.parameters(call)["message"])
+        self.said("has been replaced")
+        self.assertEqual(self.ask("/scene")[::2], (200, old))
+        self.assertEqual(self.ask("/healthz")[0], 200)
+        self.end()
+
+    def test_a_file_that_is_cut_kills_nobody(self):
+        rows = wall_rows(201)  # megabytes: more than one page of memory, and more than sockets keep
+        self.write("wall.ply", ply(rows))
+        self.start()
+        call, whole = self.client(), len(self.read("wall.ply"))
+        half = self.connect()  # has begun to load it
+        half.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        half.sendall(f"GET /scene HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\n\r\n".encode())
+        got = len(half.recv(4096))
+        os.truncate(self.path("wall.ply"), 5000)
+        self.assertEqual(self.ask("/scene")[0], 503)
+        while part := half.recv(65536):
+            got += len(part)
+        self.assertLess(got, whole, "the connection has ended before the end")
+        self.until(lambda: "has been written over" in self.parameters(call)["message"])
+        self.said("has been written over")
+        self.assertEqual(self.ask("/healthz")[0], 200)
+        self.end()
+
+
+class Recorded(Gateway):
+    def real_time_threads(self):
+        return [thread for thread in os.listdir(f"/proc/{self.process.pid}/task")
+                if os.sched_getscheduler(int(thread)) != os.SCHED_OTHER]
+
+    @unittest.skipUnless(SLOW_DISK, "not with a sanitizer, or not started by ctest")
+    def test_an_emergency_stop_is_heard_while_a_recording_ends(self):
+        self.start(env={**os.environ, "LD_PRELOAD": SLOW_DISK})
+        send, receive = self.socket()
+        call = self.client()
+        before = self.real_time_threads()
+        self.assertTrue(call("/palpate/record", data=True)["success"])
+        self.assertEqual(self.real_time_threads(), before, "writing files is nothing that must be in time")
+        self.assertFalse(call("/palpate/record", data=True)["success"])
+        time.sleep(0.5)
+        begun = time.monotonic()
+        send({"op": "call_service", "service": "/palpate/record", "args": {"data": False}})
+        self.until(lambda: not self.parameters(call)["recording"])
+        self.assertFalse(call("/palpate/record", data=False)["success"], "that is being done")
+        self.assertTrue(call("/palpate/emergency_stop")["success"])
+        self.assertEqual(self.ask("/recording")[0], 404)
+        heard = time.monotonic() - begun
+        self.assertTrue(json.loads(receive()[1])["values"]["success"])
+        ended = time.monotonic() - begun
+        self.assertGreater(ended, 2.9)
+        self.assertLess(heard, ended - 0.5)  # a slow machine answers in a second or two
+        self.assertEqual(self.ask("/recording")[0], 200)
+        self.assertIn("emergency-stop", self.end()["faults"])
+
+    def test_a_disk_that_is_full_ends_a_recording_and_nothing_else(self):
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+        self.start(preexec_fn=limit)
+        call = self.client()
+        self.assertTrue(call("/palpate/record", data=True)["success"])
+        self.until(lambda: self.parameters(call)["recorded"])
+        now = self.parameters(call)
+        self.assertFalse(now["recording"])
+        self.assertIn("the recording has ended", now["message"])
+        self.assertFalse(call("/palpate/record", data=False)["success"], "it has ended")
+        status, _, body = self.ask("/recording")
+        self.assertEqual(status, 200)
+        lines = body.decode().split("\n")
+        self.assertGreater(len(lines), 100)
+        self.assertEqual({line.count(",") for line in lines[:-1]}, {lines[0].count(",")}, "whole to the last row")
+        self.assertEqual(lines[-1], "")
+        self.assertEqual(self.ask("/healthz")[0], 200)
+        self.assertTrue(call("/palpate/record", data=True)["success"], "another may begin")
+        self.assertNotIn("the recording", self.parameters(call)["message"])
+        self.assertNotIn("recorder", self.end()["faults"])
+
+
+class Silent(Gateway):
+    def test_hundreds_that_say_nothing_lock_nobody_out(self):
+        for token in ((), ("--token", TOKEN)):
+            with self.subTest(token=token):
+                self.start(*token)
+                send, receive = self.socket()
+                send({"op": "subscribe", "topic": "/palpate/spatial/servo_cf"})
+                silent = []
+                for k in range(300):
+                    silent.append(self.connect())
+                    if k % 2:
+                        silent[-1].sendall(b"GET / HTTP/1.1\r\nHost: x")
+                begun = time.monotonic()
+                send_late, receive_late = self.socket()
+                send_late({"op": "subscribe", "topic": "/palpate/spatial/servo_cf"})
+                for hears in (receive, receive_late):
+                    for _ in range(30):
+                        self.assertIn("wrench", json.loads(hears()[1])["msg"])
+                self.assertLess(time.monotonic() - begun, 15)  # s; it was half a minute before anybody got in
+                self.end()
 
 
 class Hostile(Gateway):
@@ -227,6 +387,4 @@ class Hostile(Gateway):
 
 
 if __name__ == "__main__":
-    import unittest
-
     unittest.main()

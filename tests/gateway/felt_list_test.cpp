@@ -1,9 +1,11 @@
 #include <palpate/gateway/felt_list.h>
 
-#include <chrono>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -11,8 +13,6 @@
 
 namespace palpate {
 namespace {
-
-using namespace std::chrono_literals;
 
 /// Semi-axes by row.
 using Felt = std::map<std::uint32_t, Eigen::Vector3f>;
@@ -62,18 +62,20 @@ class FeltListTest : public testing::Test {
   std::shared_ptr<const SceneIndex> index() const {
     return std::make_shared<const SceneIndex>(scene_, filter_, place_);
   }
-  /// Until the next list is there.
-  void wait() {
-    for (int k = 0; !maker_.update(); ++k) {
-      ASSERT_LT(k, 10'000);
-      std::this_thread::sleep_for(1ms);
+  /// All that has been asked for so far is done, and then what that asks for.
+  void work() {
+    for (auto& [work, then] : std::exchange(jobs_, {})) {
+      std::thread(std::exchange(work, nullptr)).join();
+      then();
     }
   }
 
   GaussianScene scene_;
   SceneFilter filter_;
   Similarity place_;
-  FeltListMaker maker_;
+  std::vector<std::pair<std::function<void()>, std::function<void()>>> jobs_;
+  FeltListMaker maker_{
+      [this](auto work, auto then) { jobs_.emplace_back(std::move(work), std::move(then)); }};
 };
 
 TEST_F(FeltListTest, HasWhatTheFilterKeepsAsLargeAsItMakesIt) {
@@ -97,20 +99,21 @@ TEST_F(FeltListTest, HasWhatTheFilterKeepsAsLargeAsItMakesIt) {
 }
 
 TEST_F(FeltListTest, IsMadeAnewForOtherGaussiansOnly) {
-  EXPECT_EQ(maker_.bytes(), nullptr);
-  EXPECT_FALSE(maker_.update());
+  EXPECT_EQ(maker_.newest(), nullptr);
   const auto first = index();
   maker_.follow(first);
-  wait();
-  const auto bytes = maker_.bytes();
-  EXPECT_EQ(*bytes, felt_list(*first));
+  EXPECT_EQ(maker_.newest(), nullptr) << "nobody has waited for it";
+  work();
+  const auto list = maker_.newest();
+  ASSERT_NE(list, nullptr);
+  EXPECT_EQ(list->bytes, felt_list(*first));
+  EXPECT_EQ(list->number, 1U);
 
   Similarity elsewhere;
   elsewhere.scale = 3.0;
   maker_.follow(std::make_shared<const SceneIndex>(first->registered(elsewhere)));
-  std::this_thread::sleep_for(20ms);
-  EXPECT_FALSE(maker_.update());
-  EXPECT_EQ(maker_.bytes(), bytes);
+  work();
+  EXPECT_EQ(maker_.newest(), list);
 
   // The second is overtaken by the third before it is there: the third is what comes in the end.
   filter_.opacity_min = 0.6;
@@ -118,10 +121,31 @@ TEST_F(FeltListTest, IsMadeAnewForOtherGaussiansOnly) {
   filter_.opacity_min = 0.9;
   const auto last = index();
   maker_.follow(last);
-  wait();
-  wait();
-  EXPECT_EQ(*maker_.bytes(), felt_list(*last));
-  EXPECT_FALSE(maker_.update());
+  work();
+  work();
+  EXPECT_EQ(maker_.newest()->bytes, felt_list(*last));
+  EXPECT_EQ(maker_.newest()->number, 3U);
+  work();
+  EXPECT_EQ(maker_.newest()->number, 3U) << "and nothing more";
+}
+
+// The thread that hands over poses must not be the one that gives gigabytes back.
+TEST_F(FeltListTest, AnOldIndexGoesElsewhere) {
+  const auto here = std::this_thread::get_id();
+  std::thread::id gone_on;
+  auto old = std::shared_ptr<const SceneIndex>(new SceneIndex(scene_, filter_, place_),
+                                               [&](const SceneIndex* index) {
+                                                 gone_on = std::this_thread::get_id();
+                                                 delete index;
+                                               });
+  maker_.follow(old);
+  work();
+  old.reset();
+  filter_.opacity_min = 0.6;
+  maker_.follow(index());
+  work();
+  EXPECT_NE(gone_on, std::thread::id()) << "it has gone";
+  EXPECT_NE(gone_on, here);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include <palpate/gateway/live_topics.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -328,6 +330,39 @@ TEST_F(LiveTopicsTest, APoseIsAsOldAsItsStampSaysOnceTheClockIsKnown) {
   EXPECT_THAT(told[0].get<std::string>(), HasSubstr("dropped"));
   say(kHand, pose(3.0, 502));
   EXPECT_THAT(all(*first)["status"], IsEmpty()) << "told once a second";
+}
+
+// To find the ellipsoids of contacts, all Gaussians are sorted: no pose waits for that.
+TEST_F(LiveTopicsTest, ContactsAreThereOnceTheirEllipsoidsHaveBeenLookedUpElsewhere) {
+  begin(true);
+  std::vector<std::pair<std::function<void()>, std::function<void()>>> jobs;
+  live->elsewhere = [&](auto work, auto then) { jobs.emplace_back(std::move(work), std::move(then)); };
+  const auto do_jobs = [&] {
+    for (auto& [work, then] : std::exchange(jobs, {})) {
+      work();
+      then();
+    }
+  };
+  subscribe(*first, {kContacts});
+  const auto scene = test::scene_of({test::Splat{}});
+  const auto index = [&] { return std::make_shared<const SceneIndex>(scene, SceneFilter{}, Similarity{}); };
+  record.tool.position.setZero();
+  tick();
+  live->feel(index(), Tool());
+  do_jobs();
+  for (int k = 0; k < 10; ++k) live->publish();
+  EXPECT_EQ(jobs.size(), 1U) << "asked for once";
+  EXPECT_THAT(all(*first)[kContacts], IsEmpty());
+  put(*second, {1, 2, 4}, "device");
+  EXPECT_EQ(hand.newest().pose.position, Vector3d(1, 2, 4)) << "meanwhile a pose is taken";
+
+  live->feel(index(), Tool());  // another scene, before the first is there
+  do_jobs();
+  for (int k = 0; k < 10; ++k) live->publish();
+  EXPECT_THAT(all(*first)[kContacts], IsEmpty()) << "what was looked up is of the one before";
+  do_jobs();
+  for (int k = 0; k < 2; ++k) live->publish();
+  EXPECT_FALSE(all(*first)[kContacts].empty());
 }
 
 TEST_F(LiveTopicsTest, PublishesAsOftenAsItSays) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -9,13 +10,15 @@
 namespace palpate {
 namespace {
 
+constexpr const char* kSession = "session";
+
 /// Status of the refusal; 0 if it is none.
-int status(const Access& access, const RequestHead& head) {
-  const auto refused = access.refusal(head);
+int status(Access& access, const RequestHead& head, double now = 0.0) {
+  const auto refused = access.refusal(head, now);
   return refused ? refused->status : 0;
 }
 
-int status_of_host(const Access& access, std::string_view host) {
+int status_of_host(Access& access, std::string_view host) {
   RequestHead head;
   head.host = host;
   head.target = "/";
@@ -23,7 +26,7 @@ int status_of_host(const Access& access, std::string_view host) {
 }
 
 TEST(Access, IsForHostsThatAreAddressesOfThisServer) {
-  const Access local("127.0.0.1", 9090, "");
+  Access local("127.0.0.1", 9090, "", kSession);
   for (const char* host : {"127.0.0.1:9090", "localhost:9090", "LocalHost:9090", "[::1]:9090",
                            "192.168.1.7:9090", "[FE80::1]:9090"}) {
     EXPECT_EQ(status_of_host(local, host), 0) << host;
@@ -32,7 +35,7 @@ TEST(Access, IsForHostsThatAreAddressesOfThisServer) {
 
 // A page of anybody's may have its own name resolve to this machine, and then ask it as its own origin.
 TEST(Access, RefusesNamesOfOthersAndOtherPorts) {
-  const Access local("127.0.0.1", 9090, "");
+  Access local("127.0.0.1", 9090, "", kSession);
   for (const char* host : {"",
                            "evil.example:9090",
                            "evil.example",
@@ -60,7 +63,7 @@ TEST(Access, RefusesNamesOfOthersAndOtherPorts) {
 }
 
 TEST(Access, LeavesOutThePortWhereItIsThatOfHttp) {
-  const Access web("127.0.0.1", 80, "");
+  Access web("127.0.0.1", 80, "", kSession);
   for (const char* host : {"127.0.0.1", "127.0.0.1:80", "localhost", "[::1]", "[::1]:80"})
     EXPECT_EQ(status_of_host(web, host), 0) << host;
   EXPECT_EQ(status_of_host(web, "127.0.0.1:9090"), 403);
@@ -68,7 +71,7 @@ TEST(Access, LeavesOutThePortWhereItIsThatOfHttp) {
 }
 
 TEST(Access, KnowsTheNameThatItListensOn) {
-  const Access named("Lab.Example", 9090, "");
+  Access named("Lab.Example", 9090, "", kSession);
   EXPECT_EQ(status_of_host(named, "lab.example:9090"), 0);
   EXPECT_EQ(status_of_host(named, "lab.example:9091"), 403);
   EXPECT_EQ(status_of_host(named, "x.lab.example:9090"), 403);
@@ -76,7 +79,7 @@ TEST(Access, KnowsTheNameThatItListensOn) {
 
 // Nobody has the token who only has a name; and a proxy has a name and a port of its own.
 TEST(Access, TakesAnyNameWithTheToken) {
-  const Access proxied("0.0.0.0", 9090, "secret");
+  Access proxied("0.0.0.0", 9090, "secret", kSession);
   for (const char* host : {"haptics.example", "haptics.example:443", "127.0.0.1:9090"}) {
     EXPECT_EQ(status_of_host(proxied, host), 401) << host;
     RequestHead head;
@@ -89,7 +92,7 @@ TEST(Access, TakesAnyNameWithTheToken) {
 }
 
 TEST(Access, IsForPagesOfItsOwnOrigin) {
-  const Access local("127.0.0.1", 9090, "");
+  Access local("127.0.0.1", 9090, "", kSession);
   const auto with_origin = [&](std::string_view host, std::string_view origin) {
     RequestHead head;
     head.host = host;
@@ -112,10 +115,11 @@ TEST(Access, IsForPagesOfItsOwnOrigin) {
 }
 
 TEST(Access, WantsTheTokenInOneOfThreePlaces) {
-  const Access access("0.0.0.0", 9090, "s3cret");
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  double now = 0.0;  // so far apart, no guess is too many
   const auto with = [&](std::string_view target, std::string_view authorization, std::string_view cookie) {
     RequestHead head{"127.0.0.1:9090", {}, authorization, cookie, target};
-    return status(access, head);
+    return status(access, head, now += 1e3);
   };
   EXPECT_EQ(with("/", "", ""), 401);
 
@@ -134,27 +138,122 @@ TEST(Access, WantsTheTokenInOneOfThreePlaces) {
     EXPECT_EQ(with("/", authorization, ""), 401) << authorization;
   }
 
-  EXPECT_EQ(with("/", "", "palpate=s3cret"), 0);
-  EXPECT_EQ(with("/", "", "a=1; palpate=s3cret; theme=dark"), 0);
-  EXPECT_EQ(with("/", "", "a=1;palpate=s3cret"), 0);
-  for (const char* cookie : {"palpate=", "palpate", "palpate=s3cre", "palpate=s3cret2", "xpalpate=s3cret",
-                             "palpatex=s3cret", "a=palpate=s3cret", "; ;=;"}) {
+  EXPECT_EQ(with("/", "", "palpate-9090=session"), 0);
+  EXPECT_EQ(with("/", "", "a=1; palpate-9090=session; theme=dark"), 0);
+  EXPECT_EQ(with("/", "", "a=1;palpate-9090=session"), 0);
+  for (const char* cookie : {"palpate-9090=", "palpate-9090", "palpate-9090=sessio", "palpate-9090=session2",
+                             "palpate-9091=session", "xpalpate-9090=session", "palpate=session",
+                             "a=palpate-9090=session", "; ;=;", "palpate-9090=s3cret"}) {
     EXPECT_EQ(with("/", "", cookie), 401) << cookie;
   }
 
-  EXPECT_EQ(with("/?token=wrong", "Bearer wrong", "palpate=s3cret"), 0) << "one of them will do";
+  EXPECT_EQ(with("/?token=wrong", "Bearer wrong", "palpate-9090=session"), 0) << "one of them will do";
+  EXPECT_EQ(with("/?token=wrong", "Bearer s3cret", ""), 0) << "one of them will do";
+}
+
+TEST(Access, TakesNoTokenAfterTooManyWrongOnes) {
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  const auto ask = [&](std::string_view target, std::string_view address, double now) {
+    RequestHead head{"127.0.0.1:9090", {}, {}, {}, target, address};
+    return status(access, head, now);
+  };
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(ask("/?token=wrong", "a", 1.0), 401) << k;
+  EXPECT_EQ(ask("/?token=wrong", "a", 1.0), 429);
+  EXPECT_EQ(ask("/?token=s3cret", "a", 1.0), 429) << "it is not even compared";
+  EXPECT_EQ(ask("/", "a", 1.0), 401) << "who brings none guesses nothing";
+  EXPECT_EQ(ask("/?token=s3cret", "b", 1.0), 0) << "another address";
+
+  RequestHead with_cookie{"127.0.0.1:9090", {}, {}, "palpate-9090=session", "/", "a"};
+  EXPECT_EQ(status(access, with_cookie, 1.0), 0);
+  RequestHead logged_in{"127.0.0.1:9090", {}, "Bearer s3cret", {}, "/", "a", true};
+  EXPECT_EQ(status(access, logged_in, 1.0), 0) << "on a connection on which it was right before";
+
+  EXPECT_EQ(ask("/?token=s3cret", "a", 10.9), 429);
+  EXPECT_EQ(ask("/?token=s3cret", "a", 11.1), 0) << "one is forgotten after ten seconds";
+  EXPECT_EQ(ask("/?token=wrong", "a", 11.1), 401);
+  EXPECT_EQ(ask("/?token=s3cret", "a", 11.1), 429) << "and one only";
+}
+
+TEST(Access, CountsTheWrongTokensOfManyAddressesTogether) {
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  const auto ask = [&](std::string_view target, const std::string& address, double now) {
+    RequestHead head{"127.0.0.1:9090", {}, {}, {}, target, address};
+    return status(access, head, now);
+  };
+  EXPECT_EQ(ask("/?token=s3cret", "known", 0.0), 0);
+  int compared = 0;
+  for (int k = 0; k < 200; ++k) compared += ask("/?token=wrong", std::to_string(k), 1.0) == 401 ? 1 : 0;
+  EXPECT_EQ(compared, 50);
+  EXPECT_EQ(ask("/?token=s3cret", "new", 1.0), 429);
+  EXPECT_EQ(ask("/?token=s3cret", "known", 1.0), 0)
+      << "where it was right before, others' guesses do not count";
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(ask("/?token=wrong", "known", 1.0), 401) << k;
+  EXPECT_EQ(ask("/?token=wrong", "known", 1.0), 429) << "but its own do";
+  EXPECT_EQ(ask("/?token=s3cret", "new", 2.1), 0) << "one a second is forgotten";
+}
+
+// Two guesses in one request are two.
+TEST(Access, CountsEveryWrongToken) {
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  RequestHead head{"127.0.0.1:9090", {}, "Bearer wrong", {}, "/?token=wrong", "a"};
+  EXPECT_EQ(status(access, head), 401);
+  EXPECT_EQ(status(access, head), 401);
+  EXPECT_EQ(status(access, head), 429);
+}
+
+// The cookie is nothing that anybody could guess, and one of another run is no guess.
+TEST(Access, AnOldCookieIsNoGuess) {
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  RequestHead old{"127.0.0.1:9090", {}, {}, "palpate-9090=of-yesterday", "/", "a"};
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(status(access, old), 401);
+  RequestHead right{"127.0.0.1:9090", {}, {}, {}, "/?token=s3cret", "a"};
+  EXPECT_EQ(status(access, right), 0);
+}
+
+TEST(Access, KnowsWhoseAddressHasTheToken) {
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  EXPECT_TRUE(access.has_token_in_target({{}, {}, {}, {}, "/?a=b&token=s3cret"}));
+  EXPECT_FALSE(access.has_token_in_target({{}, {}, "Bearer s3cret", {}, "/?token=s3cre"}));
+  EXPECT_EQ(access.cookie(), "palpate-9090=session");
+  EXPECT_FALSE(Access("0.0.0.0", 9090, "", kSession).has_token_in_target({{}, {}, {}, {}, "/?token="}));
+}
+
+TEST(Token, IsLongAndFitsIntoAnAddress) {
+  EXPECT_EQ(token_problem("abcdefghijklmnop"), "");
+  EXPECT_EQ(token_problem("AZaz09-._~AZaz09"), "");
+  EXPECT_EQ(token_problem(random_text()), "");
+  EXPECT_NE(random_text(), random_text());
+  for (const std::string& bad : {std::string(), std::string("abcdefghijklmno"), std::string(257, 'a'),
+                                 std::string("abcdefghijklmno;"), std::string("abcdefghijklmno p"),
+                                 std::string("abcdefghijklmno\n"), std::string("abcdefghijklmno\xc3\xa9"),
+                                 std::string("abcdefghijklmno&"), std::string("abcdefghijklmno%")})
+    EXPECT_NE(token_problem(bad), "") << bad;
+}
+
+TEST(WithoutQueryValue, KeepsAllElse) {
+  for (const auto& [target, without] :
+       std::vector<std::pair<std::string, std::string>>{{"/?token=a", "/"},
+                                                        {"/", "/"},
+                                                        {"/?", "/"},
+                                                        {"/a%20b?token=a&x=1", "/a%20b?x=1"},
+                                                        {"/?x=1&token=a", "/?x=1"},
+                                                        {"/?x=1&token=a&y=%26", "/?x=1&y=%26"},
+                                                        {"/?token=a&token=b", "/"},
+                                                        {"/?token", "/"},
+                                                        {"/?xtoken=a&tokens=b", "/?xtoken=a&tokens=b"}})
+    EXPECT_EQ(without_query_value(target, "token"), without) << target;
 }
 
 // RFC 9110, 11.1: the name of a scheme is case-insensitive.
 TEST(Access, TakesBearerInAnyCase) {
-  const Access access("0.0.0.0", 9090, "s3cret");
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
   RequestHead head{"127.0.0.1:9090", {}, "bearer s3cret", {}, "/"};
   EXPECT_EQ(status(access, head), 0);
 }
 
 TEST(Access, ATokenDoesNotHelpAPageOfAnotherOrigin) {
-  const Access access("0.0.0.0", 9090, "s3cret");
-  RequestHead head{"127.0.0.1:9090", "http://evil.example", {}, "palpate=s3cret", "/"};
+  Access access("0.0.0.0", 9090, "s3cret", kSession);
+  RequestHead head{"127.0.0.1:9090", "http://evil.example", {}, "palpate-9090=session", "/"};
   EXPECT_EQ(status(access, head), 403);
 }
 

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cctype>
 #include <cstdint>
+#include <filesystem>
 #include <future>
 #include <list>
 #include <map>
@@ -208,6 +209,9 @@ class WebServerTest : public testing::Test {
     if (path == "/file") {
       result.type = "text/html";
       result.policy = "default-src 'self'";
+      result.bytes = file;
+    } else if (path == "//evil.example/file") {
+      result.type = "text/html";
       result.bytes = file;
     } else if (path == "/big") {
       result.bytes = big;
@@ -503,22 +507,142 @@ TEST_F(WebServerTest, ClosesOnWhatIsNotHttp) {
   EXPECT_EQ(ask("GET /").status, 200);
 }
 
-TEST_F(WebServerTest, IsBackOnceTooManyConnectionsAreGone) {
+TEST_F(WebServerTest, WhoIsSilentLocksNobodyOut) {
+  for (const char* token : {"", "s3cret"}) {
+    start(token);
+    const std::string mine = *token == '\0' ? "" : "Authorization: Bearer s3cret\r\n";
+    const auto socket = std::make_unique<Connection>(server->port());
+    socket->send(upgrade("/", mine));
+    EXPECT_EQ(socket->response().status, 101);
+    std::list<Connection> open;
+    for (int k = 0; k < 400; ++k) {
+      ASSERT_TRUE(open.emplace_back(server->port()).is_connected());
+      if (k % 2 == 0) open.back().send("GET / HTT");  // and never more
+    }
+    for (int k = 0; k < 20; ++k) {
+      EXPECT_EQ(ask("GET /", mine).status, 200);
+      Connection late(server->port());
+      late.send(upgrade("/", mine));
+      EXPECT_EQ(late.response().status, 101);
+      EXPECT_TRUE(answers(late));
+    }
+    EXPECT_TRUE(answers(*socket)) << "who was in stays in";
+    EXPECT_TRUE(open.front().ends()) << "the oldest made room";
+    server->stop();
+  }
+}
+
+TEST_F(WebServerTest, WhoAsksAndThenKeepsStillLocksNobodyOut) {
   start();
   std::list<Connection> open;
-  for (std::size_t k = 0; k < WebServer::kMostConnections; ++k) {
-    ASSERT_TRUE(open.emplace_back(server->port()).is_connected());
-    open.back().send("GET / HTT");  // and never more
+  for (std::size_t k = 0; k < WebServer::kMostConnections + 20; ++k) {
+    open.emplace_back(server->port()).send(request("GET /"));
+    EXPECT_EQ(open.back().response().status, 200);
   }
-  for (int k = 0; k < 30; ++k) {
-    Connection surplus(server->port());
-    EXPECT_TRUE(surplus.ends());
+  EXPECT_TRUE(open.front().ends()) << "who has been silent for longest made room";
+  open.back().send(request("GET /"));
+  EXPECT_EQ(open.back().response().status, 200);
+}
+
+TEST_F(WebServerTest, WithoutTheTokenThereIsLittleTime) {
+  start("s3cret");
+  const double begin = monotonic_now();
+  Connection silent(server->port()), refused(server->port());
+  for (int k = 0; k < 3; ++k) {  // it may go on asking, but not for ever
+    refused.send(request("GET /"));
+    EXPECT_EQ(refused.response().status, 401);
   }
-  open.clear();
-  EXPECT_TRUE(in_time([&] {
-    Connection good(server->port());
-    return good.send(request("GET /")) && good.response().status == 200;
-  }));
+  EXPECT_TRUE(silent.ends());
+  EXPECT_TRUE(refused.ends());
+  EXPECT_GE(monotonic_now() - begin, 0.8 * WebServer::kStrangerTime);
+  EXPECT_LE(monotonic_now() - begin, 20.0) << "and not the half minute that others have";
+}
+
+TEST_F(WebServerTest, APageThatTakesLongKeepsNoSocketWaiting) {
+  std::promise<void> asked, may_go;
+  WebServerOptions options;
+  options.port = 0;
+  server = std::make_unique<WebServer>(
+      hub,
+      [&](const std::string& path) {
+        if (path == "/slow") {
+          asked.set_value();
+          may_go.get_future().wait();
+        }
+        return text_page(200, path);
+      },
+      options);
+  server->start();
+  const auto socket = web_socket();
+  Connection slow(server->port());
+  slow.send(request("GET /slow"));
+  asked.get_future().wait();
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(answers(*socket)) << "while the page waits";
+  may_go.set_value();
+  EXPECT_EQ(slow.response().body, "/slow\n");
+}
+
+TEST_F(WebServerTest, ASlowServiceKeepsNobodyWaiting) {
+  std::promise<void> may_go;
+  std::shared_future<void> let_go = may_go.get_future().share();
+  std::atomic<int> done = 0;
+  hub.add_slow_service("/slow", "std_srvs/Trigger", [&](const Json&, const Reply& reply) {
+    server->elsewhere([=] { let_go.wait(); },
+                      [&done, reply] {
+                        reply.give({{"late", true}});
+                        ++done;
+                      });
+  });
+  start();
+  const auto socket = web_socket();
+  auto gone = web_socket();
+  const Json slow{{"op", "call_service"}, {"service", "/slow"}, {"id", "7"}};
+  gone->send(frame(kText, slow.dump()));
+  socket->send(frame(kText, slow.dump()));
+  for (int k = 0; k < 3; ++k) {
+    const Json answer = call(*socket, {{"op", "call_service"}, {"service", "/rosapi/nodes"}});
+    EXPECT_EQ(answer["service"], "/rosapi/nodes") << "before the slow one";
+  }
+  EXPECT_EQ(ask("GET /").status, 200);
+  gone.reset();
+  EXPECT_TRUE(in_time([&] { return hub.client_count() == 1; }));
+  EXPECT_EQ(done, 0);
+  may_go.set_value();
+  const Frame late = read_frame(*socket);
+  EXPECT_EQ(Json::parse(late.payload), (Json{{"op", "service_response"},
+                                             {"service", "/slow"},
+                                             {"id", "7"},
+                                             {"result", true},
+                                             {"values", {{"late", true}}}}));
+  EXPECT_TRUE(in_time([&] { return done == 2; })) << "the answer to who is gone is lost, and nothing else";
+}
+
+TEST_F(WebServerTest, SendsAFileThatIsReadAsItGoes) {
+  const test::TemporaryFile on_disk(big);
+  auto opened = std::make_shared<const InputFile>(on_disk.path());
+  WebServerOptions options;
+  options.port = 0;
+  server = std::make_unique<WebServer>(
+      hub,
+      [&](const std::string&) {
+        WebPage page;
+        page.tag = "v1";
+        page.file = opened;
+        return page;
+      },
+      options);
+  server->start();
+  EXPECT_TRUE(ask("GET /").body == big);
+  EXPECT_EQ(ask("GET /", "Range: bytes=1000000-1000009\r\n").body, big.substr(1000000, 10));
+  EXPECT_EQ(ask("HEAD /")["content-length"], std::to_string(big.size()));
+  EXPECT_EQ(ask("GET /", "If-None-Match: \"v1\"\r\n").status, 304);
+
+  // Cut in place: what is there is sent, the connection ends, and all else goes on.
+  std::filesystem::resize_file(on_disk.path(), 1000);
+  Connection cut(server->port());
+  cut.send(request("GET /"));
+  EXPECT_LT(cut.read(big.size()).size(), big.size());
+  EXPECT_EQ(ask("GET /", "Range: bytes=10-19\r\n").body, big.substr(10, 10));
 }
 
 TEST_F(WebServerTest, RefusesOtherHostsAndOrigins) {
@@ -542,18 +666,21 @@ TEST_F(WebServerTest, RefusesOtherHostsAndOrigins) {
 TEST_F(WebServerTest, WantsItsTokenOnceAndThenTheCookie) {
   start("s3cret");
   EXPECT_THAT(server->url(), AllOf(HasSubstr("http://127.0.0.1:"), HasSubstr("/?token=s3cret")));
-  const Response refused = ask("GET /file");
+  const Response refused = ask("GET /big");
   EXPECT_EQ(refused.status, 401);
   EXPECT_EQ(refused["www-authenticate"], "Bearer");
   EXPECT_THAT(refused.body, Not(HasSubstr("s3cret")));
   EXPECT_EQ(refused["set-cookie"], "");
-  EXPECT_EQ(ask("GET /file?token=wrong")["set-cookie"], "");
-  const Response taken = ask("GET /file?token=s3cret");
-  EXPECT_EQ(taken.body, file);
-  EXPECT_THAT(taken["set-cookie"],
-              AllOf(HasSubstr("palpate=s3cret"), HasSubstr("HttpOnly"), HasSubstr("SameSite=Strict")));
-  EXPECT_EQ(ask("GET /file", "Cookie: a=b; palpate=s3cret\r\n").body, file);
+  EXPECT_EQ(ask("GET /big?token=wrong")["set-cookie"], "");
+  const Response taken = ask("GET /big?token=s3cret");
+  EXPECT_EQ(taken.status, 200) << "whoever loads something is not sent elsewhere";
+  EXPECT_TRUE(taken.body == big);
+  const std::string set = taken["set-cookie"];
+  EXPECT_THAT(set, AllOf(HasSubstr("palpate-" + std::to_string(server->port()) + '='), HasSubstr("HttpOnly"),
+                         HasSubstr("SameSite=Lax"), Not(HasSubstr("s3cret"))));
+  EXPECT_EQ(ask("GET /file", "Cookie: a=b; " + set.substr(0, set.find(';')) + "\r\n").body, file);
   EXPECT_EQ(ask("GET /file", "Authorization: Bearer s3cret\r\n").body, file);
+  EXPECT_EQ(ask("GET /file", "Authorization: Bearer s3cret\r\n")["set-cookie"], "");
   Connection without(server->port());
   without.send(upgrade());
   EXPECT_EQ(without.response().status, 401);
@@ -561,6 +688,44 @@ TEST_F(WebServerTest, WantsItsTokenOnceAndThenTheCookie) {
   with.send(upgrade("/?token=s3cret"));
   EXPECT_EQ(with.response().status, 101);
   EXPECT_TRUE(answers(with));
+}
+
+TEST_F(WebServerTest, TheTokenLeavesTheAddressOfAPage) {
+  start("s3cret");
+  for (const char* method : {"GET", "HEAD"}) {
+    const Response moved = ask(std::string(method) + " /file?view=top&token=s3cret&x=%26");
+    EXPECT_EQ(moved.line, "HTTP/1.1 303 See Other");
+    EXPECT_EQ(moved["location"], "/file?view=top&x=%26");
+    EXPECT_NE(moved["set-cookie"], "");
+    EXPECT_THAT(moved.body, Not(HasSubstr("s3cret")));
+  }
+  const std::string set = ask("GET /file?token=s3cret")["set-cookie"];
+  const std::string cookie = "Cookie: " + set.substr(0, set.find(';')) + "\r\n";
+  EXPECT_EQ(ask("GET /file", cookie).body, file);
+  EXPECT_EQ(ask("GET /file?token=wrong", cookie).status, 200) << "a token that is none can stay";
+  const Response other = ask("GET //evil.example/file?token=s3cret");
+  EXPECT_EQ(other["location"], "") << "which would be at another host";
+}
+
+TEST_F(WebServerTest, TakesNoTokenAfterTooManyWrongOnes) {
+  start("s3cret");
+  Connection in(server->port());
+  in.send(request("GET /big?token=s3cret", "Range: bytes=0-1\r\n"));
+  const std::string set = in.response()["set-cookie"];
+  int wrong = 0;
+  while (ask("GET /?token=wrong").status == 401) ASSERT_LT(++wrong, 100);
+  EXPECT_GE(wrong, 5);
+  const Response right = ask("GET /?token=s3cret");
+  EXPECT_EQ(right.status, 429);
+  EXPECT_EQ(right["set-cookie"], "");
+  Connection socket(server->port());
+  socket.send(upgrade("/?token=s3cret"));
+  EXPECT_EQ(socket.response().status, 429);
+  in.send(request("GET /?token=s3cret"));
+  EXPECT_EQ(in.response().status, 200) << "who was in before is in";
+  Connection by_cookie(server->port());
+  by_cookie.send(upgrade("/", "Cookie: " + set.substr(0, set.find(';')) + "\r\n"));
+  EXPECT_EQ(by_cookie.response().status, 101);
 }
 
 TEST_F(WebServerTest, SpeaksRosbridgeOverAWebSocket) {

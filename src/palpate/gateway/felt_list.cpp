@@ -1,8 +1,9 @@
 #include <palpate/gateway/felt_list.h>
 
 #include <bit>
-#include <chrono>
 #include <cmath>
+#include <new>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -32,21 +33,38 @@ std::string felt_list(const SceneIndex& index) {
 
 void FeltListMaker::follow(const std::shared_ptr<const SceneIndex>& index) {
   if (same_gaussians(index, index_)) return;
-  index_ = index;
-  if (!making_.valid()) make();
-}
-
-bool FeltListMaker::update() {
-  using namespace std::chrono_literals;
-  if (!making_.valid() || making_.wait_for(0s) != std::future_status::ready) return false;
-  bytes_ = std::make_shared<const std::string>(making_.get());
-  if (!same_gaussians(made_of_, index_)) make();
-  return true;
+  // The last to hold an index gives its memory back, which may be gigabytes: that is slow work.
+  elsewhere_([old = std::exchange(index_, index)] {}, [] {});
+  if (!making_) make();
 }
 
 void FeltListMaker::make() {
-  made_of_ = index_;
-  making_ = std::async(std::launch::async, [index = index_] { return felt_list(*index); });
+  making_ = true;
+  const auto work = [this, index = index_, number = ++count_] {
+    std::shared_ptr<List> list;
+    try {
+      list = std::make_shared<List>(List{felt_list(*index), number});
+    } catch (const std::bad_alloc&) {
+      // an old list would be of another scene
+    }
+    publish(std::move(list));
+  };
+  elsewhere_([work, old = std::exchange(made_of_, index_)] { work(); },
+             [this] {
+               making_ = false;
+               if (!same_gaussians(made_of_, index_)) make();
+             });
+}
+
+/// Elsewhere: what was there before may be much to give back.
+void FeltListMaker::publish(std::shared_ptr<const List> list) {
+  const std::scoped_lock lock(mutex_);
+  newest_.swap(list);
+}
+
+std::shared_ptr<const FeltListMaker::List> FeltListMaker::newest() const {
+  const std::scoped_lock lock(mutex_);
+  return newest_;
 }
 
 }  // namespace palpate

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <future>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include <palpate/collision/scene_index.h>
+#include <palpate/rosbridge/elsewhere.h>
 
 namespace palpate {
 
@@ -21,24 +22,33 @@ static_assert(sizeof(FeltGaussian) == 16);
 /// All FeltGaussians of `index`, in no particular order.
 std::string felt_list(const SceneIndex& index);
 
-/// The felt_list() of the newest index, made on a thread of its own: it reads all of the index. Used by one
-/// thread, which never waits.
+/// The felt_list() of the newest index, made elsewhere: it reads all of the index.
 class FeltListMaker {
  public:
-  /// Another list is made if `index` holds other Gaussians than the last one.
-  void follow(const std::shared_ptr<const SceneIndex>& index);
-  /// To be called now and then. \returns true if another list is there.
-  bool update();
+  explicit FeltListMaker(Elsewhere elsewhere) : elsewhere_(std::move(elsewhere)) {}
 
-  /// Null before the first is there.
-  const std::shared_ptr<const std::string>& bytes() const { return bytes_; }
+  struct List {
+    std::string bytes;
+    std::uint64_t number = 0;  ///< another for every list, from 1
+  };
+
+  /// Another list is made if `index` holds other Gaussians than the last one. One thread, that of the `then`
+  /// of `elsewhere`, which never waits for a list, and never lets one or an index go.
+  void follow(const std::shared_ptr<const SceneIndex>& index);
+
+  /// Null before the first is there, and where there is no memory for it. Any thread.
+  std::shared_ptr<const List> newest() const;
 
  private:
   void make();
+  void publish(std::shared_ptr<const List> list);
 
+  Elsewhere elsewhere_;
   std::shared_ptr<const SceneIndex> index_, made_of_;
-  std::shared_ptr<const std::string> bytes_;
-  std::future<std::string> making_;
+  bool making_ = false;
+  std::uint64_t count_ = 0;   ///< of lists
+  mutable std::mutex mutex_;  ///< of what follows
+  std::shared_ptr<const List> newest_;
 };
 
 }  // namespace palpate

@@ -1,6 +1,8 @@
 #include <palpate/gateway/live_topics.h>
 
 #include <algorithm>
+#include <new>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,8 +55,10 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
 }
 
 void LiveTopics::feel(std::shared_ptr<const SceneIndex> index, const Tool& tool) {
-  if (index != index_) ellipsoids_.reset();
-  index_ = std::move(index);
+  // What was felt before gives much memory back if nobody else has it: that takes long.
+  if (index != index_)
+    elsewhere([old = std::exchange(index_, std::move(index)), lookup = std::exchange(lookup_, nullptr)] {},
+              [] {});
   tool_ = tool;
 }
 
@@ -193,9 +197,29 @@ void LiveTopics::publish() {
 
 void LiveTopics::publish_contacts(const Stamp& stamp) {
   if (!index_) return;
-  if (!ellipsoids_) ellipsoids_ = std::make_unique<EllipsoidLookup>(*index_);
+  if (!lookup_) look_up_ellipsoids();
+  if (!lookup_) return;
   query(*index_, tool_, feed_.newest().record.tool, found_);
-  contacts_.publish(markers_.message(header(stamp, kWorld, count_), found_.contacts, *ellipsoids_));
+  contacts_.publish(markers_.message(header(stamp, kWorld, count_), found_.contacts, *lookup_->ellipsoids));
+}
+
+/// Sorts all Gaussians. Until that is done there are no contacts to be seen.
+void LiveTopics::look_up_ellipsoids() {
+  if (std::exchange(looking_up_, true)) return;
+  auto made = std::make_shared<Lookup>();
+  made->index = index_;
+  const auto work = [made = made.get()] {
+    try {
+      made->ellipsoids = std::make_unique<EllipsoidLookup>(*made->index);
+    } catch (const std::bad_alloc&) {
+      // tried again
+    }
+  };
+  elsewhere(work, [this, made = std::move(made)]() mutable {
+    looking_up_ = false;
+    if (made->ellipsoids && made->index == index_) lookup_ = std::move(made);
+    elsewhere([unused = std::move(made)] {}, [] {});
+  });
 }
 
 void LiveTopics::publish_tool(const Stamp& stamp) {

@@ -9,12 +9,14 @@
 #include <optional>
 #include <string>
 
+#include <palpate/collision/ellipsoid_lookup.h>
 #include <palpate/collision/scene_index.h>
 #include <palpate/gateway/client_clock.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/gateway/contact_markers.h>
 #include <palpate/gateway/tick_feed.h>
 #include <palpate/haptics/tool_query.h>
+#include <palpate/rosbridge/elsewhere.h>
 #include <palpate/rosbridge/hub.h>
 #include <palpate/servo/servo_loop.h>
 
@@ -33,6 +35,12 @@ class LiveTopics {
   std::function<void()> on_other_hand;
   /// A pose that is older when it comes is dropped. Unit: [s].
   double stale_after = SafetyLimits().stale_after;
+
+  /// Who does what takes long: at once, where nobody else is told to.
+  Elsewhere elsewhere = [](auto work, auto then) {
+    work();
+    then();
+  };
 
   /// What is felt from now on, and what with.
   void feel(std::shared_ptr<const SceneIndex> index, const Tool& tool);
@@ -67,6 +75,7 @@ class LiveTopics {
   void publish_device_wrench(const Wrench& wrench);
   void publish_world_wrenches(const Stamp& stamp, Client* only);
   void publish_contacts(const Stamp& stamp);
+  void look_up_ellipsoids();
   void publish_tool(const Stamp& stamp);
   void publish_diagnostics(const Stamp& stamp);
   void watch_rate();
@@ -82,7 +91,13 @@ class LiveTopics {
       &echo_;
 
   std::shared_ptr<const SceneIndex> index_;
-  std::unique_ptr<EllipsoidLookup> ellipsoids_;  ///< made when someone wants to see contacts
+  /// Of an index; made when someone wants to see contacts.
+  struct Lookup {
+    std::shared_ptr<const SceneIndex> index;
+    std::unique_ptr<EllipsoidLookup> ellipsoids;
+  };
+  std::shared_ptr<const Lookup> lookup_;
+  bool looking_up_ = false;
   Tool tool_;
   ContactSet found_;
   ContactMarkers markers_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -87,7 +88,7 @@ bool Access::is_own_host(std::string_view host) const {
   return is_address(name) || name == lower(address_) || !token_.empty();
 }
 
-std::optional<Access::Refused> Access::refusal(const RequestHead& head) const {
+std::optional<Access::Refused> Access::refusal(const RequestHead& head, double now) {
   if (head.host.empty() || !is_own_host(head.host))
     return Refused{
         403, fmt::format("this server is not called that; open it by its address, with port {}", port_)};
@@ -96,21 +97,89 @@ std::optional<Access::Refused> Access::refusal(const RequestHead& head) const {
     if (origin != "http://" + host && origin != "https://" + host)
       return Refused{403, "pages of other origins may not use this server"};
   }
-  if (token_.empty()) return std::nullopt;
+  if (token_.empty() || same_secret(cookie_value(head.cookie, cookie_name()), session_)) return std::nullopt;
+  return refusal_of_token(head, now);
+}
+
+std::optional<Access::Refused> Access::refusal_of_token(const RequestHead& head, double now) {
   constexpr std::string_view kBearer = "bearer ";
   const std::string asked = query_value(head.target, "token");
   const std::string_view bearer = lower(head.authorization.substr(0, kBearer.size())) == kBearer
                                       ? head.authorization.substr(kBearer.size())
                                       : std::string_view{};
-  for (const std::string_view given :
-       {std::string_view(asked), bearer, cookie_value(head.cookie, "palpate")}) {
-    if (same_secret(given, token_)) return std::nullopt;
+  for (const std::string_view given : {std::string_view(asked), bearer}) {
+    if (given.empty()) continue;
+    // Nothing is compared any more, else the right one would be told apart all the same.
+    if (!head.logged_in && !guesses_.permits(head.address, now))
+      return Refused{429, "too many wrong tokens; wait a minute"};
+    if (same_secret(given, token_)) {
+      guesses_.count_right(head.address);
+      return std::nullopt;
+    }
+    guesses_.count_wrong(head.address, now);
   }
   return Refused{401, "a token is needed: open the address that palpate run prints"};
 }
 
+bool Access::has_token_in_target(const RequestHead& head) const {
+  return same_secret(query_value(head.target, "token"), token_);
+}
+
+std::string Access::cookie_name() const { return fmt::format("palpate-{}", port_); }
+std::string Access::cookie() const { return cookie_name() + '=' + session_; }
+
+double GuessLimit::Bucket::level(double now, double again) const {
+  return std::max(0.0, filled - (now - at) / again);
+}
+
+bool GuessLimit::permits(std::string_view address, double now) const {
+  const auto of = of_.find(address);
+  if (of != of_.end() && of->second.level(now, kOneAgain) + 1.0 > kOfOne) return false;
+  return trusted_.contains(address) || all_.level(now, kAllAgain) + 1.0 <= kOfAll;
+}
+
+void GuessLimit::count_wrong(std::string_view address, double now) {
+  // What is left are as many addresses as wrong tokens are permitted in the time that one is kept.
+  std::erase_if(of_, [now](const auto& one) { return one.second.level(now, kOneAgain) == 0.0; });
+  Bucket& one = of_[std::string(address)];
+  one = {one.level(now, kOneAgain) + 1.0, now};
+  if (!trusted_.contains(address)) all_ = {all_.level(now, kAllAgain) + 1.0, now};
+}
+
+std::string random_text() {
+  std::random_device source;
+  std::string text;
+  for (int k = 0; k < 4; ++k) text += fmt::format("{:08x}", source());
+  return text;
+}
+
+std::string token_problem(std::string_view token) {
+  const bool plain = std::all_of(token.begin(), token.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '.' || c == '_' || c == '~';
+  });
+  if (plain && token.size() >= kLeastToken && token.size() <= kMostToken) return {};
+  return fmt::format("a token has {} to {} letters, digits, '-', '.', '_' or '~'", kLeastToken, kMostToken);
+}
+
+std::string without_query_value(std::string_view target, std::string_view name) {
+  const std::size_t mark = target.find('?');
+  std::string result(target.substr(0, mark));
+  if (mark == std::string_view::npos) return result;
+  char between = '?';
+  for (std::string_view query = target.substr(mark + 1); !query.empty();) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    const std::string_view one = query.substr(0, end);
+    query.remove_prefix(std::min(end + 1, query.size()));
+    if (one.empty() || one.substr(0, one.find('=')) == name) continue;
+    result += between;
+    result += one;
+    between = '&';
+  }
+  return result;
+}
+
 std::optional<std::string> path_of(std::string_view target) {
-  const std::optional<std::string> path = decoded(target.substr(0, target.find_first_of("?#")));
+  std::optional<std::string> path = decoded(target.substr(0, target.find_first_of("?#")));
   if (!path || !path->starts_with('/') || path->find("..") != std::string::npos ||
       path->find('\0') != std::string::npos || path->find('\\') != std::string::npos)
     return std::nullopt;

@@ -84,7 +84,25 @@ void Hub::add_input(const std::string& name, const std::string& type, Listener l
 }
 
 void Hub::add_service(const std::string& name, const std::string& type, Service service) {
+  add_slow_service(name, type, [service = std::move(service)](const Json& arguments, const Reply& reply) {
+    reply.give(service(arguments));
+  });
+}
+
+void Hub::add_slow_service(const std::string& name, const std::string& type, SlowService service) {
   services_[name] = {type, std::move(service)};
+}
+
+void Reply::give(Json values) const { send(std::move(values), true); }
+void Reply::refuse(const std::string& why) const { send(why, false); }
+
+void Reply::send(Json values, bool result) const {
+  const std::shared_ptr<Client*> client = client_.lock();
+  if (!client) return;
+  Json response = response_;
+  response["values"] = std::move(values);
+  response["result"] = result;
+  (*client)->answer(response);
 }
 
 double Client::Subscription::throttle() const {
@@ -227,6 +245,7 @@ void Client::call(const Json& message) {
   const std::string name = named(message, "service");
   Json response{{"op", "service_response"}, {"service", name}};
   if (const auto id = message.find("id"); id != message.end()) response["id"] = *id;
+  const Reply reply(self_, std::move(response));
   try {
     const auto offer = hub_.services_.find(name);
     if (offer == hub_.services_.end())
@@ -235,23 +254,20 @@ void Client::call(const Json& message) {
     const auto arguments = message.find("args");
     const bool none = arguments == message.end() || arguments->is_null() || arguments->empty();
     if (!none && !arguments->is_object()) throw Refusal("'args' must be an object");
-    response["values"] = offer->second.service(none ? Json::object() : *arguments);
-    response["result"] = true;
+    offer->second.service(none ? Json::object() : *arguments, reply);
   } catch (const Refusal& refusal) {
-    response["values"] = refusal.what();
-    response["result"] = false;
+    reply.refuse(refusal.what());
   }
-  answer(std::move(response));
 }
 
 void Client::tell(const std::string& level, const std::string& text, const Json& id) {
   if (quiet_) return;
   Json status{{"op", "status"}, {"level", level}, {"msg", text}};
   if (!id.is_null()) status["id"] = id;
-  answer(std::move(status));
+  answer(status);
 }
 
-void Client::answer(Json message) {
+void Client::answer(const Json& message) {
   auto text = std::make_shared<const std::string>(encode_json(message));
   answer_bytes_ += text->size();
   answers_.push_back(std::move(text));

@@ -2,6 +2,7 @@
 /// Topics, services, and the clients that use them: rosbridge v2 without a network.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -66,6 +67,25 @@ class Topic {
   std::vector<Client*> watchers_;
 };
 
+/// The way back of an answer to a call. On the Hub's thread; where the client has gone, it is lost.
+class Reply {
+ public:
+  Reply(std::weak_ptr<Client*> client, Json response)
+      : client_(std::move(client)), response_(std::move(response)) {}
+
+  /// \name One of the two, once
+  /// @{
+  void give(Json values) const;
+  void refuse(const std::string& why) const;
+  /// @}
+
+ private:
+  void send(Json values, bool result) const;
+
+  std::weak_ptr<Client*> client_;  ///< gone when that is
+  Json response_;                  ///< but for what is answered
+};
+
 /// Everything there is to subscribe to, to publish, and to call. It and its Clients belong to one thread.
 class Hub {
  public:
@@ -73,6 +93,8 @@ class Hub {
   using Listener = std::function<void(const Json& message, Client& from)>;
   /// Answers a call. \throws Refusal.
   using Service = std::function<Json(const Json& arguments)>;
+  /// Begins to answer a call, which `reply` ends at any later time. \throws Refusal.
+  using SlowService = std::function<void(const Json& arguments, const Reply& reply)>;
 
   struct Input {
     std::string type;
@@ -80,18 +102,19 @@ class Hub {
   };
   struct Offer {
     std::string type;
-    Service service;
+    SlowService service;
   };
 
   /// Names begin with '/'. References stay good.
   Topic& add_topic(const std::string& name, const std::string& type, bool latched = false);
   void add_input(const std::string& name, const std::string& type, Listener listener);
   void add_service(const std::string& name, const std::string& type, Service service);
+  void add_slow_service(const std::string& name, const std::string& type, SlowService service);
 
   const std::map<std::string, Topic>& topics() const { return topics_; }
   const std::map<std::string, Input>& inputs() const { return inputs_; }
   const std::map<std::string, Offer>& services() const { return services_; }
-  std::size_t client_count() const { return clients_; }
+  std::size_t client_count() const { return clients_; }  ///< Any thread.
   /// Told of every client that goes.
   std::function<void(const Client&)> on_leave;
   /// Told when nothing more of what a client has sent waits: what it published last is the newest there is.
@@ -102,7 +125,7 @@ class Hub {
   std::map<std::string, Topic> topics_;
   std::map<std::string, Input> inputs_;
   std::map<std::string, Offer> services_;
-  std::size_t clients_ = 0;
+  std::atomic<std::size_t> clients_ = 0;
 };
 
 /// Adds what clients of rosbridge ask on connecting: /rosapi/topics, services and so on.
@@ -165,6 +188,7 @@ class Client {
 
  private:
   friend class Topic;
+  friend class Reply;
   struct Subscription {
     /// A topic may be subscribed several times, under several ids: what is sent does for all.
     struct Wish {
@@ -188,7 +212,7 @@ class Client {
   void advertise(const Json& message);
   void publish(const Json& message);
   void call(const Json& message);
-  void answer(Json message);
+  void answer(const Json& message);
   void offer(const Topic& topic, const std::shared_ptr<const Publication>& publication);
   void drop(std::map<std::string, Subscription>::iterator subscription);
 
@@ -203,6 +227,7 @@ class Client {
   double messages_left_ = kMostMessages, bytes_left_ = kMostBytes, counted_at_;
   bool quiet_ = false, urgent_ = false;
   std::string fault_;
+  std::shared_ptr<Client*> self_ = std::make_shared<Client*>(this);  ///< for Reply
 };
 
 }  // namespace palpate

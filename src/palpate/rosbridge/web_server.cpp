@@ -4,12 +4,16 @@
 
 #include <palpate/rosbridge/web_server.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <list>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -50,21 +54,74 @@ constexpr auto kIdle = std::chrono::seconds(30);
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 RequestHead head_of(const Request& request) {
-  return {view(request[http::field::host]), view(request[http::field::origin]),
-          view(request[http::field::authorization]), view(request[http::field::cookie]),
-          view(request.target())};
+  RequestHead head;
+  head.host = view(request[http::field::host]);
+  head.origin = view(request[http::field::origin]);
+  head.authorization = view(request[http::field::authorization]);
+  head.cookie = view(request[http::field::cookie]);
+  head.target = view(request.target());
+  return head;
 }
 
-/// What all sessions share. On the server's thread.
+/// Of a peer, for GuessLimit: who has one address of IPv6 has all of its network of 64 bits.
+std::string address_of(const tcp::socket& socket) {
+  error_code ignored;
+  const net::ip::address address = socket.remote_endpoint(ignored).address();
+  if (!address.is_v6() || address.to_v6().is_v4_mapped()) return address.to_string();
+  net::ip::address_v6::bytes_type bytes = address.to_v6().to_bytes();
+  std::fill(bytes.begin() + 8, bytes.end(), 0);
+  return net::ip::make_address_v6(bytes).to_string();
+}
+
+/// A thread that does what is posted, one after the other.
+class Lane {
+ public:
+  net::io_context& context() { return context_; }
+
+  void start(const char* name, const std::optional<ThreadPriority>& real_time = {}) {
+    thread_ = std::thread([this, name, real_time] {
+      name_thread(name);
+      if (real_time) make_real_time(*real_time);  // the loop has told why not, if not
+      context_.run();
+    });
+  }
+  bool is_running() const { return thread_.joinable(); }
+  /// Once nothing more is under way in it.
+  void finish() {
+    stays_.reset();
+    thread_.join();
+  }
+  /// After what it does now; what waits is not done.
+  void stop() {
+    context_.stop();
+    thread_.join();
+  }
+
+ private:
+  net::io_context context_{1};
+  net::executor_work_guard<net::io_context::executor_type> stays_ = net::make_work_guard(context_);
+  std::thread thread_;
+};
+
+/// One of so many at most, until it goes.
+class Place {
+ public:
+  explicit Place(std::atomic<std::size_t>& taken) : taken_(taken) { ++taken_; }
+  ~Place() { --taken_; }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+ private:
+  std::atomic<std::size_t>& taken_;
+};
+
+/// What all WebSockets share. On the server's thread.
 struct Shared {
   Hub& hub;
-  WebServer::Site site;
-  Access access;
-  /// Has `work` done on the server's other thread, and then `then` on its own. Keeps neither from its end.
-  std::function<void(std::function<void()> work, std::function<void()> then)> elsewhere;
-  std::size_t connections = 0, sockets = 0;
+  /// Has `work` done on the thread that decodes, and then `then` on the server's. Keeps neither from its end.
+  Elsewhere decode;
   /// To close whatever is open.
-  std::set<class Session*> sessions;
+  std::set<class SocketSession*> sessions;
   /// With a frame that waits, in the order in which they came.
   std::deque<std::shared_ptr<class SocketSession>> turn;
 };
@@ -74,30 +131,20 @@ constexpr std::size_t kShort = 4 << 10;
 /// How long frames of those who hold no hand may take between two looks at the sockets. Unit: [s].
 constexpr double kTurnTime = 3e-4;
 
-/// Something that is open.
-class Session {
- public:
-  explicit Session(Shared& shared) : shared_(shared) { shared_.sessions.insert(this); }
-  virtual ~Session() { shared_.sessions.erase(this); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  virtual void close() = 0;
-
- protected:
-  Shared& shared_;
-};
-
 /// One WebSocket and its Client.
-class SocketSession final : public Session, public std::enable_shared_from_this<SocketSession> {
+class SocketSession final : public std::enable_shared_from_this<SocketSession> {
  public:
-  SocketSession(Shared& shared, tcp::socket&& socket)
-      : Session(shared),
+  SocketSession(Shared& shared, tcp::socket&& socket, std::unique_ptr<Place> place)
+      : shared_(shared),
+        place_(std::move(place)),
         socket_(std::move(socket)),
         client_(
             shared.hub, [this] { wake(); }, monotonic_now) {
-    ++shared_.sockets;
+    shared_.sessions.insert(this);
   }
-  ~SocketSession() override { --shared_.sockets; }
+  ~SocketSession() { shared_.sessions.erase(this); }
+  SocketSession(const SocketSession&) = delete;
+  SocketSession& operator=(const SocketSession&) = delete;
 
   void accept(const Request& request) {
     websocket::stream_base::timeout timeout{};
@@ -115,7 +162,7 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
     });
   }
 
-  void close() override { beast::get_lowest_layer(socket_).close(); }
+  void close() { beast::get_lowest_layer(socket_).close(); }
 
   /// Takes the frame that was read, and reads on.
   void take_frame() { take(Client::decode(frame(), socket_.got_binary())); }
@@ -141,12 +188,12 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
   /// One at a time of each client; the message ends there, too, since that takes as long.
   void decode_elsewhere() {
     const auto decoded = std::make_shared<Client::Decoded>();
-    shared_.elsewhere([self = shared_from_this(), decoded,
-                       binary = socket_.got_binary()] { *decoded = Client::decode(self->frame(), binary); },
-                      [self = shared_from_this(), decoded] {
-                        self->take(*decoded);
-                        self->shared_.elsewhere([decoded] { *decoded = {}; }, [] {});
-                      });
+    shared_.decode([self = shared_from_this(), decoded,
+                    binary = socket_.got_binary()] { *decoded = Client::decode(self->frame(), binary); },
+                   [self = shared_from_this(), decoded] {
+                     self->take(*decoded);
+                     self->shared_.decode([decoded] { *decoded = {}; }, [] {});
+                   });
   }
 
   void wait_for_turn() {
@@ -229,6 +276,8 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
     socket_.async_close(reason, [self = shared_from_this()](error_code) { self->close(); });
   }
 
+  Shared& shared_;
+  std::unique_ptr<Place> place_;
   /// Without compression: messages are small and must be quick.
   websocket::stream<beast::tcp_stream, false> socket_;
   beast::flat_buffer buffer_;
@@ -238,42 +287,105 @@ class SocketSession final : public Session, public std::enable_shared_from_this<
   bool open_ = false, writing_ = false, woken_ = false, held_back_ = false;
 };
 
+/// Open connections, those that have been silent for longest first.
+using Crowd = std::list<class HttpSession*>;
+
+/// What all connections that are no WebSockets share. On the thread of pages.
+struct Pages {
+  WebServer::Site site;
+  Access access;
+  /// Makes a WebSocket of a connection.
+  std::function<void(tcp::socket&& socket, const Request& request)> upgrade;
+  const std::atomic<std::size_t>& sockets;  ///< that there are
+  Crowd strangers, guests;
+};
+
 /// One connection of HTTP, which may become a WebSocket.
-class HttpSession final : public Session, public std::enable_shared_from_this<HttpSession> {
+class HttpSession final : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(Shared& shared, tcp::socket&& socket) : Session(shared), stream_(std::move(socket)) {
-    ++shared_.connections;
+  HttpSession(Pages& pages, tcp::socket&& socket)
+      : pages_(pages), address_(address_of(socket)), stream_(std::move(socket)) {}
+  ~HttpSession() { leave(); }
+  HttpSession(const HttpSession&) = delete;
+  HttpSession& operator=(const HttpSession&) = delete;
+
+  void begin() {
+    enter(pages_.strangers, WebServer::kMostStrangers);
+    read();
   }
-  ~HttpSession() override { --shared_.connections; }
+
+  void close() {
+    leave();
+    stream_.close();
+  }
+
+ private:
+  void enter(Crowd& crowd, std::size_t most) {
+    leave();
+    if (crowd.size() == most) crowd.front()->close();
+    crowd.push_back(this);
+    crowd_ = &crowd;
+    at_ = std::prev(crowd.end());
+  }
+  void leave() {
+    if (crowd_ != nullptr) crowd_->erase(at_);
+    crowd_ = nullptr;
+  }
+  bool is_stranger() const { return crowd_ == &pages_.strangers; }
+
+  /// It has said or taken something. A stranger gains nothing by that.
+  void progress() {
+    if (is_stranger()) {
+      stream_.expires_at(until_);
+    } else {
+      stream_.expires_after(kHttpTimeout);
+      if (crowd_ != nullptr) crowd_->splice(crowd_->end(), *crowd_, at_);
+    }
+  }
 
   void read() {
     parser_.emplace();
     parser_->header_limit(kMostHeader);
     parser_->body_limit(kMostBody);
-    stream_.expires_after(kHttpTimeout);
+    progress();
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
       if (error) return self->close();
       self->handle(self->parser_->release());
     });
   }
 
-  void close() override { stream_.close(); }
-
- private:
   void handle(const Request& request) {
-    if (const auto refused = shared_.access.refusal(head_of(request)))
+    if (crowd_ == nullptr) return;  // closed meanwhile
+    RequestHead head = head_of(request);
+    head.address = address_;
+    head.logged_in = !is_stranger();
+    if (const auto refused = pages_.access.refusal(head, monotonic_now()))
       return send(request, text_page(refused->status, refused->why));
-    if (websocket::is_upgrade(request)) {
-      if (shared_.sockets == WebServer::kMostClients)
-        return send(request, text_page(503, "too many clients are connected"));
-      stream_.expires_never();
-      std::make_shared<SocketSession>(shared_, stream_.release_socket())->accept(request);
-      return;
-    }
+    if (websocket::is_upgrade(request)) return upgrade(request);
+    if (is_stranger()) enter(pages_.guests, WebServer::kMostConnections);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return send(request, text_page(405, "only GET and HEAD are answered here"));
-    const auto path = path_of(view(request.target()));
-    send(request, path ? shared_.site(*path) : text_page(400, "this is no path"));
+    const auto path = path_of(head.target);
+    brings_token_ = pages_.access.has_token_in_target(head);
+    send(request, path ? page_at(*path, head.target) : text_page(400, "this is no path"));
+  }
+
+  void upgrade(const Request& request) {
+    if (pages_.sockets == WebServer::kMostClients)
+      return send(request, text_page(503, "too many clients are connected"));
+    leave();
+    stream_.expires_never();
+    pages_.upgrade(stream_.release_socket(), request);
+  }
+
+  /// What a browser shows leaves no token in its address bar, its history, and what is copied from there.
+  WebPage page_at(const std::string& path, std::string_view target) const {
+    WebPage page = pages_.site(path);
+    const bool elsewhere_by_slashes = target.starts_with("//");  // as an address: of another host
+    if (!brings_token_ || !page.type.starts_with("text/html") || elsewhere_by_slashes) return page;
+    WebPage moved = text_page(303, "the same without the token");
+    moved.location = without_query_value(target, "token");
+    return moved;
   }
 
   void send(const Request& request, WebPage page) {
@@ -291,49 +403,73 @@ class HttpSession final : public Session, public std::enable_shared_from_this<Ht
     answer_.set("Content-Security-Policy", page_.policy.empty() ? "default-src 'none'" : page_.policy);
     if (page_.status == 401) answer_.set(http::field::www_authenticate, "Bearer");
     if (page_.status == 405) answer_.set(http::field::allow, "GET, HEAD");
-    remember_token(request);
-    std::string_view body = page_.bytes;
+    if (!page_.location.empty()) answer_.set(http::field::location, page_.location);
+    give_cookie();
+    rest_ = {0, size()};
     if (!page_.tag.empty()) {
       const std::string tag = '"' + page_.tag + '"';
       answer_.set(http::field::etag, tag);
       answer_.set(http::field::cache_control, "no-cache");  // kept, and asked for again
       answer_.set(http::field::accept_ranges, "bytes");
-      body = part(request, tag);
+      rest_ = part(request, tag);
     } else {
       answer_.set(http::field::cache_control, "no-store");
       answer_.result(static_cast<unsigned>(page_.status));
     }
-    answer_.body() = {body.data(), body.size()};
-    answer_.prepare_payload();
-    if (answer_.result() == http::status::not_modified) answer_.erase(http::field::content_length);
-    stream_.expires_after(kHttpTimeout);
+    if (answer_.result() != http::status::not_modified) answer_.content_length(rest_.count);
+    if (request.method() == http::verb::head) rest_.count = 0;
+    progress();
     serializer_.emplace(answer_);
-    head_only_ = request.method() == http::verb::head;
-    serializer_->split(head_only_);  // the head is a piece of its own
-    write_some();
+    http::async_write_header(stream_, *serializer_,
+                             [self = shared_from_this()](error_code error, std::size_t) {
+                               error ? self->close() : self->write_some();
+                             });
   }
 
   /// In pieces, so that only a peer that takes nothing at all runs out of time, and not one that is slow.
   void write_some() {
-    constexpr std::size_t kPiece = 1 << 18;
-    serializer_->limit(kPiece);
-    http::async_write_some(stream_, *serializer_, [self = shared_from_this()](error_code error, std::size_t) {
+    if (piece_.empty() && rest_.count == 0) return done();
+    if (piece_.empty() && !take_piece()) return close();
+    progress();
+    const auto written = [self = shared_from_this()](error_code error, std::size_t count) {
       if (error) return self->close();
-      self->stream_.expires_after(kHttpTimeout);
-      const bool all = self->head_only_ ? self->serializer_->is_header_done() : self->serializer_->is_done();
-      all ? self->done() : self->write_some();
-    });
+      self->piece_.remove_prefix(count);
+      self->write_some();
+    };
+    stream_.async_write_some(net::buffer(piece_.data(), piece_.size()), written);
+  }
+
+  /// False where a file has been cut or cannot be read.
+  bool take_piece() {
+    constexpr std::size_t kPiece = 1 << 18;
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPiece, rest_.count));
+    if (page_.file) {
+      file_bytes_.resize(count);
+      try {
+        page_.file->read(rest_.first, file_bytes_);
+      } catch (const Error&) {
+        return false;
+      }
+      piece_ = {file_bytes_.data(), count};
+    } else {
+      piece_ = page_.bytes.substr(rest_.first, count);
+    }
+    rest_ = {rest_.first + count, rest_.count - count};
+    return true;
   }
 
   void done() {
     const bool goes_on = answer_.keep_alive();
     serializer_.reset();
     page_ = {};
+    file_bytes_ = {};
     goes_on ? read() : close();
   }
 
+  std::uint64_t size() const { return page_.file ? page_.file->size() : page_.bytes.size(); }
+
   /// What the request wants of the page, and the status for that.
-  std::string_view part(const Request& request, const std::string& tag) {
+  ByteRange part(const Request& request, const std::string& tag) {
     const std::string_view known = view(request[http::field::if_none_match]);
     if (known == "*" || known.find(tag) != std::string_view::npos) {
       answer_.result(http::status::not_modified);
@@ -342,37 +478,48 @@ class HttpSession final : public Session, public std::enable_shared_from_this<Ht
     const std::string_view condition = view(request[http::field::if_range]);
     const bool whole = (!condition.empty() && condition != tag) || request.method() == http::verb::head;
     const RangeRequest asked =
-        whole ? RangeRequest{} : parse_range(view(request[http::field::range]), page_.bytes.size());
+        whole ? RangeRequest{} : parse_range(view(request[http::field::range]), size());
     answer_.result(static_cast<unsigned>(page_.status));
-    if (asked.kind == RangeRequest::Kind::kNone) return page_.bytes;
+    if (asked.kind == RangeRequest::Kind::kNone) return {0, size()};
     if (asked.kind == RangeRequest::Kind::kUnsatisfiable) {
       answer_.result(http::status::range_not_satisfiable);
-      answer_.set(http::field::content_range, fmt::format("bytes */{}", page_.bytes.size()));
+      answer_.set(http::field::content_range, fmt::format("bytes */{}", size()));
       return {};
     }
     const auto [first, count] = asked.range;
     answer_.result(http::status::partial_content);
-    answer_.set(http::field::content_range,
-                fmt::format("bytes {}-{}/{}", first, first + count - 1, page_.bytes.size()));
-    return page_.bytes.substr(first, count);
+    answer_.set(http::field::content_range, fmt::format("bytes {}-{}/{}", first, first + count - 1, size()));
+    return asked.range;
   }
 
-  /// Whoever came with the token need not bring it again: a page cannot add it to all that it loads.
-  void remember_token(const Request& request) {
-    const std::string& token = shared_.access.token();
-    if (token.empty() || query_value(view(request.target()), "token") != token) return;
-    answer_.set(http::field::set_cookie, fmt::format("palpate={}; Path=/; HttpOnly; SameSite=Strict", token));
+  /// Whoever came with the token need not bring it again: a page cannot add it to all that it loads. Lax:
+  /// also to who followed a link to here.
+  void give_cookie() {
+    if (brings_token_)
+      answer_.set(http::field::set_cookie, pages_.access.cookie() + "; Path=/; HttpOnly; SameSite=Lax");
+    brings_token_ = false;
   }
 
-  using Answer = http::response<http::span_body<const char>>;
+  using Answer = http::response<http::empty_body>;
 
+  Pages& pages_;
+  std::string address_;
+  Crowd* crowd_ = nullptr;  ///< that it is in; null: it is closed, or somebody else's
+  Crowd::iterator at_;
+  /// A stranger is closed then.
+  std::chrono::steady_clock::time_point until_ =
+      std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                             std::chrono::duration<double>(WebServer::kStrangerTime));
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
+  bool brings_token_ = false;
   WebPage page_;
   Answer answer_;
-  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
-  bool head_only_ = false;
+  std::optional<http::response_serializer<http::empty_body>> serializer_;
+  ByteRange rest_;          ///< of the page, still to be taken
+  std::string_view piece_;  ///< of what was taken, still to be written
+  std::vector<char> file_bytes_;
 };
 
 }  // namespace
@@ -389,37 +536,31 @@ WebPage text_page(int status, std::string text) {
 class WebServer::Implementation : public std::enable_shared_from_this<Implementation> {
  public:
   Implementation(Hub& hub, Site site, const WebServerOptions& options)
-      : real_time_(options.real_time), acceptor_(context_), address_(options.address), retry_(context_) {
-    error_code error;
-    const auto address = net::ip::make_address(options.address, error);
-    if (error) throw Error("{}: is not an address to listen on; give one of this machine", options.address);
-    const tcp::endpoint endpoint(address, options.port);
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
-    if (error) {
-      throw Error("cannot listen on {} port {}: {}; give another --port, or --no-gateway", options.address,
-                  options.port, error.message());
-    }
-    port_ = acceptor_.local_endpoint().port();
-    shared_.emplace(Shared{hub,
-                           std::move(site),
-                           Access(options.address, port_, options.token),
-                           [this](auto work, auto then) { elsewhere(std::move(work), std::move(then)); },
-                           0,
-                           0,
-                           {},
-                           {}});
+      : shared_{hub,
+                [this](auto work, auto then) { have_done(decoder_, std::move(work), std::move(then)); },
+                {},
+                {}},
+        real_time_(options.real_time),
+        acceptor_(web_.context()),
+        address_(options.address),
+        retry_(web_.context()) {
+    listen(options);
+    pages_.emplace(
+        Pages{std::move(site),
+              Access(options.address, port_, options.token, random_text()),
+              [this](tcp::socket&& socket, const Request& request) { upgrade(std::move(socket), request); },
+              sockets_,
+              {},
+              {}});
   }
 
   void every(double rate, std::function<void()> work) {
-    timers_.push_back({net::steady_timer(context_), std::chrono::nanoseconds(static_cast<long>(1e9 / rate)),
-                       std::move(work)});
+    timers_.push_back({net::steady_timer(own_.context()),
+                       std::chrono::nanoseconds(static_cast<long>(1e9 / rate)), std::move(work)});
   }
 
   void when(Wake& wake, std::function<void()> work) {
-    watches_.push_back({net::posix::stream_descriptor(context_, wake.descriptor()), std::move(work)});
+    watches_.push_back({net::posix::stream_descriptor(own_.context(), wake.descriptor()), std::move(work)});
   }
 
   void start() {
@@ -429,49 +570,33 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
       wait(timer);
     }
     for (Watch& watch : watches_) wait(watch);
-    thread_ = std::thread([this] {
-      name_thread("palpate-gateway");
-      if (real_time_) make_real_time(*real_time_);  // the loop has told why not, if not
-      context_.run();
-    });
-    other_thread_ = std::thread([this] {
-      name_thread("palpate-pages");
-      other_.run();
-    });
+    own_.start("palpate-gateway", real_time_);
+    web_.start("palpate-pages");
+    decoder_.start("palpate-decode");
+    worker_.start("palpate-slow");
   }
 
   void stop() {
-    if (thread_.joinable()) {
-      net::post(context_, [this] {
-        error_code ignored;
-        acceptor_.close(ignored);
-        retry_.cancel();
-        for (Timer& timer : timers_) timer.timer.cancel();
-        for (Watch& watch : watches_) watch.descriptor.cancel(ignored);
-        ends_ = true;
-        const std::set<Session*> open = shared_->sessions;
-        for (Session* session : open) session->close();
-      });
-      thread_.join();
-      other_.stop();
-      other_thread_.join();
-      shared_->turn.clear();
+    if (own_.is_running()) {
+      net::post(web_.context(), [this] { close_pages(); });
+      web_.finish();
+      net::post(own_.context(), [this] { close_sockets(); });
+      own_.finish();
+      decoder_.stop();
+      worker_.stop();
+      shared_.turn.clear();
     }
     for (Watch& watch : watches_) watch.descriptor.release();  // its owner closes it
     watches_.clear();
   }
 
-  void post(std::function<void()> work) { net::post(context_, std::move(work)); }
+  void post(std::function<void()> work) { net::post(own_.context(), std::move(work)); }
   void elsewhere(std::function<void()> work, std::function<void()> then) {
-    net::post(other_, [this, work = std::move(work), then = std::move(then)]() mutable {
-      work();
-      work = nullptr;
-      net::post(context_, std::move(then));
-    });
+    have_done(worker_, std::move(work), std::move(then));
   }
   std::uint16_t port() const { return port_; }
   const std::string& address() const { return address_; }
-  const std::string& token() const { return shared_->access.token(); }
+  const std::string& token() const { return pages_->access.token(); }
 
  private:
   struct Timer {
@@ -484,6 +609,50 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     std::function<void()> work;
   };
 
+  void listen(const WebServerOptions& options) {
+    error_code error;
+    const auto address = net::ip::make_address(options.address, error);
+    if (error) throw Error("{}: is not an address to listen on; give one of this machine", options.address);
+    const tcp::endpoint endpoint(address, options.port);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+    if (error) {
+      throw Error("cannot listen on {} port {}: {}; give another --port, or --no-gateway", options.address,
+                  options.port, error.message());
+    }
+    protocol_ = endpoint.protocol();
+    port_ = acceptor_.local_endpoint().port();
+  }
+
+  void have_done(Lane& lane, std::function<void()> work, std::function<void()> then) {
+    net::post(lane.context(), [this, work = std::move(work), then = std::move(then)]() mutable {
+      work();
+      work = nullptr;
+      net::post(own_.context(), std::move(then));
+    });
+  }
+
+  void close_pages() {
+    error_code ignored;
+    acceptor_.close(ignored);
+    retry_.cancel();
+    ends_ = true;
+    for (Crowd* crowd : {&pages_->strangers, &pages_->guests}) {
+      while (!crowd->empty()) crowd->front()->close();
+    }
+  }
+
+  void close_sockets() {
+    error_code ignored;
+    for (Timer& timer : timers_) timer.timer.cancel();
+    for (Watch& watch : watches_) watch.descriptor.cancel(ignored);
+    stops_ = true;
+    const std::set<SocketSession*> open = shared_.sessions;
+    for (SocketSession* session : open) session->close();
+  }
+
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (ends_ || error == net::error::operation_aborted) return;
@@ -494,18 +663,26 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
         });
         return;
       }
-      if (shared_->connections + shared_->sockets < WebServer::kMostConnections) {
-        error_code ignored;
-        socket.set_option(tcp::no_delay(true), ignored);
-        std::make_shared<HttpSession>(*shared_, std::move(socket))->read();
-      }  // else it is closed here
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      std::make_shared<HttpSession>(*pages_, std::move(socket))->begin();
       accept();
     });
   }
 
+  /// From the thread of pages to the server's own.
+  void upgrade(tcp::socket&& socket, const Request& request) {
+    tcp::socket moved(own_.context(), protocol_, socket.release());
+    auto work = [this, moved = std::move(moved), request,
+                 place = std::make_unique<Place>(sockets_)]() mutable {
+      std::make_shared<SocketSession>(shared_, std::move(moved), std::move(place))->accept(request);
+    };
+    net::post(own_.context(), std::move(work));
+  }
+
   void wait(Timer& timer) {
     timer.timer.async_wait([this, &timer](error_code error) {
-      if (error || ends_) return;
+      if (error || stops_) return;
       timer.work();
       // From when it was due, so that the rate is kept; what was missed is not made up for.
       const auto next = timer.timer.expiry() + timer.period;
@@ -516,25 +693,27 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
 
   void wait(Watch& watch) {
     watch.descriptor.async_wait(net::posix::stream_descriptor::wait_read, [this, &watch](error_code error) {
-      if (error || ends_) return;
+      if (error || stops_) return;
       watch.work();
       wait(watch);
     });
   }
 
-  std::optional<Shared> shared_;  ///< outlives what is still to be called in the contexts
-  net::io_context context_{1};
-  net::io_context other_{1};
-  net::executor_work_guard<net::io_context::executor_type> other_stays_ = net::make_work_guard(other_);
+  // These outlive what is still to be called in the lanes.
+  std::atomic<std::size_t> sockets_ = 0;  ///< counted up on the thread of pages alone
+  Shared shared_;
+  std::optional<Pages> pages_;
+  Lane own_, web_, decoder_, worker_;
   std::optional<ThreadPriority> real_time_;
   tcp::acceptor acceptor_;
+  tcp protocol_ = tcp::v4();
   std::string address_;
   std::uint16_t port_ = 0;
   net::steady_timer retry_;
   std::list<Timer> timers_;
   std::list<Watch> watches_;
-  bool ends_ = false;
-  std::thread thread_, other_thread_;
+  bool ends_ = false;   ///< of the thread of pages
+  bool stops_ = false;  ///< of the server's own
 };
 
 WebServer::WebServer(Hub& hub, Site site, const WebServerOptions& options)
@@ -547,6 +726,9 @@ void WebServer::when(Wake& wake, std::function<void()> work) { implementation_->
 void WebServer::start() { implementation_->start(); }
 void WebServer::stop() { implementation_->stop(); }
 void WebServer::post(std::function<void()> work) { implementation_->post(std::move(work)); }
+void WebServer::elsewhere(std::function<void()> work, std::function<void()> then) {
+  implementation_->elsewhere(std::move(work), std::move(then));
+}
 std::uint16_t WebServer::port() const { return implementation_->port(); }
 
 std::string WebServer::url() const {

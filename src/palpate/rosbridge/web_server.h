@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include <palpate/base/file.h>
 #include <palpate/base/real_time.h>
+#include <palpate/rosbridge/elsewhere.h>
 #include <palpate/rosbridge/hub.h>
 #include <palpate/rosbridge/wake.h>
 
@@ -24,6 +26,10 @@ struct WebPage {
   std::shared_ptr<const void> keeps;  ///< what owns them; null: they live as long as the program
   std::string tag;                    ///< of this version of it, for caches; empty: not to be kept
   std::string policy;                 ///< Content-Security-Policy; empty: nothing may be loaded
+  /// In place of `bytes`: read as it is sent, so that it need not fit into memory and may be cut meanwhile,
+  /// which ends the connection. As long as it was when it was opened.
+  std::shared_ptr<const InputFile> file;
+  std::string location;  ///< to ask for instead; empty: none
 };
 WebPage text_page(int status, std::string text);
 
@@ -36,14 +42,20 @@ struct WebServerOptions {
 };
 
 /// Serves HTTP/1.1 (GET and HEAD, ranges, validation) and, for requests to upgrade, rosbridge v2 over
-/// WebSocket, on a thread of its own, which the Hub belongs to from start() to stop(). What a client sends
-/// that is long is decoded on another, so that it keeps nobody's pose waiting.
+/// WebSocket. It has four threads from start() to stop():
+///
+/// - the server's own, of real time where that is permitted, with the WebSockets, the timers and the Hub;
+/// - that of pages, with all other connections: what is read from a disk keeps no pose waiting;
+/// - one that decodes what clients send that is long, for the same reason;
+/// - one for slow work, elsewhere().
 ///
 /// Refused are requests whose Host is not an address of this server (DNS rebinding), those of pages of
-/// another Origin, and those without the token.
+/// another Origin, and those without the token. A connection that has not had a request which is not refused
+/// is a stranger: there are kMostStrangers of them at most, for kStrangerTime at most, and the oldest makes
+/// room for the next, so that none of them is in the way of anybody else.
 class WebServer {
  public:
-  /// Gets the path, decoded, without the query. Called on the server's thread.
+  /// Gets the path, decoded, without the query. Called on the thread of pages.
   using Site = std::function<WebPage(const std::string& path)>;
 
   /// Listens. `hub` must outlive it. \throws Error if the address cannot be had.
@@ -61,11 +73,13 @@ class WebServer {
   /// @}
 
   void start();
-  /// Closes all connections and ends the thread.
+  /// Closes all connections and ends the threads.
   void stop();
 
   /// Runs `work` on the server's thread. Any thread.
   void post(std::function<void()> work);
+  /// Elsewhere, of the server's thread. Any thread.
+  void elsewhere(std::function<void()> work, std::function<void()> then);
 
   std::uint16_t port() const;
   /// "http://127.0.0.1:9090/", with the token; by this machine's name where all of its addresses are listened
@@ -73,7 +87,9 @@ class WebServer {
   std::string url() const;
 
   static constexpr std::size_t kMostClients = 128;        ///< WebSockets
-  static constexpr std::size_t kMostConnections = 256;    ///< of both kinds
+  static constexpr std::size_t kMostConnections = 128;    ///< others that have asked for something
+  static constexpr std::size_t kMostStrangers = 16;       ///< that have not, or may not
+  static constexpr double kStrangerTime = 5.0;            ///< Unit: [s].
   static constexpr std::size_t kMostMessage = 256 << 10;  ///< bytes of a message
 
  private:
