@@ -216,7 +216,7 @@ table("a last line that is worse than cut", GOOD_RUN + b"1,0,zero", ["line 3", "
 table("a last line too long", GOOD_RUN + b"1" + b",0" * 22, ["line 3", "more than 22"], "report")
 table("half a user force", GOOD_RUN.replace(b"compute_us", b"compute_us,ufy").replace(b"0\n", b"0,0\n"), "'ufx'", "report")
 table("half of a live run", GOOD_RUN.replace(b"compute_us", b"compute_us,state").replace(b"0\n", b"0,0\n"), "'vx'", "report")
-LIVE_RUN = GOOD_RUN.replace(b"compute_us", b"compute_us" + LIVE_HEADER.encode()).replace(b"0\n", b"0" + b",0" * 16 + b"\n")
+LIVE_RUN = GOOD_RUN.replace(b"compute_us", b"compute_us" + LIVE_HEADER.encode()).replace(b"0\n", b"0" + b",0" * 19 + b"\n")
 table("a state that is none", LIVE_RUN.replace(b",0,0,0,0,0,0,0\n", b",5,0,0,0,0,0,0\n"), ["line 2", "'state'", "5"], "report")
 table("a fault that is none", LIVE_RUN.replace(b",0,0,0,0,0,0\n", b",1.5,0,0,0,0,0\n"), ["line 2", "'fault'", "1.5"], "report")
 table("a live run of a line that is not ended", LIVE_RUN[:-1], "no rows", "report")

@@ -120,7 +120,7 @@ class Report(Case):
         text, now = header + LIVE_HEADER + "\n", None
         for k, line in enumerate(lines):
             now = changes.get(k, now)
-            text += f"{line},1,2,2,0,0,0,3,0,4,{now[0]},{now[1]},0.125,0.25,0,1.5,{k}\n"
+            text += f"{line},1,2,2,0,0,0,3,0,4,0,0,0,{now[0]},{now[1]},0.125,0.25,0,1.5,{k}\n"
         self.write("live.csv", text)
         document = json.loads(self.report("live.csv").document)
         shown = document["columns"]

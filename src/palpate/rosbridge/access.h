@@ -44,9 +44,9 @@ class GuessLimit {
 /// What a request says of itself, and where it comes from. Empty: it does not.
 struct RequestHead {
   std::string_view host, origin, authorization, cookie;
-  std::string_view target;   ///< path and query
-  std::string_view address;  ///< of who asks, for GuessLimit
-  bool logged_in = false;    ///< an earlier request of this connection was not refused
+  std::string_view target;        ///< path and query
+  std::string_view address = {};  ///< of who asks, for GuessLimit
+  bool logged_in = false;         ///< an earlier request of this connection was not refused
 };
 
 /// Decides by what a request says. Used by one thread.
