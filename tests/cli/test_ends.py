@@ -219,7 +219,9 @@ class OutOfMemory(Gateway):
         with open(f"/proc/{self.process.pid}/statm") as pages:
             taken = int(pages.read().split()[0]) * resource.getpagesize()
         before = resource.prlimit(self.process.pid, resource.RLIMIT_AS, (taken, resource.RLIM_INFINITY))
-        large = json.dumps({"tool": [{"semi_axes": [0.01, 0.01, 0.01]}] * 128})
+        for _ in range(3):  # long ones are decoded on a thread that has no memory of its own yet
+            send({"op": "publish", "topic": "/nobody", "msg": {"x": list(range(4000))}})
+        large = json.dumps({"tool": [{"semi_axes": [0.01, 0.01, 0.01]}] * 64}, separators=(",", ":"))  # decoded at once: short
         change = {"op": "call_service", "service": "/palpate/set_parameters", "args": {"json": large}}
         send(change)
         self.until(lambda: "not enough memory" in self.message(send, receive))

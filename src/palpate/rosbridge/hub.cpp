@@ -1,6 +1,7 @@
 #include <palpate/rosbridge/hub.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -139,11 +140,16 @@ bool Client::admit(std::size_t bytes) {
   return fault_.empty();
 }
 
+/// So short that a string of it takes none.
+constexpr const char* kNoMemory = "no memory";
+
 Client::Decoded Client::decode(std::string_view frame, bool binary) {
   try {
     return {binary ? decode_cbor(frame) : decode_json(frame), {}};
   } catch (const Refusal& refusal) {
     return {{}, refusal.what()};
+  } catch (const std::bad_alloc&) {
+    return {{}, kNoMemory};
   }
 }
 
@@ -158,6 +164,8 @@ void Client::take(const Decoded& decoded) {
     handle(message);
   } catch (const Refusal& refusal) {
     tell("error", refusal.what(), id);
+  } catch (const std::bad_alloc&) {
+    fault_ = kNoMemory;
   }
 }
 

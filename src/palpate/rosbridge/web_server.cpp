@@ -9,6 +9,7 @@
 #include <chrono>
 #include <deque>
 #include <list>
+#include <new>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -73,6 +74,16 @@ std::string address_of(const tcp::socket& socket) {
   return net::ip::make_address_v6(bytes).to_string();
 }
 
+/// Does `work`; where that finds no memory, it is left out, and the program, which a hand may hold on to,
+/// goes on.
+template <class Work>
+void do_if_there_is_memory(const Work& work) {
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+  }
+}
+
 /// A thread that does what is posted, one after the other.
 class Lane {
  public:
@@ -82,7 +93,8 @@ class Lane {
     thread_ = std::thread([this, name, real_time] {
       name_thread(name);
       if (real_time) make_real_time(*real_time);  // the loop has told why not, if not
-      context_.run();
+      // What has found no memory is dropped, its connection with it.
+      while (!context_.stopped()) do_if_there_is_memory([this] { context_.run(); });
     });
   }
   bool is_running() const { return thread_.joinable(); }
@@ -628,7 +640,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
 
   void have_done(Lane& lane, std::function<void()> work, std::function<void()> then) {
     net::post(lane.context(), [this, work = std::move(work), then = std::move(then)]() mutable {
-      work();
+      do_if_there_is_memory(work);
       work = nullptr;
       net::post(own_.context(), std::move(then));
     });
@@ -683,7 +695,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   void wait(Timer& timer) {
     timer.timer.async_wait([this, &timer](error_code error) {
       if (error || stops_) return;
-      timer.work();
+      do_if_there_is_memory(timer.work);
       // From when it was due, so that the rate is kept; what was missed is not made up for.
       const auto next = timer.timer.expiry() + timer.period;
       timer.timer.expires_at(std::max(next, std::chrono::steady_clock::now()));
@@ -694,7 +706,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   void wait(Watch& watch) {
     watch.descriptor.async_wait(net::posix::stream_descriptor::wait_read, [this, &watch](error_code error) {
       if (error || stops_) return;
-      watch.work();
+      do_if_there_is_memory(watch.work);
       wait(watch);
     });
   }
