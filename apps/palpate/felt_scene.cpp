@@ -7,13 +7,13 @@ FeltScene::FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, 
                      const LoopClock& clock, double worker_delay)
     : index_(std::move(index)),
       tool_(tool),
-      contacts_(*index_, tool_, Precision::kDouble, contacts == "worker" ? &lookahead_ : nullptr) {
-  Lookahead* const ahead = contacts == "worker" ? &lookahead_ : nullptr;
+      ahead_(contacts == "worker" ? &lookahead_ : nullptr),
+      contacts_(*index_, tool_, Precision::kDouble, ahead_) {
   std::vector<BackgroundWork*> work;
-  if (ahead != nullptr) work.push_back(ahead);
+  if (ahead_ != nullptr) work.push_back(ahead_);
   for (std::size_t k = 0; k < kModels.size(); ++k) {
     Model& model = models_[k];
-    model.felt = force.build(kModels[k], *index_, tool_, made_of, ahead);
+    model.felt = force.build(kModels[k], *index_, tool_, made_of, ahead_);
     if (contacts != "hold") continue;
     if (model.felt->wants_contacts()) model.asked = std::make_unique<ToolTracker>(*index_, tool_);
     model.held = std::make_unique<HeldForce>(*model.felt, model.asked.get());

@@ -39,6 +39,7 @@ class FeltScene {
   std::shared_ptr<const SceneIndex> index_;
   Tool tool_;
   Lookahead lookahead_;
+  Lookahead* ahead_;      ///< that, or null where each looks for itself
   ToolTracker contacts_;  ///< of the servo thread, for whichever model it feels
   std::array<Model, kModels.size()> models_;
   std::unique_ptr<WorkerThread> worker_;  ///< of all models; gone before them

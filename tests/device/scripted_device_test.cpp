@@ -14,31 +14,19 @@
 #include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
 
+#include "support/wall.h"
+
 namespace palpate {
 namespace {
 
 using test::DeviceFault;
 using test::ScriptedDevice;
 using test::ScriptedFault;
+using test::Wall;
 
 constexpr double kTick = 1e-3, kStiffness = 500.0, kDepth = 8e-3;
 /// When the hand is at the wall, and something begins to go wrong. Unit: [s].
 constexpr double kPresses = 1.0, kBegin = 2.0;
-
-/// A wall at x = 0, felt for x < 0.
-struct Wall final : ForceModel {
-  bool wants_contacts() const override { return false; }
-  void reset() override {}
-  ForceOutput evaluate(const ForceInput& input) override {
-    const double depth = std::max(0.0, -input.tool.position.x());
-    ForceOutput out;
-    out.wrench.force.x() = kStiffness * depth;
-    out.proxy = input.tool;
-    out.stored = 0.5 * kStiffness * depth * depth;
-    out.stiffness = depth > 0.0 ? kStiffness : 0.0;
-    return out;
-  }
-};
 
 double eased(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
@@ -93,7 +81,7 @@ class Leaning {
 
   SceneIndex index_{make_scene(*make_surface("sphere"), {}), {}, {}};
   ToolTracker contacts_{index_, Tool{}};
-  Wall wall_;
+  Wall wall_{kStiffness};
   ScriptedDevice device_;
   std::optional<ServoTick> loop_;
   double t_ = 0.0;

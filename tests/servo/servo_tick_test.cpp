@@ -9,11 +9,13 @@
 #include <palpate/scene/procedural.h>
 
 #include "support/allocation_guard.h"
+#include "support/wall.h"
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::Wall;
 
 constexpr double kTick = 1e-3;
 
@@ -40,23 +42,6 @@ struct Handle final : HapticDevice {
   Wrench shown;
   bool silent = false;
   double period = 0.0, said = 0.0;  ///< between readings, and the last. Unit: [s].
-};
-
-/// A wall at x = 0 of the world, felt for x < 0.
-struct Wall final : ForceModel {
-  explicit Wall(double stiffness) : k(stiffness) {}
-  bool wants_contacts() const override { return false; }
-  void reset() override {}
-  ForceOutput evaluate(const ForceInput& input) override {
-    const double depth = std::max(0.0, -input.tool.position.x());
-    ForceOutput out;
-    out.wrench.force.x() = k * depth;
-    out.proxy = input.tool;
-    out.stored = 0.5 * k * depth * depth;
-    out.stiffness = depth > 0.0 ? k : 0.0;
-    return out;
-  }
-  double k;
 };
 
 /// A rod of 40 mm along the tool's z against the same wall; its torque is not shown by every device.
