@@ -39,6 +39,13 @@ class Stability(Case):
             self.assertEqual(row["fault"], "none")
             self.assertGreater(row["z_width"], 500)
 
+    def test_a_swing_that_dies_away_is_no_limit_cycle(self):
+        heavy = ["--hands", "0.3,1,100", "--places", "1", "--profiles", "omega", "--delay", "0", "--json"]
+        for row in self.succeed("stability", *heavy, "--models", "field", "--stiffness", "3000").json:
+            if row["model"] == "field":
+                self.assertLess(row["limit_cycle_mm"], 0.01)
+                self.assertGreater(row["z_width"], 10000)
+
     def test_a_force_that_is_held_swings(self):
         for row in self.rows("--models", "proxy,field"):
             if row.get("hold_ms"):

@@ -39,8 +39,10 @@ class RunReader {
     next();  // what is no table at all is told by its first row rather than by a missing column
     const RunGroups groups = groups_of(csv_.header());
     live_ = groups.live;
-    for (const RunColumn& column : run_columns(groups))
+    for (const RunColumn& column : run_columns(groups)) {
+      if (column.may_lack && !csv_.header().has(column.name)) continue;
       sources_.push_back({column, csv_.header().column(column.name)});
+    }
     drop_if_cut();
   }
 

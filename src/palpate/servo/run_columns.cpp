@@ -33,6 +33,12 @@ constexpr RunColumn whole(ColumnGroup group, std::string_view name, Field field,
   return made;
 }
 
+/// Added once there were recordings.
+constexpr RunColumn later(RunColumn made) {
+  made.may_lack = true;
+  return made;
+}
+
 template <typename Field>
 constexpr RunColumn count(std::string_view name, Field field) {
   return whole(kAlways, name, field, "a count", 4294967295.0);
@@ -92,9 +98,9 @@ constexpr std::array kColumns{
     column(kLive, "sfx", [](auto& r) -> auto& { return live(r).sent.force.x(); }),
     column(kLive, "sfy", [](auto& r) -> auto& { return live(r).sent.force.y(); }),
     column(kLive, "sfz", [](auto& r) -> auto& { return live(r).sent.force.z(); }),
-    column(kLive, "stx", [](auto& r) -> auto& { return live(r).sent.torque.x(); }, 0),
-    column(kLive, "sty", [](auto& r) -> auto& { return live(r).sent.torque.y(); }, 0),
-    column(kLive, "stz", [](auto& r) -> auto& { return live(r).sent.torque.z(); }, 0),
+    later(column(kLive, "stx", [](auto& r) -> auto& { return live(r).sent.torque.x(); }, 0)),
+    later(column(kLive, "sty", [](auto& r) -> auto& { return live(r).sent.torque.y(); }, 0)),
+    later(column(kLive, "stz", [](auto& r) -> auto& { return live(r).sent.torque.z(); }, 0)),
     whole(kLive, "state", [](auto& r) -> auto& { return live(r).state; }, "a state", kLastState),
     whole(kLive, "fault", [](auto& r) -> auto& { return live(r).fault; }, "a fault", kLastFault),
     column(kLive, "energy", [](auto& r) -> auto& { return live(r).energy; }),

@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Columns that a run has all of or none of.
+/// Columns that a run has all of or none of, but for those that RunColumn::may_lack.
 enum class ColumnGroup : std::uint8_t {
   kAlways,
   kUserForce,  ///< RunRow::user_force
@@ -28,6 +28,7 @@ struct RunColumn {
   int digits = 7;                          ///< significant ones that a page needs; 0: it shows nothing of it
   std::string_view whole_number = {};      ///< what a value counts or numbers; empty if it is measured
   double most = 0.0;                       ///< of a whole number; the least is 0
+  bool may_lack = false;                   ///< recordings of earlier versions do not have it; it reads as 0
 
   /// `value` is one that this column may hold.
   bool takes(double value) const;
