@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -146,6 +148,45 @@ TEST(ConstrainedMotion, FulfilsTheConditionsOfAnOptimum) {
     ASSERT_NEAR((found.rotation - pushed.rotation).norm(), 0.0, 1e-10);
   }
   EXPECT_GT(held, 500);
+}
+
+/// Projected Gauss-Seidel as it is written down: every plane in every sweep.
+Motion by_all_planes(const Motion& wanted, std::span<const MotionConstraint> planes, double gyration) {
+  Motion motion = wanted;
+  std::vector<double> push(planes.size(), 0.0);
+  for (int sweep = 0; sweep < 128; ++sweep) {
+    double change = 0.0;
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+      const MotionConstraint& p = planes[k];
+      const Vector3d lever = p.arm.cross(p.normal);
+      const double missing = -(p.gap + p.normal.dot(p.of(motion)));
+      const double step = std::max(-push[k], missing / (1.0 + lever.squaredNorm() / (gyration * gyration)));
+      push[k] += step;
+      motion.translation += step * p.normal;
+      motion.rotation += step / (gyration * gyration) * lever;
+      change = std::max(change, std::abs(step));
+    }
+    if (change < 1e-8) break;
+  }
+  return motion;
+}
+
+// Planes that are out of reach are left alone, and nothing comes of that.
+TEST(ConstrainedMotion, IsThatOfAllPlanesInEverySweep) {
+  Random random(913);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d up = random.direction();
+    std::vector<MotionConstraint> planes;
+    for (int k = 0; k < 200; ++k) {
+      planes.push_back(plane(up + 0.8 * random.direction(), random.uniform(0.0, 0.04),
+                             random.uniform(0.0, 0.03) * random.direction()));
+    }
+    const Motion wanted{-0.02 * up + 0.01 * random.direction(), 0.5 * random.direction()};
+    const Motion found = constrained_motion(wanted, planes, kGyration);
+    const Motion same = by_all_planes(wanted, planes, kGyration);
+    ASSERT_NEAR((found.translation - same.translation).norm(), 0.0, 1e-12);
+    ASSERT_NEAR((found.rotation - same.rotation).norm(), 0.0, 1e-10);
+  }
 }
 
 }  // namespace

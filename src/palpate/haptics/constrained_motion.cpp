@@ -15,14 +15,29 @@ constexpr double kSmall = 1e-8;
 /// A motion on the way to its end. \param gyration as for length_of(). Unit: [m].
 class Solver {
  public:
-  Solver(const Motion& wanted, double gyration)
-      : motion_(wanted), inverse_inertia_(1.0 / (gyration * gyration)) {}
+  Solver(const Motion& wanted, double gyration, std::span<MotionConstraint> planes)
+      : motion_(wanted), inverse_inertia_(1.0 / (gyration * gyration)) {
+    double farthest = 0.0;  // squared, of all points from the handle
+    for (MotionConstraint& plane : planes) {
+      plane.push = plane.clear_until = 0.0;
+      plane.drag.setZero();
+      farthest = std::max(farthest, plane.arm.squaredNorm());
+    }
+    way_of_push_ = 1.0 + inverse_inertia_ * farthest;
+  }
 
   const Motion& motion() const { return motion_; }
 
   /// Mends what `plane` has against the motion. \returns the change of its push and drag. Unit: [m].
   double relax(MotionConstraint& plane) {
+    // Most planes of a tool of many parts are far from it: until others have moved it there, they are left
+    // alone.
+    if (way_ < plane.clear_until) return 0.0;
     const double missing = -(plane.gap + plane.normal.dot(plane.of(motion_)));
+    if (plane.push == 0.0 && missing < 0.0) {
+      plane.clear_until = way_ - missing - kSmall;
+      return 0.0;
+    }
     const double step = std::max(-plane.push, missing / give(plane, plane.normal));
     plane.push += step;
     apply(plane, step * plane.normal);
@@ -36,6 +51,7 @@ class Solver {
   }
 
   void apply(const MotionConstraint& plane, const Eigen::Vector3d& push) {
+    way_ += way_of_push_ * push.norm();
     motion_.translation += push;
     motion_.rotation += inverse_inertia_ * plane.arm.cross(push);
   }
@@ -52,6 +68,8 @@ class Solver {
 
   Motion motion_;
   double inverse_inertia_;  ///< Unit: [1/m^2].
+  double way_ = 0.0;        ///< that any point has been moved so far, at most. Unit: [m].
+  double way_of_push_;      ///< how far a push moves any point, at most. Unit: [m/m].
 };
 
 }  // namespace
@@ -61,11 +79,7 @@ double length_of(const Motion& motion, double gyration) {
 }
 
 Motion constrained_motion(const Motion& wanted, std::span<MotionConstraint> planes, double gyration) {
-  Solver solver(wanted, gyration);
-  for (MotionConstraint& plane : planes) {
-    plane.push = 0.0;
-    plane.drag.setZero();
-  }
+  Solver solver(wanted, gyration, planes);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double change = 0.0;
     for (MotionConstraint& plane : planes) change = std::max(change, solver.relax(plane));

@@ -28,6 +28,7 @@ struct MotionConstraint {
   // What the plane takes from the motion, set by constrained_motion():
   double push = 0.0;                               ///< along the normal. Unit: [m].
   Eigen::Vector3d drag = Eigen::Vector3d::Zero();  ///< along the plane. Unit: [m].
+  double clear_until = 0.0;  ///< way of all points, in the solver, before which it takes nothing. Unit: [m].
 
   /// How a motion moves the point. Unit: [m].
   Eigen::Vector3d of(const Motion& motion) const { return motion.translation + motion.rotation.cross(arm); }
