@@ -83,7 +83,7 @@ class ServoLoopTest : public testing::Test {
 
   void wait_for_force() {
     const double begin = clock.now();
-    while (device.last < 0.99 && clock.now() < begin + 10.0) clock.sleep_until(clock.now() + 1e-2);
+    while (device.last < 0.99 && clock.now() < begin + 60.0) clock.sleep_until(clock.now() + 1e-2);
     ASSERT_GE(device.last, 0.99) << to_string(watcher.state) << ' ' << traits(watcher.fault).name;
   }
 
