@@ -56,6 +56,10 @@ class Ends(Live):
         """From row `begin` on: never more force than before, and none after `within` seconds or two ticks more."""
         last = force(rows[begin - 1])
         start = float(rows[begin]["t"])
+        if os.environ.get("PALPATE_PRINT"):
+            gone = next((float(row["t"]) for row in rows[begin:] if force(row) == 0.0), float("nan"))
+            print(f"{self._testMethodName}: {last:.2f} N before, {max(map(force, rows[begin:])):.2f} N at most from then on, "
+                  f"none after {1e3 * (gone - start):.0f} ms")
         for row, after in zip(rows[begin:], rows[begin + 1:] + rows[-1:]):
             self.assertLessEqual(force(row), last + 1e-12, row)
             if int(row["state"]) not in (FALLING, STOPPED):
