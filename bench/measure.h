@@ -7,7 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "latency.h"
+#include <palpate/study/latency.h>
+
 #include "pipeline.h"
 
 namespace palpate::bench {

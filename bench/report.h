@@ -6,8 +6,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <palpate/study/machine.h>
+
 #include "comparison.h"
-#include "machine.h"
 #include "scene_file.h"
 
 namespace palpate::bench {

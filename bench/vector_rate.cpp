@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "latency.h"
+#include <palpate/study/latency.h>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "vector_rate.cpp"

@@ -8,8 +8,8 @@
 
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
-#include <palpate/device/trajectory.h>
-#include <palpate/servo/run_log.h>
+#include <palpate/record/run_log.h>
+#include <palpate/record/trajectory.h>
 
 #include "input_file.h"
 

@@ -11,7 +11,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/collision/index_file.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 
 #include "input_file.h"
 

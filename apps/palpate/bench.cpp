@@ -17,9 +17,9 @@
 #include <palpate/base/file.h>
 #include <palpate/collision/open_index.h>
 #include <palpate/collision/simd_target.h>
-#include <palpate/device/touch_path.h>
+#include <palpate/study/latency.h>
+#include <palpate/study/touch_path.h>
 
-#include "bench/latency.h"
 #include "bench_report.h"
 #include "command.h"
 #include "options.h"
@@ -65,7 +65,7 @@ Opened open_exact(const Options& options, const Progress& progress) {
   const IndexFiles files = options.query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
   Opened opened;
   OpenFigures& figures = opened.figures;
-  const bench::Stopwatch watch;
+  const Stopwatch watch;
   OpenedIndex index =
       palpate::open_index(scene.path, scene.filter, scene.world_from_scene(), files, progress);
   figures.seconds = watch.seconds();
@@ -80,7 +80,7 @@ Opened open_exact(const Options& options, const Progress& progress) {
 
 Opened open_paper(const Options& options, const Progress& progress) {
   Opened opened;
-  const bench::Stopwatch watch;
+  const Stopwatch watch;
   opened.query = options.query.build(options.scene, progress);
   opened.figures.seconds = watch.seconds();
   opened.figures.origin = "memory";

@@ -6,15 +6,12 @@
 #include <span>
 
 #include <palpate/collision/batch_query.h>
-#include <palpate/device/playback.h>
 #include <palpate/haptics/tool_query.h>
-
-#include "bench/latency.h"
+#include <palpate/record/playback.h>
+#include <palpate/study/latency.h>
 
 namespace palpate::cli {
 namespace {
-
-using bench::Stopwatch;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 

@@ -7,9 +7,9 @@
 
 #include <palpate/base/progress.h>
 #include <palpate/collision/scene_index.h>
-#include <palpate/device/trajectory.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/record/trajectory.h>
 
 namespace palpate::cli {
 

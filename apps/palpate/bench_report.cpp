@@ -8,16 +8,13 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/study/latency.h>
+#include <palpate/study/machine.h>
 
-#include "bench/latency.h"
-#include "bench/machine.h"
 #include "histogram.h"
 
 namespace palpate::cli {
 namespace {
-
-using bench::Latency;
-using bench::microseconds;
 
 /// A figure of every pose that touches something, or of those that do not.
 template <typename T, typename U>
@@ -82,7 +79,7 @@ std::string megabytes(std::uint64_t bytes) {
 }
 
 void print_head(const BenchFigures& f) {
-  fmt::print("machine   {}\n", bench::machine());
+  fmt::print("machine   {}\n", machine());
   fmt::print("scene     {}, {}, {} Gaussians\n", printable(f.scene), megabytes(f.open.scene_bytes),
              f.open.gaussians);
   fmt::print("query     {} on {}; tool {}; {} force\n", f.pipeline, f.simd, tool_text(f.tool), f.model);
@@ -165,7 +162,7 @@ std::string histogram_of(const BenchFigures& f) {
 }
 
 Json to_json(const BenchFigures& f) {
-  Json json{{"machine", bench::machine()},
+  Json json{{"machine", machine()},
             {"scene", f.scene},
             {"scene_bytes", f.open.scene_bytes},
             {"gaussians", f.open.gaussians},

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
-#include <palpate/device/trajectory.h>
-#include <palpate/haptics/capture_evaluation.h>
+#include <palpate/record/trajectory.h>
+#include <palpate/study/capture_evaluation.h>
 
 #include "figure_column.h"
 #include "markup.h"

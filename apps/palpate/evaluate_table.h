@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <palpate/haptics/crossings.h>
-#include <palpate/haptics/evaluation.h>
+#include <palpate/study/crossings.h>
+#include <palpate/study/evaluation.h>
 
 #include "figure_column.h"
 #include "output.h"

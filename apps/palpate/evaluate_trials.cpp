@@ -13,8 +13,8 @@
 
 #include <palpate/base/error.h>
 #include <palpate/haptics/tool_file.h>
-#include <palpate/haptics/trial_tools.h>
-#include <palpate/haptics/trials.h>
+#include <palpate/study/trial_tools.h>
+#include <palpate/study/trials.h>
 
 #include "figure_column.h"
 #include "output.h"

@@ -8,7 +8,7 @@
 
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
-#include <palpate/servo/run_log.h>
+#include <palpate/record/run_log.h>
 
 #include "markup.h"
 #include "report.h"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include <palpate/base/file.h>
+#include <palpate/record/recorder.h>
 #include <palpate/rosbridge/elsewhere.h>
-#include <palpate/servo/recorder.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate::cli {

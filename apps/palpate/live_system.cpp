@@ -13,9 +13,9 @@
 #include <palpate/device/hand_path.h>
 #include <palpate/device/led_hand.h>
 #include <palpate/device/profiles.h>
-#include <palpate/device/touch_path.h>
+#include <palpate/study/touch_path.h>
 
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 
 #include "output.h"
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
-#include <palpate/device/playback.h>
-#include <palpate/device/touch_path.h>
 #include <palpate/haptics/density_force.h>
+#include <palpate/record/playback.h>
+#include <palpate/study/touch_path.h>
 
 #include "command.h"
 #include "options.h"

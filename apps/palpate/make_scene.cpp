@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
-#include <palpate/scene/capture_defects.h>
 #include <palpate/scene/ply_writer.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/capture_defects.h>
+#include <palpate/study/procedural.h>
 
 #include "command.h"
 #include "options.h"

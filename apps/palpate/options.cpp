@@ -15,7 +15,7 @@
 #include <palpate/haptics/material_file.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/scene/load_scene.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 
 #include "output.h"
 

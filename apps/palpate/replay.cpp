@@ -8,7 +8,7 @@
 #include <tbb/global_control.h>
 
 #include <palpate/base/error.h>
-#include <palpate/device/playback.h>
+#include <palpate/record/playback.h>
 
 #include "command.h"
 #include "options.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include <palpate/servo/run_log.h>
+#include <palpate/record/run_log.h>
 
 namespace palpate::cli {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <palpate/haptics/tool_query.h>
-#include <palpate/servo/run_columns.h>
+#include <palpate/record/run_columns.h>
 
 #include "output.h"
 #include "version.h"

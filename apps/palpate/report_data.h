@@ -10,8 +10,8 @@
 
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/record/run_log.h>
 #include <palpate/scene/scene_filter.h>
-#include <palpate/servo/run_log.h>
 
 namespace palpate::cli {
 

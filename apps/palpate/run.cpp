@@ -15,8 +15,8 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/real_time.h>
+#include <palpate/record/recording_observer.h>
 #include <palpate/servo/live_view.h>
-#include <palpate/servo/recorder.h>
 
 #include "command.h"
 #include "keyboard.h"
@@ -105,18 +105,6 @@ class LoopEnd {
 
  private:
   LiveSystem& system_;
-};
-
-/// Every tick into the recording.
-class RecordingObserver final : public TickObserver {
- public:
-  explicit RecordingObserver(Recorder& recorder) : recorder_(recorder) {}
-  void see(const TickRecord& record, const TickTimes& times) override {
-    recorder_.push(run_row(record, times));
-  }
-
- private:
-  Recorder& recorder_;
 };
 
 /// What a person at the terminal sees and does.

@@ -14,7 +14,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
-#include <palpate/device/stability.h>
+#include <palpate/study/stability.h>
 
 #include "command.h"
 #include "options.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <palpate/device/stability.h>
+#include <palpate/study/stability.h>
 
 #include "output.h"
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
 
 namespace palpate {

@@ -14,8 +14,8 @@
 #include <palpate/device/profiles.h>
 #include <palpate/haptics/field_force.h>
 #include <palpate/haptics/proxy_force.h>
-#include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
+#include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
 #include <support/noisy_plane.h>
 

@@ -19,14 +19,6 @@ Trajectory path() {
   return t;
 }
 
-TEST(PoseAt, IsBetweenPosesAndStaysAtTheEnds) {
-  EXPECT_EQ(pose_at(path(), 0.0).position, Vector3d(0, 0, 0));
-  EXPECT_TRUE(pose_at(path(), 5.25).position.isApprox(Vector3d(0.025, 0, 0)));
-  EXPECT_NEAR(Eigen::AngleAxisd(pose_at(path(), 5.25).orientation).angle(), 0.25, 1e-12);
-  EXPECT_TRUE(pose_at(path(), 7.0).position.isApprox(Vector3d(0.1, 0.1, 0)));
-  EXPECT_EQ(pose_at(path(), 9.0).position, Vector3d(0.1, 0.2, 0));
-}
-
 TEST(ToAndFro, GoesBackTheWayItCame) {
   const HandPath hand = to_and_fro(path());
   for (const double t : {0.0, 0.3, 1.0, 2.2, 3.0}) {

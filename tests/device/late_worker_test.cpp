@@ -12,8 +12,8 @@
 #include <palpate/haptics/field_force.h>
 #include <palpate/haptics/held_force.h>
 #include <palpate/haptics/proxy_force.h>
-#include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
+#include <palpate/study/procedural.h>
 #include <support/noisy_plane.h>
 
 namespace palpate {

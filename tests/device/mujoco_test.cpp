@@ -15,11 +15,11 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/profiles.h>
 #include <palpate/device/simulated_device.h>
-#include <palpate/device/stability.h>
 #include <palpate/haptics/field_force.h>
 #include <palpate/haptics/proxy_force.h>
-#include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
+#include <palpate/study/procedural.h>
+#include <palpate/study/stability.h>
 #include <support/mujoco_device.h>
 #include <support/noisy_plane.h>
 

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include <palpate/scene/procedural.h>
 #include <palpate/servo/servo_tick.h>
+#include <palpate/study/procedural.h>
 
 #include "support/wall.h"
 

@@ -9,8 +9,8 @@
 
 #include <palpate/collision/splat_tracker.h>
 #include <palpate/haptics/depth_view.h>
-#include <palpate/haptics/seen_surface.h>
-#include <palpate/scene/random.h>
+#include <palpate/study/random.h>
+#include <palpate/study/seen_surface.h>
 #include <support/on_every_target.h>
 #include <support/splats.h>
 

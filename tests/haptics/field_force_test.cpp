@@ -12,7 +12,7 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/field_force.h>
 #include <palpate/haptics/tool_query.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
 #include <support/random_scenes.h>
 #include <support/random_tools.h>

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <palpate/haptics/proxy_force.h>
-#include <palpate/scene/random.h>
+#include <palpate/study/random.h>
 #include <support/noisy_plane.h>
 
 namespace palpate {

@@ -13,9 +13,9 @@
 
 #include <palpate/geometry/rotation.h>
 #include <palpate/haptics/proxy_force.h>
-#include <palpate/haptics/seen_surface.h>
 #include <palpate/haptics/tool_file.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
+#include <palpate/study/seen_surface.h>
 #include <support/allocation_guard.h>
 #include <support/example_tools.h>
 #include <support/splats.h>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 
 namespace palpate {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <palpate/haptics/field_force.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 
 #include "support/allocation_guard.h"
 #include "support/wall.h"

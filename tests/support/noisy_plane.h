@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include <palpate/collision/scene_index.h>
-#include <palpate/scene/procedural.h>
+#include <palpate/study/procedural.h>
 
 namespace palpate::test {
 

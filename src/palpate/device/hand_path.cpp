@@ -14,18 +14,6 @@ constexpr std::array<std::array<double, 2>, 3> kTremor{{{8.3, 11.1}, {9.1, 11.9}
 
 }  // namespace
 
-Pose pose_at(const Trajectory& trajectory, double t) {
-  const auto after = std::upper_bound(trajectory.begin(), trajectory.end(), t,
-                                      [](double time, const TimedPose& p) { return time < p.t; });
-  if (after == trajectory.begin()) return trajectory.front().pose;
-  if (after == trajectory.end()) return trajectory.back().pose;
-  const TimedPose& a = *(after - 1);
-  const TimedPose& b = *after;
-  const double share = (t - a.t) / (b.t - a.t);
-  return {a.pose.position + share * (b.pose.position - a.pose.position),
-          a.pose.orientation.slerp(share, b.pose.orientation)};
-}
-
 HandPath to_and_fro(Trajectory trajectory) {
   return [path = std::move(trajectory)](double t) {
     const double first = path.front().t, length = path.back().t - first;

@@ -3,13 +3,9 @@
 #pragma once
 
 #include <palpate/device/simulated_device.h>
-#include <palpate/device/trajectory.h>
+#include <palpate/record/trajectory.h>
 
 namespace palpate {
-
-/// The pose of a trajectory at a time: between two of its poses on the straight line and the shortest turn,
-/// before the first and after the last at rest there. \pre not empty
-Pose pose_at(const Trajectory& trajectory, double t);
 
 /// Along the trajectory from its first pose to its last, and back, for ever: it goes on where it is wherever
 /// the trajectory is at rest at both ends. \pre not empty

@@ -1,7 +1,7 @@
 #include <palpate/device/playback_device.h>
 
 #include <palpate/device/hand_path.h>
-#include <palpate/device/playback.h>
+#include <palpate/record/playback.h>
 
 namespace palpate {
 

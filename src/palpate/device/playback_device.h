@@ -2,7 +2,7 @@
 /// A recorded hand as a device.
 #pragma once
 
-#include <palpate/device/trajectory.h>
+#include <palpate/record/trajectory.h>
 #include <palpate/servo/haptic_device.h>
 
 namespace palpate {

@@ -11,25 +11,6 @@ constexpr double kAgeShare = 0.05;
 
 }  // namespace
 
-RunRow run_row(const TickRecord& record, const TickTimes& times) {
-  constexpr double kMicro = 1e6;
-  RunRow row;
-  row.t = record.t;
-  row.tool = record.tool;
-  row.candidates = record.candidates;
-  row.filtered = record.filtered;
-  row.colliding = record.contacts;
-  row.k_max = record.k_max;
-  row.wrench = record.felt.wrench;
-  row.proxy = record.felt.proxy.position;
-  row.compute_us = kMicro * times.compute;
-  const double stored = std::isnan(record.felt.stored) ? 0.0 : record.felt.stored;
-  row.live =
-      LiveColumns{record.velocity, record.sent_world,    record.state,  record.fault,      record.energy,
-                  stored,          record.added_damping, record.margin, kMicro * times.age};
-  return row;
-}
-
 ServoLoop::ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickObserver*> observers,
                      const Options& options)
     : tick_(tick),

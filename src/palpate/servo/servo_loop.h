@@ -10,7 +10,6 @@
 
 #include <palpate/base/clock.h>
 #include <palpate/base/real_time.h>
-#include <palpate/servo/run_row.h>
 #include <palpate/servo/servo_tick.h>
 #include <palpate/servo/time_histogram.h>
 
@@ -25,9 +24,6 @@ struct TickTimes {
   double age = 0.0;            ///< of the reading when the force was sent. Unit: [s].
   std::uint64_t overruns = 0;  ///< so far
 };
-
-/// The tick as a recording has it.
-RunRow run_row(const TickRecord& record, const TickTimes& times);
 
 /// Sees every tick, on the servo thread: what ServoTick::run() must not do, it must not do either.
 class TickObserver {

@@ -1,0 +1,51 @@
+/// \file
+/// One row of a run: what is recorded of one tick.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include <palpate/geometry/pose.h>
+#include <palpate/servo/fault.h>
+#include <palpate/servo/safety_governor.h>
+
+namespace palpate {
+
+struct TickRecord;
+struct TickTimes;
+
+/// What a live loop knows of a tick besides; a replay has no device.
+struct LiveColumns {
+  Twist velocity;  ///< of the tool, world frame
+  /// What the motors were told, after safety, along the axes of the world; RunRow::wrench is what the model
+  /// asked for.
+  Wrench sent;
+  GovernorState state = GovernorState::kWaiting;
+  Fault fault = Fault::kNone;
+  double energy = 0.0;   ///< SafetyGovernor::energy(): net, put into the hand. Unit: [J].
+  double stored = 0.0;   ///< ForceOutput::stored; 0 for a model without a potential. Unit: [J].
+  double damping = 0.0;  ///< added by the passivity controller. Unit: [N s/m].
+  double margin = 0.0;   ///< how many times stiffer the spring may be before it is active; 0 if unknown
+  double age_us = 0.0;   ///< of the force when it was sent, from the reading it answers. Unit: [us].
+};
+
+/// One tick.
+struct RunRow {
+  double t = 0.0;              ///< Unit: [s].
+  Pose tool;                   ///< world frame
+  std::size_t candidates = 0;  ///< after the broad phase
+  std::size_t filtered = 0;    ///< after the bounding spheres, paper eq. 4
+  std::size_t colliding = 0;   ///< after the overlap test
+  double k_max = 0.0;          ///< largest K_min; 0 without contact
+  Wrench wrench;               ///< on the tool
+  Eigen::Vector3d proxy =
+      Eigen::Vector3d::Zero();  ///< the tool centre where the model has no proxy. Unit: [m].
+  double compute_us = 0.0;      ///< time for the force and the contacts that it is made of. Unit: [us].
+  std::optional<Eigen::Vector3d> user_force;  ///< measured at the handle, world frame. Unit: [N].
+  std::optional<LiveColumns> live;
+};
+
+/// The row of a tick of a live loop. Takes nothing from the heap; servo thread.
+RunRow run_row(const TickRecord& record, const TickTimes& times);
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+/// \file
+/// Scenes of known surfaces with what real captures have wrong with them.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include <palpate/scene/gaussian_scene.h>
+#include <palpate/study/procedural.h>
+
+namespace palpate {
+
+/// What is wrong with a capture. h is the spacing of its Gaussians; sizes are standard deviations.
+struct CaptureDefects {
+  /// Extents in the surface vary by a log-normal factor, sd 0.7 of ln; one Gaussian in 100 is five times as
+  /// large besides, one in 50 a needle of 10:1.
+  bool tails = false;
+  /// As many as 2 % of all besides, anywhere in the air within 0.1 m of the surface: of 0.3 to 3 h and
+  /// opacity 0.05 to 0.4.
+  bool floaters = false;
+  /// A second sheet, as dense and half as opaque, 2 to 4 mm behind the first or before it, varying smoothly.
+  bool double_layers = false;
+  /// In the air within 0.1 m of the surface a cloud of Gaussians of 5 to 30 mm and opacity 0.02 to 0.12, as
+  /// many as take a fifth of the light over 50 mm.
+  bool haze = false;
+  /// No Gaussians on a tenth of the surface, in discs of radius h to 2 h.
+  bool holes = false;
+  /// The spacing varies smoothly over the surface, from h to 10 h, and with it the sizes.
+  bool density = false;
+};
+
+/// The names of the single defects: tails, floaters, double, haze, holes, density.
+std::span<const std::string_view> capture_defects();
+
+/// Sets the defect of that name. \throws Error if it is not among capture_defects().
+void set_defect(CaptureDefects& defects, std::string_view name);
+
+/// make_scene() with defects; without any, the same scene. As deterministic as that. Ids are 0, 1, ...
+/// \throws Error as make_scene().
+GaussianScene make_capture(const AnalyticSurface& surface, const ProceduralOptions& options,
+                           const CaptureDefects& defects);
+
+}  // namespace palpate

@@ -1,0 +1,119 @@
+/// \file
+/// What evaluations share: a tool that is moved through a scene, and where it may go. Not for use elsewhere.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <palpate/haptics/tool_query.h>
+#include <palpate/study/evaluation.h>
+#include <palpate/study/random.h>
+
+namespace palpate {
+
+constexpr double kTick = 1e-3;                    // [s]
+constexpr double kHandSpeed = 0.1;                // of all but pushes. [m/s]
+constexpr double kHandStep = kHandSpeed * kTick;  // [m]
+
+/// Ticks on a way. Unit: [m].
+inline int ticks_on(double way) { return static_cast<int>(std::ceil(way / kHandStep)); }
+
+Tool ball(double radius);
+
+/// A unit vector, all directions alike.
+Eigen::Vector3d random_direction(Random& random);
+
+/// Of `count` unit vectors that are evenly spread, number `k`: a spiral of golden angles.
+Eigen::Vector3d even_direction(int k, int count);
+
+/// NaN of none.
+double share_of(std::size_t part, std::size_t all);
+
+/// Where the tool's centre is when its point that is first to touch is `depth` below `place`. The tool is
+/// oriented as the world. Unit: [m].
+Eigen::Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double depth);
+
+/// How far the tool reaches from its centre along -n. Unit: [m].
+double reach(const Tool& tool, const Eigen::Vector3d& n);
+
+/// The scene `k` of the setup, of 0 ... scenes-1.
+GaussianScene gaussians_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
+SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
+
+/// A tool in a scene, moved tick by tick.
+class Hand {
+ public:
+  Hand(const SceneIndex& index, const Tool& tool, const ForceModelMaker& model, double friction = 0.0)
+      : tool_(tool), tracker_(index, tool), model_(model(index, tool, friction)) {}
+
+  /// As if nothing had been touched.
+  void reset();
+
+  /// The next tick.
+  ForceOutput at(const Eigen::Vector3d& position);
+
+  /// From one place to another at `speed`. `visit(felt, s)` is told every tick and how far it is, from 0 to
+  /// the length.
+  template <class Visit>
+  void move(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double speed, const Visit& visit) {
+    const double length = (to - from).norm();
+    const Eigen::Vector3d along = (to - from) / length;
+    const int ticks = static_cast<int>(std::ceil(length / (speed * kTick)));
+    for (int k = 0; k < ticks; ++k) {
+      const double s = k * speed * kTick;
+      visit(at(from + s * along), s);
+    }
+  }
+
+  /// Forgets all, and comes down on `place` from outside, to `depth`.
+  void come_down(const SurfaceSample& place, double depth);
+
+  const Tool& tool() const { return tool_; }
+  /// Of every tick in contact so far. Unit: [us].
+  const std::vector<double>& ticks() const { return ticks_; }
+
+ private:
+  Tool tool_;
+  ToolTracker tracker_;
+  std::unique_ptr<ForceModel> model_;
+  ContactSet contacts_;
+  bool moving_ = false;
+  Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
+  std::vector<double> ticks_;
+};
+
+/// Changes of the force beyond what a spring on the tool's motion would make.
+class ForceSteps {
+ public:
+  explicit ForceSteps(double stiffness) : stiffness_(stiffness) {}
+  void add(const Eigen::Vector3d& force, const Eigen::Vector3d& position) {
+    if (any_)
+      largest_ = std::max(largest_, (force - force_).norm() - stiffness_ * (position - position_).norm());
+    any_ = true;
+    force_ = force;
+    position_ = position;
+  }
+  double largest() const { return largest_; }
+
+ private:
+  double stiffness_, largest_ = 0.0;
+  bool any_ = false;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), position_ = Eigen::Vector3d::Zero();
+};
+
+/// The tangent of `place` goes on along the surface by `step`. Unit: [m].
+SurfaceSample next_place(const AnalyticSurface& surface, const SurfaceSample& place, double step);
+
+/// True if the tool touches the surface there and nowhere else.
+bool tool_fits(const AnalyticSurface& surface, const SurfaceSample& place, const Tool& tool);
+
+/// True if the surface has no border within about `margin` of `place`. Unit: [m].
+bool is_inland(const AnalyticSurface& surface, const SurfaceSample& place, double margin);
+
+/// True if it has neither border nor edge nor crease there. Unit: [m].
+bool is_smooth(const AnalyticSurface& surface, const SurfaceSample& place, double margin);
+
+}  // namespace palpate

@@ -1,0 +1,515 @@
+#include <palpate/study/touch_path.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <palpate/base/error.h>
+#include <palpate/base/quantile.h>
+#include <palpate/geometry/rotation.h>
+#include <palpate/haptics/tool_query.h>
+#include <palpate/scene/lint.h>
+#include <palpate/study/random.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+// Lengths in units of the tool's smallest semi-axis, 20 mm for the default tool.
+constexpr double kMarchStep = 0.45;       // below a half, so that no sheet slips between two poses
+constexpr double kContactError = 5e-4;    // of first contact: 10 um
+constexpr double kProbeDepth = 0.25;      // to tell a surface from dust: 5 mm
+constexpr double kPlaceError = 1.0;       // between the contact found and the Gaussian aimed at: 20 mm
+constexpr double kStandoff = 1.5;         // from here on the approach is slow: 30 mm
+constexpr double kSlideStep = 0.1;        // between two searches for the surface: 2 mm
+constexpr double kSlopeLimit = 1.2;       // rise of the surface over a slide step: 50 deg is an edge
+constexpr double kApproachSpeed = 5.0;    // a second: 0.1 m/s
+constexpr double kSlideSpeed = 2.5;       // a second: 0.05 m/s
+constexpr double kTravelClearance = 2.0;  // in longest semi-axes, between tool and scene
+
+// Motion in free space.
+constexpr double kTravelTime = 0.6;                 // s for one radius of the travel sphere: 1 m/s on a table
+constexpr double kTurnSpeed = 3.0;                  // mean, as a wrist turns. Unit: [rad/s].
+constexpr double kShortestMotion = 0.2;             // bounds the acceleration of short motions. Unit: [s].
+constexpr std::array kTravelRadii{1.0, 1.25, 1.5};  // tried in this order
+
+// Beyond these a slip of the hand would fill the memory.
+constexpr int kMaxTouches = 1000;
+constexpr double kMaxRate = 1e5;  // Unit: [Hz].
+constexpr std::size_t kMaxPoses = 5'000'000;
+
+// The choice of places.
+constexpr std::size_t kProbeContacts = 8;    // contacts at the probe depth that make a surface
+constexpr double kMaxTiltCosine = 0.766;     // 40 deg between mean contact normal and approach
+constexpr std::size_t kTriesPerTouch = 300;  // Gaussians looked at, at most
+constexpr std::size_t kPlacesPerTouch = 20;  // places to choose from
+constexpr double kColorWeight = 3.0;         // of colour against place: another thing before a far place
+constexpr double kTail = 0.01;               // of the centres on each side of the robust bounds
+constexpr int kSlideDirections = 8;
+
+/// A straight approach: where the tool is, by the distance s along `direction` from `origin`.
+struct Approach {
+  Vector3d origin;     ///< Unit: [m], world frame.
+  Vector3d direction;  ///< unit, into the surface
+  Quaterniond orientation;
+
+  Pose at(double s) const { return {origin + s * direction, orientation}; }
+  Approach from(const Vector3d& other_origin) const { return {other_origin, direction, orientation}; }
+};
+
+struct Sphere {
+  Vector3d center;
+  double radius;
+};
+
+/// Where a line leaves the sphere backwards: the least s on it. A line that misses the sphere is
+/// taken at its nearest point.
+double entry(const Approach& line, const Sphere& sphere) {
+  const Vector3d to_center = sphere.center - line.origin;
+  const double middle = to_center.dot(line.direction);
+  const double miss = to_center.squaredNorm() - middle * middle;
+  return middle - std::sqrt(std::max(0.0, sphere.radius * sphere.radius - miss));
+}
+
+/// A place and what the tool does there.
+struct Touch {
+  Approach approach;  ///< s = 0 is first contact
+  Vector3d tangent = Vector3d::Zero();
+  double slide_step = 0.0;                 ///< Unit: [m].
+  std::vector<double> offsets = {0.0};     ///< of first contact along the approach, one each slide step
+  std::array<std::uint8_t, 3> color = {};  ///< of the Gaussian aimed at
+
+  double slide_length() const { return slide_step * static_cast<double>(offsets.size() - 1); }
+
+  /// First contact at `x` in [0, slide_length()] along the slide: a cubic between the steps whose
+  /// slopes are the central differences (Catmull and Rom 1974).
+  Vector3d surface(double x) const {
+    const double step = slide_step > 0.0 ? x / slide_step : 0.0;
+    const auto last = static_cast<std::ptrdiff_t>(offsets.size()) - 1;
+    const auto k = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(step), 0,
+                                              std::max<std::ptrdiff_t>(last - 1, 0));
+    const auto at = [&](std::ptrdiff_t i) {
+      return offsets[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, last))];
+    };
+    const double u = step - static_cast<double>(k);
+    const double a = at(k), b = at(k + 1);
+    const double slope_a = 0.5 * (b - at(k - 1));
+    const double slope_b = 0.5 * (at(k + 2) - a);
+    const double offset = a + u * (slope_a + u * (3.0 * (b - a) - 2.0 * slope_a - slope_b +
+                                                  u * (2.0 * (a - b) + slope_a + slope_b)));
+    return approach.origin + x * tangent + offset * approach.direction;
+  }
+
+  Approach exit() const { return approach.from(surface(slide_length())); }
+};
+
+/// Asks whether the tool touches.
+class Prober {
+ public:
+  Prober(const ContactQuery& query, const Tool& tool) : query_(query), tool_(tool), unit_(tool.thinnest()) {}
+
+  /// The tool's shortest semi-axis. Unit: [m].
+  double unit() const { return unit_; }
+  const Tool& tool() const { return tool_; }
+
+  const std::vector<Contact>& contacts(const Pose& pose) {
+    palpate::query(query_, tool_, pose, found_);
+    return found_.contacts;
+  }
+
+  bool solid(const Pose& pose) { return contacts(pose).size() >= kSolidContacts; }
+
+  /// First contact on the line, between `from` and `to`; nothing if there is none. `from` itself if
+  /// the tool is in contact there.
+  std::optional<double> first_contact(const Approach& line, double from, double to) {
+    if (solid(line.at(from))) return from;
+    for (double free = from; free < to;) {
+      const double next = std::min(free + kMarchStep * unit_, to);
+      if (solid(line.at(next))) return bisect(line, free, next);
+      free = next;
+    }
+    return std::nullopt;
+  }
+
+  /// First contact between `free` and `touching`. \pre their names hold.
+  double bisect(const Approach& line, double free, double touching) {
+    while (touching - free > kContactError * unit_) {
+      const double middle = 0.5 * (free + touching);
+      (solid(line.at(middle)) ? touching : free) = middle;
+    }
+    return 0.5 * (free + touching);
+  }
+
+ private:
+  const ContactQuery& query_;
+  const Tool& tool_;
+  double unit_;
+  ContactSet found_;
+};
+
+/// The box of the central 98 % of the centres, in each coordinate.
+Eigen::AlignedBox3d robust_bounds(const EllipsoidScene& scene) {
+  Vector3d low, high;
+  std::vector<double> values(scene.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(scene.ellipsoids, values.begin(),
+                           [&](const Ellipsoid& e) { return e.center[axis]; });
+    low[axis] = quantile(values, kTail);
+    high[axis] = quantile(values, 1.0 - kTail);
+  }
+  return {low, high};
+}
+
+/// The tool's z axis along `direction`, with no more turn about it than that needs, starting from a
+/// tool that points down: touches from above then hardly turn it.
+Quaterniond pointing_along(const Vector3d& direction) {
+  const Quaterniond down(0.0, 1.0, 0.0, 0.0);
+  return rotation_between(-Vector3d::UnitZ(), direction) * down;
+}
+
+/// Finds places to touch.
+class Search {
+ public:
+  Search(Prober& prober, const EllipsoidScene& scene, const Sphere& sphere, const Eigen::AlignedBox3d& bounds,
+         const TouchPathOptions& options)
+      : prober_(prober),
+        scene_(scene),
+        sphere_(sphere),
+        bounds_(bounds),
+        options_(options),
+        random_(options.seed) {}
+
+  /// Ordered for a short path.
+  /// \throws Error if there are none.
+  std::vector<Touch> touches() {
+    std::vector<Touch> found = order(spread(candidates()));
+    for (Touch& touch : found) find_slide(touch);
+    return found;
+  }
+
+ private:
+  std::vector<Touch> candidates() {
+    const auto wanted = static_cast<std::size_t>(options_.touches);
+    std::vector<Touch> found;
+    for (std::size_t n = 0; n < kTriesPerTouch * wanted && found.size() < kPlacesPerTouch * wanted; ++n) {
+      const std::size_t i = random_.index(scene_.size());
+      const Ellipsoid& target = scene_.ellipsoids[i];
+      if (!bounds_.contains(target.center) || target.radius() > kGiantShare * bounds_.diagonal().norm())
+        continue;
+      if (const auto touch = touch_at(target)) {
+        found.push_back(*touch);
+        if (!scene_.color.empty()) found.back().color = scene_.color[i];
+      }
+    }
+    if (found.empty()) {
+      throw Error(
+          "touch path: no place in {} tries has a surface that this tool can press on from outside; "
+          "keep more Gaussians (a lower opacity threshold), make them larger (a higher sigma), or use a "
+          "larger tool",
+          kTriesPerTouch * wanted);
+    }
+    return found;
+  }
+
+  /// Against the flattest axis of `target`: inwards if that works, else outwards.
+  std::optional<Touch> touch_at(const Ellipsoid& target) {
+    int flattest = 0;
+    target.axes.colwise().norm().minCoeff(&flattest);
+    // Not that axis itself: it is zero for a disc without thickness.
+    const Vector3d across = target.axes.col((flattest + 1) % 3).cross(target.axes.col((flattest + 2) % 3));
+    if (across.isZero(0.0)) return std::nullopt;  // a needle
+    Vector3d normal = across.stableNormalized();
+    if (normal.dot(target.center - sphere_.center) < 0.0) normal = -normal;
+    if (auto touch = touch_along(target, -normal)) return touch;
+    return touch_along(target, normal);
+  }
+
+  std::optional<Touch> touch_along(const Ellipsoid& target, const Vector3d& direction) {
+    Approach line{target.center, direction, pointing_along(direction)};
+    const Vector3d ahead = line.at(0.0).orientation.conjugate() * direction;
+    const double expected = -(prober_.tool().support(ahead) + target.support(direction));
+    const double reach = kPlaceError * prober_.unit();
+    const auto contact = prober_.first_contact(line, expected - reach, expected + reach);
+    if (!contact || *contact <= expected - reach) return std::nullopt;
+    if (!presses_on_surface(line, *contact) || !is_free(line, expected - reach)) return std::nullopt;
+    return Touch{line.from(line.at(*contact).position)};
+  }
+
+  /// True if the tool meets many Gaussians below `contact`, which face the approach on the whole.
+  bool presses_on_surface(const Approach& line, double contact) {
+    const double depth = std::max(options_.press, kProbeDepth * prober_.unit());
+    const auto& contacts = prober_.contacts(line.at(contact + depth));
+    if (contacts.size() < kProbeContacts) return false;
+    Vector3d normal = Vector3d::Zero();
+    for (const Contact& c : contacts) normal += c.depth * c.normal;
+    return -normal.dot(line.direction) > kMaxTiltCosine * normal.norm();
+  }
+
+  /// True if nothing solid is on the line between the sphere and `to`.
+  bool is_free(const Approach& line, double to) {
+    return !prober_.first_contact(line, std::min(entry(line, sphere_), to), to);
+  }
+
+  /// How different two places are: by where they are, as a share of the scene, and by their colour,
+  /// as a share of black against white, because things of another colour mostly are other things.
+  double difference(const Touch& a, const Touch& b) const {
+    double color = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) color += std::pow((a.color[k] - b.color[k]) / 255.0, 2) / 3.0;
+    const Vector3d way = (a.approach.origin - b.approach.origin) / bounds_.diagonal().norm();
+    return std::sqrt(way.squaredNorm() + kColorWeight * kColorWeight * color);
+  }
+
+  /// As many as asked for, each as different as possible from all before it; fewer if all others
+  /// are at the same places.
+  std::vector<Touch> spread(const std::vector<Touch>& from) const {
+    std::vector<Touch> chosen{from.front()};
+    std::vector<double> least(from.size(), std::numeric_limits<double>::infinity());
+    while (chosen.size() < static_cast<std::size_t>(options_.touches)) {
+      const Touch& last = chosen.back();
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const double way = (from[i].approach.origin - last.approach.origin).norm();
+        least[i] = std::min(least[i], way < prober_.unit() ? 0.0 : difference(from[i], last));
+      }
+      const auto next = std::ranges::max_element(least);
+      if (*next == 0.0) break;
+      chosen.push_back(from[static_cast<std::size_t>(next - least.begin())]);
+    }
+    return chosen;
+  }
+
+  Vector3d entry_direction(const Touch& touch) const {
+    const Pose pose = touch.approach.at(entry(touch.approach, sphere_));
+    return (pose.position - sphere_.center).normalized();
+  }
+
+  /// Each followed by the one whose entry into the sphere is nearest, starting anywhere.
+  std::vector<Touch> order(std::vector<Touch> touches) const {
+    for (std::size_t i = 1; i < touches.size(); ++i) {
+      const Vector3d here = entry_direction(touches[i - 1]);
+      const auto next =
+          std::ranges::max_element(touches.begin() + static_cast<std::ptrdiff_t>(i), touches.end(), {},
+                                   [&](const Touch& t) { return here.dot(entry_direction(t)); });
+      std::swap(touches[i], *next);
+    }
+    return touches;
+  }
+
+  /// The longest slide among some directions in the surface, the first of full length if there is.
+  void find_slide(Touch& touch) {
+    if (options_.slide == 0.0) return;
+    const Eigen::Matrix3d R = touch.approach.orientation.toRotationMatrix();
+    const double first = random_.uniform(0.0, 2.0 * pi);
+    const double steps = std::ceil(options_.slide / (kSlideStep * prober_.unit()));
+    touch.slide_step = options_.slide / steps;
+    for (int k = 0; k < kSlideDirections && static_cast<double>(touch.offsets.size()) <= steps; ++k) {
+      const double angle = first + 2.0 * pi * k / kSlideDirections;
+      Touch tried = touch;
+      tried.offsets = {0.0};
+      tried.tangent = std::cos(angle) * R.col(0) + std::sin(angle) * R.col(1);
+      follow_surface(tried, static_cast<std::size_t>(steps));
+      if (tried.offsets.size() > touch.offsets.size() && exit_is_free(tried)) touch = tried;
+    }
+  }
+
+  /// Finds first contact at up to `steps` slide steps; stops where the surface falls or rises too
+  /// steeply to follow.
+  void follow_surface(Touch& touch, std::size_t steps) {
+    const double window = kSlopeLimit * touch.slide_step;
+    while (touch.offsets.size() <= steps) {
+      const double x = touch.slide_step * static_cast<double>(touch.offsets.size());
+      const Approach line = touch.approach.from(touch.approach.origin + x * touch.tangent);
+      const double low = touch.offsets.back() - window;
+      const double high = touch.offsets.back() + window;
+      if (prober_.solid(line.at(low)) || !prober_.solid(line.at(high))) break;
+      touch.offsets.push_back(prober_.bisect(line, low, high));
+    }
+  }
+
+  bool exit_is_free(const Touch& touch) { return is_free(touch.exit(), -kSlopeLimit * touch.slide_step); }
+
+  Prober& prober_;
+  const EllipsoidScene& scene_;
+  Sphere sphere_;
+  Eigen::AlignedBox3d bounds_;
+  const TouchPathOptions& options_;
+  Random random_;
+};
+
+/// A part of the path: pose(u) for u in [0, 1].
+struct Motion {
+  double duration;  ///< Unit: [s].
+  std::function<Pose(double u)> pose;
+};
+
+Motion straight(const Approach& line, double from, double to, double speed) {
+  const double duration = std::max(std::abs(to - from) / speed, kShortestMotion);
+  return {duration, [=](double u) { return line.at(from + u * (to - from)); }};
+}
+
+/// Along the great circle from one pose on the sphere to another; between opposite points along
+/// one of them.
+Motion arc(const Sphere& sphere, const Pose& from, const Pose& to) {
+  const Vector3d a = from.position - sphere.center;
+  const Vector3d b = to.position - sphere.center;
+  const Quaterniond turn = rotation_between(a, b);
+  const double angle = turn.angularDistance(Quaterniond::Identity());
+  const double spin = from.orientation.angularDistance(to.orientation);
+  const double duration = std::max({angle * kTravelTime, spin / kTurnSpeed, kShortestMotion});
+  return {duration, [=](double u) {
+            const double r = a.norm() + u * (b.norm() - a.norm());  // equal, unless a line missed the sphere
+            const Vector3d direction = Quaterniond::Identity().slerp(u, turn) * a.normalized();
+            return Pose{sphere.center + r * direction, from.orientation.slerp(u, to.orientation)};
+          }};
+}
+
+/// The path in motions, free ones apart from those near the surface.
+class Script {
+ public:
+  Script(const Sphere& sphere, double unit, const TouchPathOptions& options)
+      : sphere_(sphere), unit_(unit), options_(options) {}
+
+  void append(const Touch& touch) {
+    const Approach& in = touch.approach;
+    const Approach out = touch.exit();
+    const double entry_s = entry(in, sphere_);
+    const double exit_s = entry(out, sphere_);
+    const double standoff_in = std::max(-kStandoff * unit_, entry_s);
+    const double standoff_out = std::max(-kStandoff * unit_, exit_s);
+    const double travel_speed = sphere_.radius / kTravelTime;
+    const double approach_speed = kApproachSpeed * unit_;
+
+    if (!motions_.empty()) add(arc(sphere_, motions_.back().pose(1.0), in.at(entry_s)), true);
+    add(straight(in, entry_s, standoff_in, travel_speed), true);
+    add(straight(in, standoff_in, options_.press, approach_speed), false);
+    if (const double length = touch.slide_length(); length > 0.0) {
+      const double press = options_.press;
+      add({std::max(length / (kSlideSpeed * unit_), kShortestMotion),
+           [=](double u) { return touch.approach.from(touch.surface(u * length)).at(press); }},
+          false);
+    }
+    add(straight(out, options_.press, standoff_out, approach_speed), false);
+    add(straight(out, standoff_out, exit_s, travel_speed), true);
+  }
+
+  /// Poses of the free motions at which the tool touches anything.
+  std::size_t collisions(Prober& prober) const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      if (!free_[i]) continue;
+      const double length = path_length(motions_[i]);
+      const auto steps = static_cast<std::size_t>(length / (kMarchStep * prober.unit())) + 1;
+      for (std::size_t k = 0; k <= steps; ++k) {
+        const double u = static_cast<double>(k) / static_cast<double>(steps);
+        if (!prober.contacts(motions_[i].pose(u)).empty()) ++count;
+      }
+    }
+    return count;
+  }
+
+  /// Poses at the rate asked for. Each motion starts and ends at rest, with the least jerk between
+  /// (Flash and Hogan 1985), as reaching hands move.
+  Trajectory sampled() const {
+    Trajectory trajectory;
+    double begin = 0.0;
+    for (const Motion& motion : motions_) {
+      while (true) {
+        const double t = static_cast<double>(trajectory.size()) / options_.rate;
+        const double x = (t - begin) / motion.duration;
+        if (x >= 1.0) break;
+        if (trajectory.size() == kMaxPoses)
+          throw Error("touch path: more than {} poses; ask for fewer touches or a lower rate", kMaxPoses);
+        const double u = x * x * x * (10.0 + x * (6.0 * x - 15.0));
+        append(trajectory, t, motion.pose(u));
+      }
+      begin += motion.duration;
+    }
+    append(trajectory, static_cast<double>(trajectory.size()) / options_.rate, motions_.back().pose(1.0));
+    return trajectory;
+  }
+
+ private:
+  void add(Motion motion, bool free) {
+    motions_.push_back(std::move(motion));
+    free_.push_back(free);
+  }
+
+  static void append(Trajectory& trajectory, double t, const Pose& pose) {
+    TimedPose timed;
+    timed.t = t;
+    timed.pose = pose;
+    trajectory.push_back(timed);
+  }
+
+  /// Upper bound: an arc is at most pi / 2 times its chord through the middle.
+  static double path_length(const Motion& motion) {
+    const Vector3d a = motion.pose(0.0).position;
+    const Vector3d m = motion.pose(0.5).position;
+    const Vector3d b = motion.pose(1.0).position;
+    return 0.5 * pi * ((m - a).norm() + (b - m).norm());
+  }
+
+  Sphere sphere_;
+  double unit_;
+  TouchPathOptions options_;
+  std::vector<Motion> motions_;
+  std::vector<bool> free_;
+};
+
+void check(const EllipsoidScene& scene, const Tool& tool, const TouchPathOptions& options) {
+  const auto not_negative = [](double v) { return v >= 0.0 && std::isfinite(v); };
+  if (options.touches < 1 || options.touches > kMaxTouches)
+    throw Error("touch path: {} touches: must be 1 to {}", options.touches, kMaxTouches);
+  if (!not_negative(options.press))
+    throw Error("touch path: press {} m: must be finite and not negative", options.press);
+  if (!not_negative(options.slide))
+    throw Error("touch path: slide {} m: must be finite and not negative", options.slide);
+  if (!(options.rate > 0.0 && options.rate <= kMaxRate))
+    throw Error("touch path: rate {} Hz: must be positive and at most {}", options.rate, kMaxRate);
+  if (!(tool.thinnest() > 0.0 && std::isfinite(tool.radius())))
+    throw Error("touch path: the semi-axes of the tool must be positive and finite");
+  if (scene.size() == 0)
+    throw Error("touch path: the scene is empty; keep more Gaussians (a lower opacity threshold)");
+}
+
+/// The script on the smallest of the travel spheres that is free of contact, else on the freest.
+Script best_script(Prober& prober, const std::vector<Touch>& touches, const Sphere& sphere,
+                   const TouchPathOptions& options) {
+  std::optional<Script> best;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const double factor : kTravelRadii) {
+    Script script({sphere.center, factor * sphere.radius}, prober.unit(), options);
+    for (const Touch& touch : touches) script.append(touch);
+    const std::size_t collisions = script.collisions(prober);
+    if (collisions < least) {
+      least = collisions;
+      best = std::move(script);
+    }
+    if (least == 0) break;
+  }
+  return *best;
+}
+
+}  // namespace
+
+Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
+                      const TouchPathOptions& options) {
+  check(scene, tool, options);
+  const Eigen::AlignedBox3d bounds = robust_bounds(scene);
+  const double clearance = kTravelClearance * tool.longest();
+  const Sphere sphere{bounds.center(), 0.5 * bounds.diagonal().norm() + clearance};
+  Prober prober(query, tool);
+  const std::vector<Touch> touches = Search(prober, scene, sphere, bounds, options).touches();
+  return best_script(prober, touches, sphere, options).sampled();
+}
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+/// \file
+/// A scripted exploration of a scene: what to replay where nobody recorded a hand.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <palpate/collision/contact.h>
+#include <palpate/haptics/tool.h>
+#include <palpate/record/trajectory.h>
+#include <palpate/scene/scene_filter.h>
+
+namespace palpate {
+
+/// What the path does. Speeds and margins are not among it: they follow from the tool's smallest
+/// semi-axis and the scene's size, so that a path suits a figurine and a street alike.
+struct TouchPathOptions {
+  int touches = 7;         ///< places to touch, 1 to 1000
+  std::uint64_t seed = 1;  ///< of the choice of places
+  double press = 0.005;    ///< below first contact, along the approach, not negative. Unit: [m].
+  double slide = 0.05;     ///< along the surface at that depth, not negative. Unit: [m].
+  double rate = 1000.0;    ///< poses a second, positive, at most 1e5. Unit: [Hz].
+};
+
+/// A surface begins where the tool meets this many Gaussians: a stray floater is not a surface.
+inline constexpr std::size_t kSolidContacts = 3;
+
+/// A path that touches up to `options.touches` places of the scene one after the other. At each it
+/// comes in from free space along a straight line, presses in, slides at the same depth below first
+/// contact (less far where the surface ends or a wall begins), lifts off, and goes out again;
+/// between places it travels on a sphere around the central 98 % of the centres. The tool's z axis
+/// points along the approach while it is near a place and turns while it travels. Poses are
+/// 1 / rate apart from t = 0; the speed is continuous and zero at the corners of the path.
+///
+/// Places are drawn at random from the scene and kept where a solid surface faces the approach and
+/// nothing is in the way; of those, the ones that differ most in place and colour are chosen, and
+/// ordered for a short path. A scene with fewer such places gets fewer touches. The travel is free of contact
+/// where a sphere up to half as large again allows it. The same arguments give the same path.
+///
+/// \param query over the Gaussians of `scene`.
+/// \throws Error if an option or the tool is out of range, the scene is empty, or no place is found.
+Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
+                      const TouchPathOptions& options);
+
+}  // namespace palpate

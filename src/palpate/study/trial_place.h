@@ -1,0 +1,72 @@
+/// \file
+/// Where trials push, and how. Not for use elsewhere.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include <palpate/haptics/tool.h>
+#include <palpate/study/procedural.h>
+#include <palpate/study/random.h>
+
+namespace palpate {
+
+/// A straight way of a tool. World frame.
+struct TrialAim {
+  Eigen::Vector3d point;   ///< that the handle is pushed at. Unit: [m].
+  Eigen::Vector3d along;   ///< unit
+  Eigen::Vector3d normal;  ///< outward, unit; of an edge or corner that of its middle
+  Tool tool;               ///< turned as it is held
+};
+
+/// A known solid or sheet, as large as a tool needs it, and a kind of place on it. Immutable.
+class TrialPlace {
+ public:
+  /// \param name of trial_places() \param variant 0 or 1: the thickness of a plate is one or two of the
+  /// tool's thinnest semi-axes; a hole is wider than the tool or narrower.
+  TrialPlace(const std::string& name, const Tool& tool, std::size_t variant);
+
+  const AnalyticSurface& surface() const { return *surface_; }
+  /// Mean distance of the Gaussians that a tool should feel the place with. Unit: [m].
+  double spacing() const { return spacing_; }
+
+  bool starts_inside() const { return name_ == "inside"; }
+  /// True if the surface is flat under the tool.
+  bool is_flat() const { return name_ != "edge" && name_ != "corner" && name_ != "hole"; }
+  /// Of a plate; 0 of a sheet; nothing where a tool cannot come out on the other side. Unit: [m].
+  std::optional<double> thickness() const { return thickness_; }
+
+  /// Height of the plane that flat places are in. World frame. Unit: [m].
+  double top() const { return half_[2]; }
+
+  /// Draws one. \param tip_first the tool's z axis goes ahead; else it is held at random
+  TrialAim aim(Random& random, bool tip_first) const;
+
+ private:
+  void make_box();
+  void make_slab(double thickness);
+  void make_hole(bool wider);
+  void own(std::unique_ptr<AnalyticShape> shape);
+  Eigen::Vector3d point_at(Random& random, Eigen::Vector3d& normal) const;
+
+  std::string name_;
+  Tool tool_;
+  double spacing_;
+  std::unique_ptr<AnalyticSurface> surface_;
+  Eigen::Vector3d half_ = Eigen::Vector3d::Zero();  ///< of a box or sheet. Unit: [m].
+  double major_ = 0.0, minor_ = 0.0;                ///< of a ring. Unit: [m].
+  std::optional<double> thickness_;
+};
+
+/// How deep the deepest of many points of the tool's ellipsoids is; negative outside, never positive at a
+/// sheet. Unit: [m].
+double deepest(const AnalyticSurface& surface, const Tool& tool, const Pose& pose);
+
+/// The farthest that a trial pushes below where the tool meets the surface. Unit: [m].
+inline constexpr double kDeepestTrial = 0.06;
+
+}  // namespace palpate
