@@ -31,9 +31,8 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
+  LiveConfig live;
   QueryOptions query;
-  ForceOptions force;
   std::string trajectory, histogram, simd;
   int rounds = 3;
   int threads = 0;
@@ -61,8 +60,8 @@ const char* name_of(OpenedIndex::Origin origin) {
 }
 
 Opened open_exact(const Options& options, const Progress& progress) {
-  const SceneOptions& scene = options.scene;
-  const IndexFiles files = options.query.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
+  const SceneConfig& scene = options.live.scene;
+  const IndexFiles files = options.live.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
   Opened opened;
   OpenFigures& figures = opened.figures;
   const Stopwatch watch;
@@ -81,7 +80,7 @@ Opened open_exact(const Options& options, const Progress& progress) {
 Opened open_paper(const Options& options, const Progress& progress) {
   Opened opened;
   const Stopwatch watch;
-  opened.query = options.query.build(options.scene, progress);
+  opened.query = options.query.build(options.live, progress);
   opened.figures.seconds = watch.seconds();
   opened.figures.origin = "memory";
   // A tool without bounds may touch all of them from out of reach.
@@ -91,13 +90,13 @@ Opened open_paper(const Options& options, const Progress& progress) {
 }
 
 Opened open_query(const Options& options, const Progress& progress) {
-  const bool exact = options.query.pipeline == "exact";
+  const bool exact = options.query.is_exact();
   Opened opened = exact ? open_exact(options, progress) : open_paper(options, progress);
   opened.figures.peak_bytes = peak_resident_bytes();
-  opened.figures.scene_bytes = stamp_of(options.scene.path).size;
+  opened.figures.scene_bytes = stamp_of(options.live.scene.path).size;
   if (opened.figures.gaussians == 0) {
     throw Error("{}: nothing is left to touch, so there is nothing to time; see palpate info",
-                options.scene.path);
+                options.live.scene.path);
   }
   return opened;
 }
@@ -105,13 +104,14 @@ Opened open_query(const Options& options, const Progress& progress) {
 /// The path of the file, or else the one that make-path makes, the same for every pipeline.
 Trajectory path_of(const Options& options, const SceneIndex* index, const Progress& progress) {
   if (!options.trajectory.empty()) return read_trajectory(options.trajectory);
-  const LoadedScene loaded = load(options.scene, progress);
+  const LoadedScene loaded = load(options.live.scene, progress);
   try {
-    if (index != nullptr) return touch_path(*index, loaded.kept, options.query.tool, {});
-    const SceneIndex own(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
-    return touch_path(own, loaded.kept, options.query.tool, {});
+    if (index != nullptr) return touch_path(*index, loaded.kept, options.live.tool, {});
+    const SceneIndex own(loaded.scene, options.live.scene.filter, options.live.scene.world_from_scene(),
+                         progress);
+    return touch_path(own, loaded.kept, options.live.tool, {});
   } catch (const Error& error) {
-    throw Error("{}: {}; or give a --trajectory", options.scene.path, error.what());
+    throw Error("{}: {}; or give a --trajectory", options.live.scene.path, error.what());
   }
 }
 
@@ -127,20 +127,20 @@ std::vector<Pose> poses_for_batches(const BenchFigures& figures, const Trajector
 BenchFigures measure(const Options& options, const Progress& progress) {
   Opened opened = open_query(options, progress);
   const TimedQuery timed{*opened.query, dynamic_cast<const SceneIndex*>(opened.query.get()),
-                         options.query.tool};
+                         options.live.tool};
   const Trajectory path = path_of(options, timed.index, progress);
 
   BenchFigures figures;
-  figures.scene = options.scene.path;
+  figures.scene = options.live.scene.path;
   figures.path = options.trajectory;
   figures.pipeline = options.query.pipeline;
   figures.simd = options.simd;
-  figures.model = options.force.model_for(*opened.query);
-  figures.tool = options.query.tool;
+  figures.model = to_string(options.query.model(options.live));
+  figures.tool = options.live.tool;
   figures.open = std::move(opened.figures);
   figures.rounds = options.rounds;
   figures.tracked = timed.index != nullptr;
-  const auto model = options.force.build(*opened.query, options.query.tool, options.scene.path, progress);
+  const auto model = options.query.build_model(options.live, *opened.query, progress);
   figures.poses = time_path(timed, path, *model, options.rounds, progress);
 
   using tbb::global_control;
@@ -155,9 +155,10 @@ BenchFigures measure(const Options& options, const Progress& progress) {
 }
 
 void run(Options& options) {
-  check_output(options.histogram,
-               {options.scene.path, options.trajectory, options.force.materials, options.common.config},
-               "--histogram");
+  check_output(
+      options.histogram,
+      {options.live.scene.path, options.trajectory, options.live.force.materials, options.common.config},
+      "--histogram");
   if (options.simd.empty()) options.simd = simd_targets().front();
   use_simd_target(options.simd);
   const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));
@@ -178,7 +179,7 @@ Command declare_bench(CLI::App& parent) {
       add_command(parent, "bench", "Latency and throughput of the contact query on a scene and a path");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print figures as JSON");
-  options->scene.declare(app, SceneOptions::As::kPositional);
+  declare_scene(app, options->live, SceneArgument::kPositional);
   add_text(app, "--trajectory", options->trajectory, "T.csv",
            "tool poses in the world (default: as make-path makes them)");
   add_text(app, "--histogram", options->histogram, "H.svg",
@@ -188,9 +189,9 @@ Command declare_bench(CLI::App& parent) {
   add_count(app, "--threads", options->threads, 1, kMostThreads,
             "for the throughput (default: all); latency is of one thread");
   add_choice(app, "--simd", options->simd, simd_targets(), "instruction set (default: the best)");
-  options->query.declare_tool(app);
-  options->query.declare_pipeline(app);
-  options->force.declare(app);
+  declare_field(app, options->live, "tool");
+  options->query.declare(app, options->live);
+  declare_group(app, options->live, ConfigGroup::kForce);
   return {&app, [=] { run(*options); }};
 }
 

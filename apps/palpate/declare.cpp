@@ -57,6 +57,13 @@ DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& v
       app.add_option(name, value, description)->check(CLI::IsMember(choices))->capture_default_str());
 }
 
+DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& choices,
+                          const std::string& description,
+                          const std::function<void(const std::string&)>& set) {
+  return DeclaredOption(
+      app.add_option_function<std::string>(name, set, description)->check(CLI::IsMember(choices)));
+}
+
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                            const std::vector<std::string>& choices, const std::string& description) {
   return DeclaredOption(listed(app.add_option(name, values, description))->check(CLI::IsMember(choices)));
@@ -126,47 +133,6 @@ DeclaredOption add_parsed(CLI::App& app, const std::string& name, const std::str
   };
   CLI::Option* option = app.add_option(name, callback, description);
   return DeclaredOption(option->type_name(type)->type_size(1)->expected(1));
-}
-
-double parse_number(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
-  if (text.empty() || error != std::errc{} || end != text.end() || !std::isfinite(value)) {
-    throw BadValue(fmt::format("'{}' is not a finite number", text));
-  }
-  return value;
-}
-
-double parse_positive(const std::string& text) {
-  const double value = parse_number(text);
-  if (!(value > 0.0)) throw BadValue(text + " is not positive");
-  return value;
-}
-
-std::vector<double> parse_numbers(std::string_view text, std::size_t min_count, std::size_t max_count) {
-  std::vector<double> numbers;
-  std::string_view rest = text;
-  for (;;) {
-    const std::size_t comma = rest.find(',');
-    numbers.push_back(parse_number(rest.substr(0, comma)));
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
-  if (numbers.size() < min_count || numbers.size() > max_count) {
-    throw BadValue(fmt::format("'{}' has {} numbers; {} are needed", text, numbers.size(), min_count));
-  }
-  return numbers;
-}
-
-Eigen::Quaterniond parse_quaternion(const double* wxyz) {
-  const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (!(q.norm() > 1e-6 && q.norm() < 1e6)) {
-    throw BadValue("the quaternion qw,qx,qy,qz must not be zero");
-  }
-  return q.normalized();
 }
 
 Pose parse_pose(const std::string& text) {

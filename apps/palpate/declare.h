@@ -6,15 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include <palpate/geometry/pose.h>
+#include <palpate/live/value_text.h>
 
 namespace CLI {
 class App;
@@ -22,12 +21,6 @@ class Option;
 }  // namespace CLI
 
 namespace palpate::cli {
-
-/// A text that an option cannot take; what() says why, without the option's name.
-class BadValue : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// An option that was just declared, for saying more about it.
 class DeclaredOption {
@@ -57,6 +50,10 @@ DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& val
 
 DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& value,
                           const std::vector<std::string>& choices, const std::string& description);
+
+/// The same, handed to `set`.
+DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& choices,
+                          const std::string& description, const std::function<void(const std::string&)>& set);
 
 /// Several choices, separated by commas.
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
@@ -93,15 +90,7 @@ DeclaredOption add_parsed(CLI::App& app, const std::string& name, const std::str
                           const std::string& description, const std::function<void(const std::string&)>& set);
 /// @}
 
-/// \name Values from text
-/// \throws BadValue.
-/// @{
-double parse_number(std::string_view text);      ///< finite
-double parse_positive(const std::string& text);  ///< finite and above zero
-/// "1,2,3": between `min_count` and `max_count` finite numbers.
-std::vector<double> parse_numbers(std::string_view text, std::size_t min_count, std::size_t max_count);
-Eigen::Quaterniond parse_quaternion(const double* wxyz);  ///< normalized
-Pose parse_pose(const std::string& text);                 ///< "x,y,z" or "x,y,z,qw,qx,qy,qz"
-/// @}
+/// "x,y,z" or "x,y,z,qw,qx,qy,qz". \throws BadValue.
+Pose parse_pose(const std::string& text);
 
 }  // namespace palpate::cli

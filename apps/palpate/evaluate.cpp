@@ -11,6 +11,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
+#include <palpate/live/factories.h>
 
 #include "command.h"
 #include "evaluate_capture.h"
@@ -27,8 +28,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  QueryOptions query;
-  ForceOptions force;
+  LiveConfig live;  ///< tool and force
   std::vector<std::string> shapes{"sphere", "plane", "box", "cylinder", "torus", "step", "shell"};
   std::vector<std::string> models{"proxy", "field", "density"};
   std::vector<double> spacings{0.006, 0.003};
@@ -55,15 +55,14 @@ EvaluationSetup setup_of(const Options& options, const std::string& shape, doubl
   setup.places = static_cast<std::size_t>(options.places);
   setup.pushes = static_cast<std::size_t>(options.pushes);
   setup.seed = options.seed;
-  setup.tool = options.query.tool;
-  if (model != "density") setup.stiffness = options.force.proxy.stiffness;
-  if (model == "proxy") setup.friction = options.force.proxy.friction;
-  ForceOptions force = options.force;
-  force.model = model;
-  setup.model = [force](const SceneIndex& index, const Tool& tool, double friction) {
-    ForceOptions rubbing = force;
+  setup.tool = options.live.tool;
+  if (model != "density") setup.stiffness = options.live.force.proxy.stiffness;
+  if (model == "proxy") setup.friction = options.live.force.proxy.friction;
+  setup.model = [force = options.live.force, kind = force_model_kind(model)](
+                    const SceneIndex& index, const Tool& tool, double friction) {
+    ForceConfig rubbing = force;
     rubbing.proxy.friction = friction;
-    return rubbing.build(index, tool);
+    return make_force_model(kind, rubbing, index, tool);
   };
   return setup;
 }
@@ -121,18 +120,18 @@ std::string setup_text(const Options& options) {
       "{} feels surfaces whose truth is known, made of "
       "Gaussians that are displaced by {:.3g} mm and tilted by {:.3g} degrees (standard deviations). {} "
       "scenes of each, seeds from {}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
-      tool_text(options.query.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
-      options.places, options.pushes, options.force.proxy.stiffness);
+      tool_text(options.live.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
+      options.places, options.pushes, options.live.force.proxy.stiffness);
 }
 
 void run(const Options& options) {
-  if (!options.capture.scene.path.empty()) {
-    evaluate_capture(options.capture, {options.common, options.query.tool, options.force, options.models,
+  if (!options.capture.live.scene.path.empty()) {
+    evaluate_capture(options.capture, {options.common, options.live.tool, options.live.force, options.models,
                                        options.pushes, options.seed, options.csv, options.html, options.svg});
     return;
   }
   if (options.trials.strokes > 0) {
-    evaluate_trials(options.trials, {options.common, options.force, options.seed, options.csv});
+    evaluate_trials(options.trials, {options.common, options.live.force, options.seed, options.csv});
     return;
   }
   check_output(options.csv, {options.common.config}, "--csv");
@@ -140,7 +139,7 @@ void run(const Options& options) {
   check_figure_folder(options.svg);
   ResultFile csv(options.csv), html(options.html);
   const std::vector<EvaluationRow> rows = measure_all(options);
-  const std::vector<Plot> figures = evaluation_figures(rows, options.force.proxy.stiffness);
+  const std::vector<Plot> figures = evaluation_figures(rows, options.live.force.proxy.stiffness);
   std::vector<std::string> written;
   csv.write(evaluation_csv(rows), written);
   html.write(evaluation_page(rows, figures, setup_text(options)), written);
@@ -186,14 +185,14 @@ Command declare_evaluate(CLI::App& parent) {
   add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
   options->capture.declare(app);
   options->trials.declare(app);
-  options->query.tool = Tool(Eigen::Vector3d::Constant(0.02));
-  options->query.declare_tool(app);
-  options->force.proxy.friction = 0.3;  // measured in slides and rests of its own
-  options->force.declare_parameters(app);
+  options->live.tool = Tool(Eigen::Vector3d::Constant(0.02));
+  declare_field(app, options->live, "tool");
+  options->live.force.proxy.friction = 0.3;  // measured in slides and rests of its own
+  declare_force_parameters(app, options->live);
   return {&app, [=, &app] {
             // Captures and trials are of the model as it is by default.
-            const bool rubs = options->capture.scene.path.empty() && options->trials.strokes == 0;
-            if (!rubs && !is_given(app, "--friction")) options->force.proxy.friction = 0.0;
+            const bool rubs = options->capture.live.scene.path.empty() && options->trials.strokes == 0;
+            if (!rubs && !is_given(app, "--friction")) options->live.force.proxy.friction = 0.0;
             run(*options);
           }};
 }

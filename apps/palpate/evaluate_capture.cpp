@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
+#include <palpate/live/factories.h>
 #include <palpate/record/trajectory.h>
 #include <palpate/study/capture_evaluation.h>
 
@@ -35,7 +36,7 @@ struct Capture {
   SceneIndex index;
   SeenSurface seen;
 
-  Capture(const SceneOptions& options, const Progress& progress)
+  Capture(const SceneConfig& options, const Progress& progress)
       : loaded(load(options, progress)),
         index(loaded.scene, options.filter, options.world_from_scene(), progress),
         seen(loaded.scene, options.world_from_scene()) {}
@@ -236,9 +237,9 @@ Trajectory trajectory_of(const std::vector<CaptureTick>& ticks) {
   return trajectory;
 }
 
-ForceModelMaker maker(const ForceOptions& force, const std::string& model) {
-  return [force, model](const SceneIndex& index, const Tool& tool, double) {
-    return force.build(model, index, tool, nullptr);
+ForceModelMaker maker(const ForceConfig& force, const std::string& model) {
+  return [force, kind = force_model_kind(model)](const SceneIndex& index, const Tool& tool, double) {
+    return make_force_model(kind, force, index, tool);
   };
 }
 
@@ -255,12 +256,12 @@ class Study {
         task_(task),
         progress_(terminal_progress(task.common.quiet)),
         rings_(rings_of(options.rays)),
-        capture_(options.scene, progress_),
+        capture_(options.live.scene, progress_),
         aims_(capture_aims(capture_.loaded.kept, capture_.seen, task.tool,
                            static_cast<std::size_t>(task.pushes), task.seed, rings_, progress_)) {
-    if (aims_.empty()) throw Error("{}: nothing of it can be seen and touched", options.scene.path);
+    if (aims_.empty()) throw Error("{}: nothing of it can be seen and touched", options.live.scene.path);
     if (!options.against.empty()) {
-      SceneOptions other = options.scene;
+      SceneConfig other = options.live.scene;
       other.path = options.against;
       against_ = std::make_unique<Capture>(other, progress_);
     }
@@ -331,14 +332,15 @@ std::string intro(const CaptureOptions& options, const CaptureTask& task) {
       "along the push falls below one half of the light, for the first of {} rays of the tool's "
       "cross-section; "
       "stiffness {:.4g} N/m. Below are the pushes whose force begins farthest from it.",
-      options.scene.path, task.pushes, options.slides, task.seed, options.rays, task.force.proxy.stiffness);
+      options.live.scene.path, task.pushes, options.slides, task.seed, options.rays,
+      task.force.proxy.stiffness);
 }
 
 }  // namespace
 
 void CaptureOptions::declare(CLI::App& app) {
   constexpr int kMost = 100'000;
-  scene.declare(app, SceneOptions::As::kOption);
+  declare_scene(app, live, SceneArgument::kOption);
   add_text(app, "--against", against, "SCENE",
            "of --scene: another capture of the same object, registered alike");
   add_text(app, "--worst", worst, "DIR",
@@ -351,8 +353,8 @@ void CaptureOptions::declare(CLI::App& app) {
 void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
   if (!(task.force.proxy.stiffness > 0.0))
     throw Error("--stiffness 0: on a capture, forces are held against it");
-  check_output(task.csv, {options.scene.path, options.against, task.common.config}, "--csv");
-  check_output(task.html, {options.scene.path, options.against, task.common.config, task.csv}, "--html");
+  check_output(task.csv, {options.live.scene.path, options.against, task.common.config}, "--csv");
+  check_output(task.html, {options.live.scene.path, options.against, task.common.config, task.csv}, "--html");
   check_figure_folder(task.svg);
   if (!options.worst.empty() && !std::filesystem::is_directory(options.worst))
     throw Error("--worst {}: is not a folder; make it first", options.worst);

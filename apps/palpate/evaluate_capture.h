@@ -11,7 +11,7 @@
 namespace palpate::cli {
 
 struct CaptureOptions {
-  SceneOptions scene;   ///< the analytic shapes instead if its path is empty
+  LiveConfig live;      ///< its scene; the analytic shapes instead if its path is empty
   std::string against;  ///< another capture of the same object, registered alike; empty: none
   std::string worst;    ///< folder for the worst pushes; empty: none
   int rays = 127;       ///< of a tool's cross-section
@@ -24,7 +24,7 @@ struct CaptureOptions {
 struct CaptureTask {
   CommonOptions common;
   Tool tool;
-  ForceOptions force;
+  ForceConfig force;
   std::vector<std::string> models;
   int pushes;
   std::uint64_t seed;

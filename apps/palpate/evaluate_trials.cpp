@@ -13,6 +13,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/haptics/tool_file.h>
+#include <palpate/live/factories.h>
 #include <palpate/study/trial_tools.h>
 #include <palpate/study/trials.h>
 
@@ -195,7 +196,7 @@ TrialSetup setup_of(const Tool& tool, const Row& row, int strokes, const TrialTa
   setup.strokes = static_cast<std::size_t>(strokes);
   setup.seed = task.seed;
   setup.model = [force = task.force](const SceneIndex& index, const Tool& held, double) {
-    return force.build("proxy", index, held, nullptr);
+    return make_force_model(ForceModelKind::kProxy, force, index, held);
   };
   return setup;
 }

@@ -24,7 +24,7 @@ struct TrialOptions {
 /// What else the command was asked for.
 struct TrialTask {
   CommonOptions common;
-  ForceOptions force;
+  ForceConfig force;
   std::uint64_t seed;
   std::string csv;
 };

@@ -41,7 +41,7 @@ Eigen::AlignedBox3d bounds_of(const EllipsoidScene& scene) {
   return box;
 }
 
-Json to_json(const LoadedScene& loaded, const LintReport& lint, const SceneOptions& options) {
+Json to_json(const LoadedScene& loaded, const LintReport& lint, const SceneConfig& options) {
   const GaussianScene& scene = loaded.scene;
   Json json{{"file", scene.source},
             {"format", scene.format},
@@ -84,7 +84,7 @@ void print_box(const char* name, const Eigen::AlignedBox3d& box) {
              box.min().z(), box.max().x(), box.max().y(), box.max().z());
 }
 
-void print_counts(const LintReport& lint, const FilterReport& f, const SceneOptions& options) {
+void print_counts(const LintReport& lint, const FilterReport& f, const SceneConfig& options) {
   fmt::print(
       "\nlint              {} NaN, {} infinite, {} zero quaternion, {} zero scale: cannot collide, left "
       "out\n",
@@ -102,7 +102,7 @@ void print_counts(const LintReport& lint, const FilterReport& f, const SceneOpti
       f.defective(), f.low_opacity, f.below_iso, f.over_max_scale, f.outside_crop);
 }
 
-void print_text(const LoadedScene& loaded, const LintReport& lint, const SceneOptions& options) {
+void print_text(const LoadedScene& loaded, const LintReport& lint, const SceneConfig& options) {
   const GaussianScene& scene = loaded.scene;
   fmt::print("{}\n{}, {} Gaussians", printable(scene.source), scene.format, scene.size());
   if (scene.trailing_bytes != 0) fmt::print(", {} bytes after the data", scene.trailing_bytes);
@@ -128,16 +128,16 @@ Command declare_info(CLI::App& parent) {
   CLI::App& app = add_command(
       parent, "info", "Counts, bounds, opacity and scale quantiles, lint findings, what the filter keeps");
   auto common = std::make_shared<CommonOptions>();
-  auto scene = std::make_shared<SceneOptions>();
+  auto live = std::make_shared<LiveConfig>();
   declare_common(app, *common, "print figures as JSON");
-  scene->declare(app, SceneOptions::As::kPositional);
+  declare_scene(app, *live, SceneArgument::kPositional);
   return {&app, [=] {
-            const LoadedScene loaded = load(*scene, terminal_progress(common->quiet));
+            const LoadedScene loaded = load(live->scene, terminal_progress(common->quiet));
             const LintReport report = lint(loaded.scene);
             if (common->json) {
-              print_json(to_json(loaded, report, *scene));
+              print_json(to_json(loaded, report, live->scene));
             } else {
-              print_text(loaded, report, *scene);
+              print_text(loaded, report, live->scene);
             }
           }};
 }

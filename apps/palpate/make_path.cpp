@@ -20,8 +20,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
-  QueryOptions query;
+  LiveConfig live;
   std::string out;
   TouchPathOptions path;
 };
@@ -29,24 +28,25 @@ struct Options {
 /// The path; errors name the scene.
 Trajectory make_path(const Options& options, const SceneIndex& index, const EllipsoidScene& kept) {
   try {
-    return touch_path(index, kept, options.query.tool, options.path);
+    return touch_path(index, kept, options.live.tool, options.path);
   } catch (const Error& error) {
-    throw Error("{}: {}", options.scene.path, error.what());
+    throw Error("{}: {}", options.live.scene.path, error.what());
   }
 }
 
 void run(const Options& options) {
-  check_output(options.out, {options.scene.path, options.common.config});
+  check_output(options.out, {options.live.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
-  const LoadedScene loaded = load(options.scene, progress);
-  const SceneIndex index(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
+  const LoadedScene loaded = load(options.live.scene, progress);
+  const SceneIndex index(loaded.scene, options.live.scene.filter, options.live.scene.world_from_scene(),
+                         progress);
   const Trajectory path = make_path(options, index, loaded.kept);
   write_trajectory(path, options.out);
   DensityForce model;
-  const auto contacts = contact_episodes(play_back(index, options.query.tool, model, path)).size();
+  const auto contacts = contact_episodes(play_back(index, options.live.tool, model, path)).size();
   if (contacts < static_cast<std::size_t>(options.path.touches)) {
-    notify(fmt::format("note: {}: only {} of {} places found that the tool can touch", options.scene.path,
-                       contacts, options.path.touches));
+    notify(fmt::format("note: {}: only {} of {} places found that the tool can touch",
+                       options.live.scene.path, contacts, options.path.touches));
   }
   if (options.common.quiet) return;
   fmt::print("wrote {}: {} touches, {} poses, {:.1f} s\n", printable(options.out), contacts, path.size(),
@@ -67,8 +67,8 @@ Command declare_make_path(CLI::App& parent) {
   add_number(app, "--press", options->path.press, 0.0, kMost, "m", "how deep to press beyond first contact");
   add_number(app, "--slide", options->path.slide, 0.0, kMost, "m", "how far to slide along the surface");
   add_number(app, "--rate", options->path.rate, 1.0, 1e5, "Hz", "poses a second");
-  options->scene.declare(app, SceneOptions::As::kPositional);
-  options->query.declare_tool(app);
+  declare_scene(app, options->live, SceneArgument::kPositional);
+  declare_field(app, options->live, "tool");
   return {&app, [=] { run(*options); }};
 }
 

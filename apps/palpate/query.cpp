@@ -21,9 +21,8 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
+  LiveConfig live;
   QueryOptions query;
-  ForceOptions force;
   Pose pose;
 };
 
@@ -43,11 +42,11 @@ struct Answer {
 
 Answer ask(const Options& options, const ContactQuery& query, ForceModel& model) {
   ContactSet set;
-  const Tool& tool = options.query.tool;
+  const Tool& tool = options.live.tool;
   palpate::query(query, tool, options.pose, set);
   std::vector<double> confidences(set.contacts.size(), std::numeric_limits<double>::quiet_NaN());
   if (const auto* index = dynamic_cast<const SceneIndex*>(&query))
-    confidences = confidence(*index, tool, options.pose, options.force.proxy, set.contacts);
+    confidences = confidence(*index, tool, options.pose, options.live.force.proxy, set.contacts);
   Answer answer{set.candidates, set.filtered, {}, model.evaluate({options.pose, {}, 0.0, &set})};
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& contact = set.contacts[i];
@@ -107,23 +106,23 @@ void print_text(const Answer& answer, const std::string& model, const Options& o
              wrench.force.z(), wrench.force.norm(), model);
   fmt::print("torque {:.5f} {:.5f} {:.5f} N m\n", wrench.torque.x(), wrench.torque.y(), wrench.torque.z());
   print_contacts(answer.rows);
-  if (!options.common.quiet) notify("note: " + options.scene.frame_note());
+  if (!options.common.quiet) notify("note: " + options.live.scene.frame_note());
 }
 
 void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
-  const auto query = options.query.build(options.scene, progress);
-  const auto model = options.force.build(*query, options.query.tool, options.scene.path, progress);
+  const auto query = options.query.build(options.live, progress);
+  const auto model = options.query.build_model(options.live, *query, progress);
   const Answer answer = ask(options, *query, *model);
 
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
     Json json = to_json(answer);
-    if (paper != nullptr) add_reach(*paper, options.query.tool, json);
+    if (paper != nullptr) add_reach(*paper, options.live.tool, json);
     print_json(json);
   } else {
-    print_text(answer, options.force.model_for(*query), options);
-    if (paper != nullptr) print_reach(*paper, options.query.tool);
+    print_text(answer, std::string(to_string(options.query.model(options.live))), options);
+    if (paper != nullptr) print_reach(*paper, options.live.tool);
   }
 }
 
@@ -133,13 +132,13 @@ Command declare_query(CLI::App& parent) {
   CLI::App& app = add_command(parent, "query", "One pose: the contacts and the wrench");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print contacts and wrench as JSON");
-  options->scene.declare(app, SceneOptions::As::kPositional);
+  declare_scene(app, options->live, SceneArgument::kPositional);
   add_parsed(app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose in the world, m",
              [options](const std::string& text) { options->pose = parse_pose(text); })
       .required();
-  options->query.declare_tool(app);
-  options->query.declare_pipeline(app);
-  options->force.declare(app);
+  declare_field(app, options->live, "tool");
+  options->query.declare(app, options->live);
+  declare_group(app, options->live, ConfigGroup::kForce);
   return {&app, [=] { run(*options); }};
 }
 

@@ -20,9 +20,8 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
+  LiveConfig live;
   QueryOptions query;
-  ForceOptions force;
   std::string trajectory;
   std::string out;
   int threads = 0;
@@ -70,8 +69,8 @@ void print_text(const std::vector<RunRow>& rows) {
 }
 
 void run(const Options& options) {
-  check_output(options.out,
-               {options.trajectory, options.scene.path, options.force.materials, options.common.config});
+  check_output(options.out, {options.trajectory, options.live.scene.path, options.live.force.materials,
+                             options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const auto parallelism =
       options.threads > 0 ? static_cast<std::size_t>(options.threads)
@@ -79,19 +78,19 @@ void run(const Options& options) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, parallelism);
 
   const Trajectory trajectory = read_trajectory(options.trajectory);
-  const auto query = options.query.build(options.scene, progress);
-  const auto model = options.force.build(*query, options.query.tool, options.scene.path, progress);
-  const std::vector<RunRow> rows = play_back(*query, options.query.tool, *model, trajectory, progress);
+  const auto query = options.query.build(options.live, progress);
+  const auto model = options.query.build_model(options.live, *query, progress);
+  const std::vector<RunRow> rows = play_back(*query, options.live.tool, *model, trajectory, progress);
   write_run(rows, options.out, progress);
 
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
     Json json = to_json(rows);
-    if (paper != nullptr) add_reach(*paper, options.query.tool, json);
+    if (paper != nullptr) add_reach(*paper, options.live.tool, json);
     print_json(json);
   } else if (!options.common.quiet) {
     print_text(rows);
-    if (paper != nullptr) print_reach(*paper, options.query.tool);
+    if (paper != nullptr) print_reach(*paper, options.live.tool);
     fmt::print("wrote {}\n", printable(options.out));
   }
 }
@@ -102,16 +101,16 @@ Command declare_replay(CLI::App& parent) {
   CLI::App& app = add_command(parent, "replay", "Every pose of a trajectory file, offline and deterministic");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the summary as JSON");
-  options->scene.declare(app, SceneOptions::As::kPositional);
+  declare_scene(app, options->live, SceneArgument::kPositional);
   add_text(app, "--trajectory", options->trajectory, "T.csv", "tool poses in the world: t,x,y,z,qw,qx,qy,qz")
       .required();
   add_text(app, "--out", options->out, "RUN.csv", "the run: contacts, wrench and time of every pose")
       .required();
   add_count(app, "--threads", options->threads, 1, kMostThreads,
             "how many (default: all); the result does not depend on it");
-  options->query.declare_tool(app);
-  options->query.declare_pipeline(app);
-  options->force.declare(app);
+  declare_field(app, options->live, "tool");
+  options->query.declare(app, options->live);
+  declare_group(app, options->live, ConfigGroup::kForce);
   return {&app, [=] { run(*options); }};
 }
 

@@ -28,8 +28,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
-  QueryOptions query;
+  LiveConfig live;
   std::string run;
   RunWindow window;
   std::string out;
@@ -51,24 +50,25 @@ void warn_if_different(const RunContacts& contacts, const Options& options) {
   notify(
       fmt::format("warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
                   "scene options and --tool",
-                  options.run, contacts.rows_differing, contacts.rows_checked, options.scene.path));
+                  options.run, contacts.rows_differing, contacts.rows_checked, options.live.scene.path));
 }
 
 void run(const Options& options) {
-  check_output(options.out, {options.run, options.scene.path, options.common.config});
+  check_output(options.out, {options.run, options.live.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const Run recorded = read_run(options.run, options.window, progress);
   if (recorded.cut)
     notify(fmt::format("{}: the last line is cut and left out (the recording was interrupted)", options.run));
   std::string json;
-  if (options.scene.path.empty()) {
+  if (options.live.scene.path.empty()) {
     json = report_json(recorded, nullptr, nullptr, nullptr);
   } else {
-    const LoadedScene loaded = load(options.scene, progress);
-    const SceneIndex index(loaded.scene, options.scene.filter, options.scene.world_from_scene(), progress);
-    const RunContacts contacts = find_contacts(recorded, index, options.query.tool);
+    const LoadedScene loaded = load(options.live.scene, progress);
+    const SceneIndex index(loaded.scene, options.live.scene.filter, options.live.scene.world_from_scene(),
+                           progress);
+    const RunContacts contacts = find_contacts(recorded, index, options.live.tool);
     warn_if_different(contacts, options);
-    json = report_json(recorded, &loaded.kept, &options.query.tool, &contacts);
+    json = report_json(recorded, &loaded.kept, &options.live.tool, &contacts);
   }
   const std::string title = std::filesystem::path(options.run).filename().string();
   write_file(options.out, fill_page(title, json));
@@ -86,8 +86,13 @@ void declare_window(CLI::App& app, RunWindow& window) {
 
 }  // namespace
 
-std::string report_document(const Run& run, const std::string& title) {
-  return fill_page(title, report_json(run, nullptr, nullptr, nullptr));
+std::string recording_page(const std::string& csv) {
+  try {
+    const std::string title = std::filesystem::path(csv).filename().string();
+    return fill_page(title, report_json(read_run(csv), nullptr, nullptr, nullptr));
+  } catch (const std::exception& error) {  // also where there is no memory for a long one
+    return "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
+  }
 }
 
 Command declare_report(CLI::App& parent) {
@@ -97,8 +102,8 @@ Command declare_report(CLI::App& parent) {
   add_text(app, "RUN.csv", options->run, "", "a run, as replay writes it, or a recording").required();
   add_text(app, "--out", options->out, "R.html", "the page").required();
   declare_window(app, options->window);
-  options->scene.declare(app, SceneOptions::As::kOption);
-  options->query.declare_tool(app);
+  declare_scene(app, options->live, SceneArgument::kOption);
+  declare_field(app, options->live, "tool");
   return {&app, [=] { run(*options); }};
 }
 

@@ -4,11 +4,9 @@
 
 #include <string>
 
-#include <palpate/record/run_log.h>
-
 namespace palpate::cli {
 
-/// The report page of a run, without its scene. \param title text
-std::string report_document(const Run& run, const std::string& title);
+/// The report page of the recording in a file, without its scene; a page that says why if it cannot be made.
+std::string recording_page(const std::string& csv);
 
 }  // namespace palpate::cli

@@ -15,16 +15,18 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/real_time.h>
+#include <palpate/live/live_gateway.h>
+#include <palpate/live/live_system.h>
 #include <palpate/record/recording_observer.h>
 #include <palpate/servo/live_view.h>
 
 #include "command.h"
 #include "keyboard.h"
-#include "live_gateway.h"
-#include "live_system.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 #include "terminal.h"
+#include "viewer_files.h"
 
 namespace palpate::cli {
 namespace {
@@ -37,12 +39,7 @@ constexpr double kStiffer = 1.25, kLeastGain = 0.05, kMostGain = 20.0;
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
-  QueryOptions query;
-  ForceOptions force;
-  DeviceOptions device;
-  LoopOptions loop;
-  GatewayOptions gateway;
+  LiveConfig live;
   std::string record;
   double seconds = 0.0;  ///< 0: until someone ends it
 };
@@ -178,7 +175,7 @@ void Console::tell_transitions() {
 
 void Console::draw() const {
   const TickRecord& now = view_.newest();
-  const LiveSettings settings = system_.settings();
+  const LiveConfig settings = system_.settings();
   const LoopStatistics& statistics = system_.loop().statistics();
   const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
   const std::string margin = now.margin <= 0.0  ? "-"
@@ -187,7 +184,7 @@ void Console::draw() const {
   stderr_.write(fmt::format(
       "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
       "margin {}",
-      now.t, to_string(now.state), why, kModels[settings.model], settings.force.proxy.stiffness,
+      now.t, to_string(now.state), why, to_string(settings.force.model), settings.force.proxy.stiffness,
       now.sent.force.norm(), now.contacts, kMicro * statistics.whole.quantile(0.5),
       kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin));
 }
@@ -201,7 +198,10 @@ bool Console::act(char key) {
     case 'r': governor.resume(); break;
     case 'e': governor.stop(); break;
     case 'm':
-      system_.change([](LiveSettings& settings) { settings.model = (settings.model + 1) % kModels.size(); });
+      system_.change([](LiveConfig& settings) {
+        const auto next = static_cast<std::size_t>(settings.force.model) + 1;
+        settings.force.model = static_cast<ForceModelKind>(next % kForceModelNames.size());
+      });
       break;
     case '+': make_stiffer(kStiffer); break;
     case '-': make_stiffer(1.0 / kStiffer); break;
@@ -216,7 +216,7 @@ bool Console::act(char key) {
 }
 
 void Console::make_stiffer(double times) {
-  system_.change([&](LiveSettings& settings) {
+  system_.change([&](LiveConfig& settings) {
     double& stiffness = settings.force.proxy.stiffness;
     stiffness = std::clamp(times * stiffness, kLeastGain * stiffness_, kMostGain * stiffness_);
   });
@@ -307,7 +307,7 @@ void warn(const LiveSystem& system) {
 
 void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
-  LiveSystem system(options.scene, options.query, options.force, options.device, options.loop, progress);
+  LiveSystem system(options.live, nullptr, notify, progress);
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<RecordingObserver> recording;
   const auto view = std::make_unique<LiveView>();
@@ -319,8 +319,8 @@ void run(const Options& options) {
   }
   const bool talks = !options.common.quiet;
   std::unique_ptr<LiveGateway> gateway;
-  if (!options.gateway.off) {
-    gateway = std::make_unique<LiveGateway>(system, options.device, options.gateway);
+  if (!options.live.gateway.off) {
+    gateway = std::make_unique<LiveGateway>(system, GatewayPages{viewer_file, recording_page});
     for (TickObserver* observer : gateway->observers()) observers.push_back(observer);
   }
   warn(system);
@@ -332,8 +332,9 @@ void run(const Options& options) {
   if (talks) {
     for (const std::string& line : system.loop().refused()) notify("note: " + line);
     notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
-                       options.device.device, tool_text(options.query.tool), kModels[system.settings().model],
-                       system.contacts(), system.scene_text()));
+                       system.device_kind(), tool_text(options.live.tool),
+                       to_string(system.settings().force.model), to_string(system.contacts()),
+                       options.live.scene.name()));
     if (system.device().watchdog == 0.0)
       notify("note: no watchdog of this device is known; it must show no force once none has come for 50 ms");
     if (gateway) notify(fmt::format("see and take part: {}", gateway->url()));
@@ -386,16 +387,16 @@ Command declare_run(CLI::App& parent) {
   CLI::App& app = add_command(parent, "run", "Feel a scene live: a servo loop between a device and a scene");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the summary as JSON");
-  options->scene.declare(app, SceneOptions::As::kOptionalPositional);
+  LiveConfig& live = options->live;
+  declare_scene(app, live, SceneArgument::kOptionalPositional);
   add_number(app, "--seconds", options->seconds, 0.0, 1e7, "s", "how long (default: until q, or Ctrl-C)");
   add_text(app, "--record", options->record, "RUN.csv", "every tick, for palpate report; must not exist");
-  options->device.declare(app);
-  options->loop.declare(app);
-  options->gateway.declare(app);
-  options->query.declare_tool(app);
-  add_flag(app, "--no-index-file", options->query.no_index_file,
-           "neither read nor write SCENE.palpate, the index beside the scene");
-  options->force.declare(app);
+  declare_group(app, live, ConfigGroup::kDevice);
+  declare_group(app, live, ConfigGroup::kLoop);
+  declare_group(app, live, ConfigGroup::kGateway);
+  declare_field(app, live, "tool");
+  declare_field(app, live, "no-index-file").in_group("Options");
+  declare_group(app, live, ConfigGroup::kForce);
   return {&app, [=] { run(*options); }};
 }
 

@@ -14,6 +14,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/live/factories.h>
 #include <palpate/study/stability.h>
 
 #include "command.h"
@@ -29,11 +30,9 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  SceneOptions scene;
-  QueryOptions query;
-  ForceOptions force;
+  LiveConfig live;
   std::vector<std::string> profiles;
-  std::vector<std::string> models{kModels.begin(), kModels.end()};
+  std::vector<std::string> models{kForceModelNames.begin(), kForceModelNames.end()};
   std::vector<HandProperties> hands;
   int places = 3;
   std::uint64_t seed = 1;
@@ -56,20 +55,19 @@ std::vector<HandProperties> usual_hands() {
 struct Ground {
   std::string name;
   std::unique_ptr<SceneIndex> index;
-  ForceOptions::Materials made_of;
+  Materials materials;
   std::vector<PressPlace> places;
 };
 
 Ground ground_of(const Options& options, const Progress& progress) {
   Ground ground;
-  ground.name = std::filesystem::path(options.scene.name()).filename().string();
-  ground.made_of = options.force.made_of(options.scene.path, progress);
-  const LoadedScene loaded = load_or_make(options.scene, progress);
-  ground.index = std::make_unique<SceneIndex>(loaded.scene, options.scene.filter,
-                                              options.scene.world_from_scene(), progress);
+  ground.name = std::filesystem::path(options.live.scene.name()).filename().string();
+  ground.materials = load_materials(options.live.force, options.live.scene.path, progress);
+  const LoadedScene loaded = load_or_make(options.live.scene, progress);
+  ground.index = std::make_unique<SceneIndex>(loaded.scene, options.live.scene.filter,
+                                              options.live.scene.world_from_scene(), progress);
   try {
-    ground.places =
-        press_places(*ground.index, loaded.kept, options.query.tool, options.places, options.seed);
+    ground.places = press_places(*ground.index, loaded.kept, options.live.tool, options.places, options.seed);
   } catch (const Error& error) {
     throw Error("{}: {}", ground.name, error.what());
   }
@@ -79,11 +77,12 @@ Ground ground_of(const Options& options, const Progress& progress) {
 StabilityTrial trial_of(const Options& options, const Ground& ground, const StabilityRow& row) {
   StabilityTrial trial;
   trial.index = ground.index.get();
-  trial.tool = options.query.tool;
+  trial.tool = options.live.tool;
   trial.profile = device_profile(row.profile);
   trial.hand = row.hand;
   trial.model = [&options, &ground, name = row.model](Lookahead* ahead) {
-    return options.force.build(name, *ground.index, options.query.tool, ground.made_of, ahead);
+    return make_force_model(force_model_kind(name), options.live.force, *ground.index, options.live.tool,
+                            ground.materials, ahead);
   };
   if (row.source == ContactSource::kWorker) trial.worker_delay = row.delay;
   if (row.source == ContactSource::kHold) trial.hold = row.delay;
@@ -125,7 +124,7 @@ void measure(StabilityRow& row, const Options& options, const Ground& ground) {
     first = false;
   }
   if (row.model != "density")
-    row.z_width = z_width(trial, ground.places.front(), options.force.proxy.stiffness);
+    row.z_width = z_width(trial, ground.places.front(), options.live.force.proxy.stiffness);
 }
 
 std::vector<StabilityRow> rows_of(const Options& options) {
@@ -198,13 +197,13 @@ std::string setup_text(const Options& options, const Ground& ground) {
       "late.",
       ground.name, ground.places.size(), ground.places.size() == 1 ? "" : "s", 1e3 * StabilityTrial::kPress,
       StabilityTrial::kRest, StabilityTrial::kSlide, StabilityTrial::kSlideSpeed,
-      tool_text(options.query.tool), options.force.proxy.stiffness, options.force.proxy.friction,
+      tool_text(options.live.tool), options.live.force.proxy.stiffness, options.live.force.proxy.friction,
       1e3 * options.delay);
 }
 
 void run(const Options& options) {
-  check_output(options.csv, {options.common.config, options.scene.path}, "--csv");
-  check_output(options.html, {options.common.config, options.scene.path, options.csv}, "--html");
+  check_output(options.csv, {options.common.config, options.live.scene.path}, "--csv");
+  check_output(options.html, {options.common.config, options.live.scene.path, options.csv}, "--html");
   check_figure_folder(options.svg);
   ResultFile csv(options.csv), html(options.html);
   const Progress progress = terminal_progress(options.common.quiet);
@@ -235,9 +234,10 @@ Command declare_stability(CLI::App& parent) {
   options->profiles = profile_names();
   options->hands = usual_hands();
   declare_common(app, options->common, "print the tables as JSON");
-  options->scene.declare(app, SceneOptions::As::kOptionalPositional);
+  declare_scene(app, options->live, SceneArgument::kOptionalPositional);
   add_choices(app, "--profiles", options->profiles, profile_names(), "devices to hold");
-  add_choices(app, "--models", options->models, {kModels.begin(), kModels.end()}, "force models to compare");
+  add_choices(app, "--models", options->models, {kForceModelNames.begin(), kForceModelNames.end()},
+              "force models to compare");
   add_parsed(app, "--hands", "m,b,k,...", "hands, three numbers each: kg, N s/m and N/m (default: nine)",
              [options](const std::string& text) {
                const auto v = parse_numbers(text, 3, 300);
@@ -252,8 +252,8 @@ Command declare_stability(CLI::App& parent) {
   add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, a line a row");
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
   add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
-  options->query.declare_tool(app);
-  options->force.declare_parameters(app);
+  declare_field(app, options->live, "tool");
+  declare_force_parameters(app, options->live);
   return {&app, [=] { run(*options); }};
 }
 

@@ -17,13 +17,13 @@ extern const char palpate_viewer_licences_begin[], palpate_viewer_licences_end[]
 
 namespace palpate::cli {
 
-const ViewerFile* viewer_file(std::string_view path) {
+const WebFile* viewer_file(std::string_view path) {
   const auto file = [](const char* path_on_server, const char* type, const char* begin, const char* end) {
     const std::string_view bytes(begin, static_cast<std::size_t>(end - begin));
-    return ViewerFile{path_on_server, type, bytes,
-                      fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()))};
+    return WebFile{path_on_server, type, bytes,
+                   fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()))};
   };
-  static const std::array<ViewerFile, 5> files{
+  static const std::array<WebFile, 5> files{
       file("/", "text/html; charset=utf-8", palpate_viewer_page_begin, palpate_viewer_page_end),
       file("/viewer.js", "text/javascript; charset=utf-8", palpate_viewer_script_begin,
            palpate_viewer_script_end),
@@ -31,8 +31,7 @@ const ViewerFile* viewer_file(std::string_view path) {
       file("/icon.svg", "image/svg+xml", palpate_viewer_icon_begin, palpate_viewer_icon_end),
       file("/licences.txt", "text/plain; charset=utf-8", palpate_viewer_licences_begin,
            palpate_viewer_licences_end)};
-  const auto at =
-      std::find_if(files.begin(), files.end(), [&](const ViewerFile& f) { return f.path == path; });
+  const auto at = std::find_if(files.begin(), files.end(), [&](const WebFile& f) { return f.path == path; });
   return at == files.end() ? nullptr : at;
 }
 

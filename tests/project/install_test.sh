@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# An installed Palpate can be found and used: builds examples/contacts against it, touches a scene, and feels that as the
-# device of examples/client.
+# An installed Palpate can be found and used: builds examples/contacts and examples/embed against it, touches a scene with
+# both, and feels that as the device of examples/client.
 # usage: install_test.sh BUILD_FOLDER
 set -euo pipefail
 build=$(realpath "${1:?usage: install_test.sh BUILD_FOLDER}")
@@ -16,6 +16,14 @@ answer=$("$work/example/contacts" "$work/sphere.ply" 0 0 0.18)
 echo "$answer"
 # 0.18 m up on a sphere of 0.15 m, the tool of 0.04 m half length reaches 10 mm in: it is pushed up.
 [[ $answer =~ ([1-9][0-9]*)\ in\ contact.*\ ([0-9.]+)\ N$ ]]
+cmake -S "$root/examples/embed" -B "$work/embed" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-Werror >/dev/null
+cmake --build "$work/embed" >/dev/null
+answer=$("$work/embed/embed" "$work/sphere.ply" 0 0 0.15)
+echo "$answer"
+[[ $answer =~ ^[1-9][0-9]*\ ticks,\ up\ to\ [1-9][0-9]*\ contacts\ and\ [1-9][0-9.]*\ N$ ]]
+answer=$("$work/embed/embed")
+echo "$answer"
+[[ $answer =~ up\ to\ [1-9][0-9]*\ contacts ]]
 cmake -S "$root/examples/client" -B "$work/client" -G Ninja -DCMAKE_CXX_FLAGS=-Werror >/dev/null
 cmake --build "$work/client" >/dev/null
 "$work/prefix/bin/palpate" run "$work/sphere.ply" --device client --port 0 --tool 0.02,0.02,0.02 >/dev/null 2>"$work/said" </dev/null &

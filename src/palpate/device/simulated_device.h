@@ -16,6 +16,8 @@ struct HandProperties {
   double mass = 0.1;         ///< that moves with the handle. Unit: [kg]. >= 0
   double damping = 3.0;      ///< Unit: [N s/m]. >= 0
   double stiffness = 300.0;  ///< Unit: [N/m]. >= 0
+
+  bool operator==(const HandProperties&) const = default;
 };
 
 /// A device's mechanics and electronics.

@@ -11,6 +11,8 @@ namespace palpate {
 struct Pose {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();               ///< Unit: [m], in the world frame.
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< Unit norm, body to world.
+
+  bool operator==(const Pose&) const = default;
 };
 
 /// The pose in the world of what has the pose `b` in the frame of a body at `a`.

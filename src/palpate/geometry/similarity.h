@@ -16,6 +16,8 @@ struct Similarity {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< Unit: [m].
   bool mirrored = false;
 
+  bool operator==(const Similarity&) const = default;
+
   Eigen::Vector3d operator*(const Eigen::Vector3d& x_S) const {
     return scale * (rotation * (mirrored ? mirror(x_S) : x_S)) + translation;
   }

@@ -21,6 +21,8 @@ struct DensityParameters {
   double tau_direction = 0.01;  ///< time constant of the average of the direction. Unit: [s]. >= 0
   double tau_opacity = 0.01;    ///< time constant of the average of the opacity. Unit: [s]. >= 0
   double tau_velocity = 0.005;  ///< time constant of the velocity filter. Unit: [s]. >= 0
+
+  bool operator==(const DensityParameters&) const = default;
 };
 
 /// The paper's model in this reading:

@@ -31,6 +31,8 @@ struct ProxyParameters {
   /// What the scene is made of, over the numbers above; null or empty: of one stuff all over.
   std::shared_ptr<const MaterialMap> materials = {};
 
+  bool operator==(const ProxyParameters&) const = default;  ///< of materials: the same object
+
   /// A tool cannot tell much that is smaller than itself. This much of it keeps the direction of the force on
   /// splats a third of the tool's radius apart, displaced by a quarter of that, within four degrees, 95 times
   /// in 100.

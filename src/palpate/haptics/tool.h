@@ -20,6 +20,8 @@ struct ToolPart {
 
   /// Its solid where the tool is at `tool`.
   Ellipsoid at(const Pose& tool) const { return Ellipsoid::from_semi_axes(tool * pose, semi_axes); }
+
+  bool operator==(const ToolPart&) const = default;
 };
 
 /// A rigid body of one or more ellipsoids, which may overlap. The origin of its frame is the handle: the
@@ -34,6 +36,8 @@ class Tool {
   explicit Tool(std::vector<ToolPart> parts);
 
   std::span<const ToolPart> parts() const { return parts_; }
+
+  bool operator==(const Tool&) const = default;
 
   /// The shortest semi-axis of all parts. Unit: [m].
   double thinnest() const;

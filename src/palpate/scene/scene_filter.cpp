@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -92,6 +93,16 @@ void filter_block(const GaussianScene& scene, std::size_t begin, std::size_t end
 }
 
 }  // namespace
+
+bool SceneFilter::operator==(const SceneFilter& other) const {
+  // A box has no operator of its own.
+  const auto corners = [](const SceneFilter& f) {
+    using Corners = std::pair<Eigen::Vector3d, Eigen::Vector3d>;
+    return f.crop_box ? std::optional(Corners(f.crop_box->min(), f.crop_box->max())) : std::nullopt;
+  };
+  return opacity_min == other.opacity_min && sigma == other.sigma && iso == other.iso &&
+         max_scale == other.max_scale && crop_sphere == other.crop_sphere && corners(*this) == corners(other);
+}
 
 std::size_t FilterReport::defective() const {
   return std::accumulate(defects.begin(), defects.end(), std::size_t{0});

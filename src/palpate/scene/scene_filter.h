@@ -36,8 +36,12 @@ struct SceneFilter {
   struct Sphere {
     Eigen::Vector3d center;
     double radius;
+
+    bool operator==(const Sphere&) const = default;
   };
   std::optional<Sphere> crop_sphere;  ///< likewise
+
+  bool operator==(const SceneFilter& other) const;
 };
 
 /// What became of the Gaussians of a scene or of a part of one; each is counted once, at the first rule that

@@ -21,6 +21,8 @@ struct WorkspaceMap {
   /// H: orientation of the tool in the frame of the handle; identity until a clutch has turned the handle.
   Eigen::Quaterniond tool = Eigen::Quaterniond::Identity();
 
+  bool operator==(const WorkspaceMap&) const = default;
+
   Pose to_world(const Pose& device) const {
     return {offset + scale * (rotation * device.position), rotation * device.orientation * tool};
   }

@@ -1,10 +1,10 @@
-#include "scene_file.h"
+#include <palpate/live/scene_file.h>
 
 #include <cerrno>
 
 #include <fmt/format.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 SceneFile::SceneFile(const std::string& path) : bytes_(std::make_shared<const InputFile>(path)) {
   if (::stat(path.c_str(), &opened_) != 0) throw_file_error(path, "look at", errno);
@@ -32,4 +32,4 @@ std::string notice_of(SceneFile::Change change) {
   }
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,28 +1,30 @@
-#include "live_gateway.h"
+#include <palpate/live/live_gateway.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
-#include <palpate/device/profiles.h>
+#include <palpate/base/latest_value.h>
+#include <palpate/gateway/felt_list.h>
+#include <palpate/gateway/live_topics.h>
 #include <palpate/haptics/tool_file.h>
+#include <palpate/live/config_json.h>
+#include <palpate/live/config_toml.h>
+#include <palpate/live/recording_switch.h>
+#include <palpate/live/scene_file.h>
 #include <palpate/rosbridge/access.h>
+#include <palpate/rosbridge/web_server.h>
 #include <palpate/scene/ply_writer.h>
 
-#include "live_parameters.h"
-#include "output.h"
-#include "viewer_files.h"
-
-namespace palpate::cli {
+namespace palpate {
 namespace {
-
-constexpr const char* kGatewayGroup = "Gateway";
 
 /// Of the viewer: its own files, workers that it makes itself, and connections to where it came from.
 constexpr const char* kViewerPolicy =
@@ -44,14 +46,14 @@ WebPage page_of(std::string_view type, std::string_view bytes, std::string tag,
   return page;
 }
 
-bool flag_of(const Value& arguments) {
-  const Value& data = field(arguments, "data");
+bool flag_of(const Json& arguments) {
+  const Json& data = field(arguments, "data");
   if (!data.is_boolean()) throw Refusal("'data' must be true or false");
   return data.get<bool>();
 }
 
 /// std_srvs/Trigger, SetBool: what was refused is an answer, too.
-Value answer_of(const std::function<std::string()>& work) {
+Json answer_of(const std::function<std::string()>& work) {
   try {
     return {{"success", true}, {"message", work()}};
   } catch (const Refusal& refusal) {
@@ -63,36 +65,92 @@ Value answer_of(const std::function<std::string()>& work) {
 
 }  // namespace
 
-void GatewayOptions::declare(CLI::App& app) {
-  add_count(app, "--port", port, 0, 65535, "where the viewer and rosbridge are; 0: any that is free")
-      .shows_default(fmt::format("{}, or another if that is taken", kPort))
-      .in_group(kGatewayGroup);
-  add_text(app, "--listen", address, "ADDRESS", "of this machine; any but loopback wants a token")
-      .in_group(kGatewayGroup);
-  const auto set_token = [this](const std::string& text) {
-    if (const std::string problem = token_problem(text); !problem.empty()) throw BadValue(problem);
-    token = text;
-  };
-  add_parsed(
-      app, "--token", "TEXT",
-      "that clients must bring, 16 characters or more (default: with --listen one is made and printed)",
-      set_token)
-      .in_group(kGatewayGroup);
-  add_flag(app, "--no-gateway", off, "serve nothing").in_group(kGatewayGroup);
-}
+/// What says nothing else is done on the server's thread, which has poses to hand over and waits for nothing.
+class LiveGateway::Implementation {
+ public:
+  Implementation(LiveSystem& system, GatewayPages pages);
+  ~Implementation() { stop(); }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
 
-LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const GatewayOptions& options)
+  std::vector<TickObserver*> observers() { return {&feed_, &recording_}; }
+  void start();
+  void stop();
+
+  std::string url() const { return server_->url(); }
+  /// Any thread.
+  std::vector<std::string> take_notices();
+
+ private:
+  /// What parameters() depends on.
+  struct Shown {
+    std::uint64_t system = 0, recorded = 0, felt = 0, notices = 0;  ///< numbers of their versions
+    bool records = false, paused = false;
+    bool operator==(const Shown&) const = default;
+  };
+
+  Elsewhere elsewhere();
+  void add_services();
+  void add_switches();
+  void add_recording();
+  void add_parameters();
+  void beat();
+  void look_at_recording();
+  void look_at_scene();
+  void end_recording(RecordingSwitch::Done done);
+  void tell(std::string& notice, const std::string& text);
+  std::string message() const;
+  Json parameters() const;
+  bool is_paused() const { return feed_.newest().record.fault == Fault::kPaused; }
+  std::string felt_tag(const FeltListMaker::List& list) const {
+    return fmt::format("{}-{}", run_tag_, list.number);
+  }
+
+  /// \name On the thread of pages
+  /// @{
+  WebPage page(const std::string& path);
+  WebPage scene_page() const;
+  WebPage health();
+  WebPage metrics();
+  /// @}
+
+  LiveSystem& system_;
+  GatewayPages pages_;
+  WorkspaceMap map_;
+  Hub hub_;
+  TickFeed feed_;
+  LatestValue<TickFeed::Tick> tick_for_pages_;
+  RecordingSwitch recording_;
+  FeltListMaker felt_list_;
+  Topic& parameters_topic_;
+  std::unique_ptr<LiveTopics> topics_;
+  std::unique_ptr<WebServer> server_;
+  std::unique_ptr<SceneFile> scene_file_;  ///< null: the built-in scene
+  std::string scene_bytes_;                ///< that
+  std::string run_tag_;                    ///< of what this run makes, unlike that of all other runs
+  std::optional<Shown> told_;              ///< to clients
+  std::weak_ptr<const FeltScene> felt_;    ///< what the topics are of; not kept alive here
+  double looked_at_scene_ = 0.0;           ///< Unit: [s].
+  std::string recording_notice_, scene_notice_;
+  std::uint64_t notices_ = 0;  ///< how often they have changed
+  std::mutex mutex_;           ///< of what follows
+  std::vector<std::string> untold_;
+};
+
+LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pages)
     : system_(system),
-      device_kind_(device.device),
-      map_(device.map),
+      pages_(std::move(pages)),
+      map_(system.settings().device.map),
       feed_(system.client_hand()),
-      recording_(elsewhere()),
+      recording_(elsewhere(), pages_.report),
       felt_list_(elsewhere()),
       parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)),
       run_tag_(random_text()) {
-  const SceneOptions& scene = system.settings().scene;
+  const LiveConfig config = system.settings();
+  const SceneConfig& scene = config.scene;
+  const GatewayConfig& options = config.gateway;
   if (scene.path.empty()) {
-    scene_bytes_ = ply_bytes(load_or_make(scene, {}).scene, "palpate: " + scene.name());
+    scene_bytes_ = ply_bytes(load_or_make_scene(scene, {}).scene, "palpate: " + scene.name());
   } else {
     scene_file_ = std::make_unique<SceneFile>(scene.path);
   }
@@ -112,22 +170,21 @@ LiveGateway::LiveGateway(LiveSystem& system, const DeviceOptions& device, const 
     server_ = std::make_unique<WebServer>(hub_, site, server);
   };
   try {
-    listen(options.port >= 0 ? options.port : GatewayOptions::kPort);
+    listen(options.port >= 0 ? options.port : GatewayConfig::kPort);
   } catch (const Error&) {
     if (options.port >= 0) throw;
     listen(0);  // somebody else has the usual one, another palpate perhaps
   }
 }
 
-LiveGateway::~LiveGateway() { stop(); }
-
-Elsewhere LiveGateway::elsewhere() {
+Elsewhere LiveGateway::Implementation::elsewhere() {
   return [this](auto work, auto then) { server_->elsewhere(std::move(work), std::move(then)); };
 }
 
-void LiveGateway::start() {
+void LiveGateway::Implementation::start() {
   topics_ = std::make_unique<LiveTopics>(hub_, feed_, system_.client_hand(), system_.clock(),
-                                         system_.loop().statistics(), map_, device_kind_ == "client");
+                                         system_.loop().statistics(), map_,
+                                         system_.device_kind() == to_string(DeviceKind::kClient));
   topics_->on_other_hand = [this] { system_.tick().governor().stop(Fault::kChanging); };
   topics_->stale_after = SafetyLimits::of(system_.device(), SafetyLimits().tick).stale_after;
   topics_->elsewhere = elsewhere();
@@ -136,9 +193,9 @@ void LiveGateway::start() {
   server_->start();
 }
 
-void LiveGateway::stop() { server_->stop(); }
+void LiveGateway::Implementation::stop() { server_->stop(); }
 
-void LiveGateway::beat() {
+void LiveGateway::Implementation::beat() {
   const std::shared_ptr<const FeltScene> felt = system_.felt();
   if (felt != felt_.lock()) {
     topics_->feel(felt->index(), felt->tool());
@@ -159,11 +216,11 @@ void LiveGateway::beat() {
 }
 
 /// A disk that is full ends a recording. All else goes on.
-void LiveGateway::look_at_recording() {
+void LiveGateway::Implementation::look_at_recording() {
   if (recording_.failure()) end_recording([](const std::string&) {});
 }
 
-void LiveGateway::end_recording(RecordingSwitch::Done done) {
+void LiveGateway::Implementation::end_recording(RecordingSwitch::Done done) {
   recording_.end([this, done = std::move(done)](const std::string& failure) {
     if (!failure.empty())
       tell(recording_notice_,
@@ -172,7 +229,7 @@ void LiveGateway::end_recording(RecordingSwitch::Done done) {
   });
 }
 
-void LiveGateway::look_at_scene() {
+void LiveGateway::Implementation::look_at_scene() {
   constexpr double kEvery = 1.0;  // s
   const double now = monotonic_now();
   if (!scene_file_ || now - looked_at_scene_ < kEvery) return;
@@ -185,7 +242,7 @@ void LiveGateway::look_at_scene() {
                      });
 }
 
-void LiveGateway::tell(std::string& notice, const std::string& text) {
+void LiveGateway::Implementation::tell(std::string& notice, const std::string& text) {
   if (notice == text) return;
   notice = text;
   ++notices_;
@@ -194,13 +251,13 @@ void LiveGateway::tell(std::string& notice, const std::string& text) {
   untold_.push_back(text);
 }
 
-std::vector<std::string> LiveGateway::take_notices() {
+std::vector<std::string> LiveGateway::Implementation::take_notices() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(untold_, {});
 }
 
 /// What was refused last, and what still holds.
-std::string LiveGateway::message() const {
+std::string LiveGateway::Implementation::message() const {
   std::string all = system_.message();
   for (const std::string& notice : {recording_notice_, scene_notice_}) {
     if (!notice.empty()) all += (all.empty() ? "" : "; ") + notice;
@@ -208,11 +265,11 @@ std::string LiveGateway::message() const {
   return all;
 }
 
-Value LiveGateway::parameters() const {
-  const LiveSettings settings = system_.settings();
+Json LiveGateway::Implementation::parameters() const {
+  const LiveConfig settings = system_.settings();
   const DeviceCapabilities& device = system_.device();
-  Value json = settings_json(settings);
-  const SceneOptions& scene = settings.scene;
+  Json json = settings_json(settings);
+  const SceneConfig& scene = settings.scene;
   const bool splat = std::filesystem::path(scene.path).extension() == ".splat";
   const std::size_t bytes = scene_file_ ? scene_file_->bytes()->size() : scene_bytes_.size();
   json["scene"] = {{"name", std::filesystem::path(scene.name()).filename().string()},
@@ -223,11 +280,11 @@ Value LiveGateway::parameters() const {
     json["felt"] = {
         {"count", list->bytes.size() / sizeof(FeltGaussian)}, {"url", "/felt"}, {"tag", felt_tag(*list)}};
   }
-  json["models"] = kModels;
-  json["frames"] = frame_names();
+  json["models"] = kForceModelNames;
+  json["frames"] = kUpAxisNames;
   json["stiffness_max"] = device.stiffness_max;
   json["device"] = {{"name", device.name},
-                    {"kind", device_kind_},
+                    {"kind", system_.device_kind()},
                     {"force_max", device.force_max},
                     {"torque_max", device.torque_max},
                     {"workspace", device.workspace}};
@@ -239,9 +296,9 @@ Value LiveGateway::parameters() const {
   return json;
 }
 
-void LiveGateway::add_switches() {
-  const auto add = [this](const char* name, const char* type, std::function<void(const Value&)> work) {
-    hub_.add_service(name, type, [work = std::move(work)](const Value& arguments) {
+void LiveGateway::Implementation::add_switches() {
+  const auto add = [this](const char* name, const char* type, std::function<void(const Json&)> work) {
+    hub_.add_service(name, type, [work = std::move(work)](const Json& arguments) {
       return answer_of([&] {
         work(arguments);
         return std::string();
@@ -249,24 +306,24 @@ void LiveGateway::add_switches() {
     });
   };
   add("/palpate/emergency_stop", "std_srvs/Trigger",
-      [this](const Value&) { system_.tick().governor().stop(); });
-  add("/palpate/resume", "std_srvs/Trigger", [this](const Value&) { system_.tick().governor().resume(); });
-  add("/palpate/pause", "std_srvs/SetBool", [this](const Value& arguments) {
+      [this](const Json&) { system_.tick().governor().stop(); });
+  add("/palpate/resume", "std_srvs/Trigger", [this](const Json&) { system_.tick().governor().resume(); });
+  add("/palpate/pause", "std_srvs/SetBool", [this](const Json& arguments) {
     SafetyGovernor& governor = system_.tick().governor();
     flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.unpause();
   });
   add("/palpate/clutch", "std_srvs/SetBool",
-      [this](const Value& arguments) { system_.tick().press_clutch(flag_of(arguments)); });
+      [this](const Json& arguments) { system_.tick().press_clutch(flag_of(arguments)); });
 }
 
 /// Answered once the file is there, or whole.
-void LiveGateway::add_recording() {
+void LiveGateway::Implementation::add_recording() {
   hub_.add_slow_service("/palpate/record", "std_srvs/SetBool",
-                        [this](const Value& arguments, const Reply& reply) {
+                        [this](const Json& arguments, const Reply& reply) {
                           const RecordingSwitch::Done done = [reply](const std::string& failure) {
                             reply.give({{"success", failure.empty()}, {"message", failure}});
                           };
-                          const Value begun = answer_of([&] {
+                          const Json begun = answer_of([&] {
                             if (flag_of(arguments)) {
                               recording_.begin(done);
                               tell(recording_notice_, "");
@@ -279,63 +336,63 @@ void LiveGateway::add_recording() {
                         });
 }
 
-void LiveGateway::add_services() {
-  const auto add = [this](const char* name, const char* type, std::function<std::string(const Value&)> work) {
-    hub_.add_service(name, type, [work = std::move(work)](const Value& arguments) {
+void LiveGateway::Implementation::add_services() {
+  const auto add = [this](const char* name, const char* type, std::function<std::string(const Json&)> work) {
+    hub_.add_service(name, type, [work = std::move(work)](const Json& arguments) {
       return answer_of([&] { return work(arguments); });
     });
   };
-  const auto change = [this](const Value& wanted) {
-    system_.change([&](LiveSettings& settings) { change_settings(settings, wanted); });
+  const auto change = [this](const Json& wanted) {
+    system_.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
     return std::string();
   };
   add("/palpate/get_parameters", "std_srvs/Trigger",
-      [this](const Value&) { return encode_json(parameters()); });
+      [this](const Json&) { return encode_json(parameters()); });
   add("/palpate/config", "std_srvs/Trigger",
-      [this](const Value&) { return settings_toml(system_.settings()); });
+      [this](const Json&) { return to_toml(system_.settings(), TomlFields::kSaved); });
   add("/palpate/set_parameters", "palpate/SetParameters",
-      [=](const Value& arguments) { return change(decode_json(text_field(arguments, "json"))); });
-  add("/palpate/set_model", "palpate/SetString", [=](const Value& arguments) {
+      [=](const Json& arguments) { return change(decode_json(text_field(arguments, "json"))); });
+  add("/palpate/set_model", "palpate/SetString", [=](const Json& arguments) {
     return change({{"model", text_field(arguments, "data")}});
   });
-  add("/palpate/load_tool", "palpate/SetString", [this](const Value& arguments) {
+  add("/palpate/load_tool", "palpate/SetString", [this](const Json& arguments) {
     const Tool tool = parse_tool("the tool", text_field(arguments, "data"));
-    system_.change([&](LiveSettings& settings) { settings.tool = tool; });
+    system_.change([&](LiveConfig& settings) { settings.tool = tool; });
     return std::string();
   });
 }
 
 /// ROS parameters: /palpate/NAME, one for each name at the top of parameters().
-void LiveGateway::add_parameters() {
+void LiveGateway::Implementation::add_parameters() {
   constexpr std::string_view kPrefix = "/palpate/";
-  const auto name_of = [=](const Value& arguments) {
+  const auto name_of = [=](const Json& arguments) {
     const std::string name = text_field(arguments, "name");
     return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : name;
   };
-  hub_.add_service("/rosapi/get_param_names", "rosapi/GetParamNames", [=, this](const Value&) {
-    Value names = Value::array();
-    const Value all = parameters();
+  hub_.add_service("/rosapi/get_param_names", "rosapi/GetParamNames", [=, this](const Json&) {
+    Json names = Json::array();
+    const Json all = parameters();
     for (const auto& [name, value] : all.items()) names.push_back(std::string(kPrefix) + name);
-    return Value{{"names", std::move(names)}};
+    return Json{{"names", std::move(names)}};
   });
-  hub_.add_service("/rosapi/has_param", "rosapi/HasParam", [=, this](const Value& arguments) {
-    return Value{{"exists", parameters().contains(name_of(arguments))}};
+  hub_.add_service("/rosapi/has_param", "rosapi/HasParam", [=, this](const Json& arguments) {
+    return Json{{"exists", parameters().contains(name_of(arguments))}};
   });
-  hub_.add_service("/rosapi/get_param", "rosapi/GetParam", [=, this](const Value& arguments) {
-    const Value all = parameters();
+  hub_.add_service("/rosapi/get_param", "rosapi/GetParam", [=, this](const Json& arguments) {
+    const Json all = parameters();
     const auto at = all.find(name_of(arguments));
     const std::string missing = text_field(arguments, "default");
-    return Value{{"value", at != all.end() ? encode_json(*at) : missing.empty() ? "null" : missing}};
+    return Json{{"value", at != all.end() ? encode_json(*at) : missing.empty() ? "null" : missing}};
   });
-  hub_.add_service("/rosapi/set_param", "rosapi/SetParam", [=, this](const Value& arguments) {
-    const Value wanted{{name_of(arguments), decode_json(text_field(arguments, "value"))}};
-    system_.change([&](LiveSettings& settings) { change_settings(settings, wanted); });
-    return Value::object();
+  hub_.add_service("/rosapi/set_param", "rosapi/SetParam", [=, this](const Json& arguments) {
+    const Json wanted{{name_of(arguments), decode_json(text_field(arguments, "value"))}};
+    system_.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+    return Json::object();
   });
 }
 
-WebPage LiveGateway::page(const std::string& path) {
-  if (const ViewerFile* file = viewer_file(path)) {
+WebPage LiveGateway::Implementation::page(const std::string& path) {
+  if (const WebFile* file = pages_.viewer ? pages_.viewer(path) : nullptr) {
     WebPage page = page_of(file->type, file->bytes, file->tag);
     page.policy = kViewerPolicy;
     return page;
@@ -365,7 +422,7 @@ WebPage LiveGateway::page(const std::string& path) {
   return text_page(404, "there is nothing here; the viewer is at /");
 }
 
-WebPage LiveGateway::scene_page() const {
+WebPage LiveGateway::Implementation::scene_page() const {
   constexpr const char* kType = "application/octet-stream";
   if (!scene_file_) return page_of(kType, scene_bytes_, "built-in");
   const SceneFile::Change change = scene_file_->change();
@@ -375,7 +432,7 @@ WebPage LiveGateway::scene_page() const {
   return page;
 }
 
-WebPage LiveGateway::health() {
+WebPage LiveGateway::Implementation::health() {
   constexpr double kPatience = 0.5;  // s
   tick_for_pages_.update();
   const double age = system_.clock().now() - tick_for_pages_.front().record.t;
@@ -384,7 +441,7 @@ WebPage LiveGateway::health() {
 }
 
 /// The text format of Prometheus.
-WebPage LiveGateway::metrics() {
+WebPage LiveGateway::Implementation::metrics() {
   tick_for_pages_.update();
   const auto& [tick, times, answers] = tick_for_pages_.front();
   const LoopStatistics& statistics = system_.loop().statistics();
@@ -415,4 +472,13 @@ WebPage LiveGateway::metrics() {
   return page;
 }
 
-}  // namespace palpate::cli
+LiveGateway::LiveGateway(LiveSystem& system, GatewayPages pages)
+    : implementation_(std::make_unique<Implementation>(system, std::move(pages))) {}
+LiveGateway::~LiveGateway() = default;
+std::vector<TickObserver*> LiveGateway::observers() { return implementation_->observers(); }
+void LiveGateway::start() { implementation_->start(); }
+void LiveGateway::stop() { implementation_->stop(); }
+std::string LiveGateway::url() const { return implementation_->url(); }
+std::vector<std::string> LiveGateway::take_notices() { return implementation_->take_notices(); }
+
+}  // namespace palpate

@@ -9,7 +9,7 @@
 
 #include <palpate/base/file.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// Serves a scene's file as it was when it was opened, and notices where it is another by now. Immutable; any
 /// thread.
@@ -39,4 +39,4 @@ class SceneFile {
 /// For a person; empty for none.
 std::string notice_of(SceneFile::Change change);
 
-}  // namespace palpate::cli
+}  // namespace palpate

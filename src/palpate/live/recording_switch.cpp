@@ -1,4 +1,4 @@
-#include "live_recording.h"
+#include <palpate/live/recording_switch.h>
 
 #include <exception>
 #include <filesystem>
@@ -8,12 +8,8 @@
 
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
-#include <palpate/record/run_log.h>
 
-#include "markup.h"
-#include "report.h"
-
-namespace palpate::cli {
+namespace palpate {
 
 RecordingSwitch::~RecordingSwitch() {
   if (maker_.joinable()) maker_.join();
@@ -92,20 +88,13 @@ void RecordingSwitch::finish(Job& job) {
   if (maker_.joinable()) maker_.join();
   try {
     set({std::make_shared<const InputFile>(job.path), nullptr});
-    maker_ = std::thread([this, path = job.path] { make_page(path); });
+    if (!page_) return;
+    maker_ = std::thread([this, path = job.path] {
+      set({recorded().csv, std::make_shared<const std::string>(page_(path))});
+    });
   } catch (const std::exception& error) {
     if (job.failure.empty()) job.failure = error.what();
   }
-}
-
-void RecordingSwitch::make_page(const std::string& path) {
-  std::string page;
-  try {
-    page = report_document(read_run(path), std::filesystem::path(path).filename().string());
-  } catch (const std::exception& error) {  // also where there is no memory for a long one
-    page = "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
-  }
-  set({recorded().csv, std::make_shared<const std::string>(std::move(page))});
 }
 
 void RecordingSwitch::set(Recorded recorded) {
@@ -119,4 +108,4 @@ RecordingSwitch::Recorded RecordingSwitch::recorded() const {
   return recorded_;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -16,14 +16,19 @@
 #include <palpate/rosbridge/elsewhere.h>
 #include <palpate/servo/servo_loop.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// Records every tick between begin() and end() into a file of its own in the system's folder for such, which
-/// goes with this object, and makes the report page of the last one. Making and ending files is done
+/// goes with this object, and has the report page of the last one made. Making and ending files is done
 /// elsewhere.
 class RecordingSwitch final : public TickObserver {
  public:
-  explicit RecordingSwitch(Elsewhere elsewhere) : elsewhere_(std::move(elsewhere)) {}
+  /// Makes the report page of a recording from the path of its file; must not throw. On a thread of its own.
+  using PageMaker = std::function<std::string(const std::string& csv)>;
+
+  /// \param page empty: there are no report pages
+  RecordingSwitch(Elsewhere elsewhere, PageMaker page)
+      : elsewhere_(std::move(elsewhere)), page_(std::move(page)) {}
   /// Once the loop has stopped, and nothing more is done elsewhere.
   ~RecordingSwitch() override;
 
@@ -63,10 +68,10 @@ class RecordingSwitch final : public TickObserver {
 
   void make(Job& job);
   void finish(Job& job);
-  void make_page(const std::string& path);
   void set(Recorded recorded);
 
   Elsewhere elsewhere_;
+  PageMaker page_;
   State state_ = State::kOff;
   std::shared_ptr<Job> job_;               ///< of what is on, or about to be
   std::atomic<Recorder*> used_ = nullptr;  ///< by the servo thread from its next tick on
@@ -81,4 +86,4 @@ class RecordingSwitch final : public TickObserver {
   Recorded recorded_;
 };
 
-}  // namespace palpate::cli
+}  // namespace palpate

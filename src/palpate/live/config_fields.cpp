@@ -1,0 +1,327 @@
+#include <palpate/live/config_fields.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <palpate/base/error.h>
+#include <palpate/device/profiles.h>
+#include <palpate/haptics/tool_file.h>
+#include <palpate/live/value_text.h>
+#include <palpate/rosbridge/access.h>
+#include <palpate/scene/material_properties.h>
+
+namespace palpate {
+namespace {
+
+using enum ConfigGroup;
+
+/// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
+constexpr double kMinScale = 1e-9, kMaxScale = 1e9;
+constexpr double kFarthest = 1e9;  // m
+constexpr double kMostTurn = 1e6;  // of a quaternion's components, before it is normalised
+constexpr double kMostForce = 1e6;
+constexpr double kMostDetail = 10.0;  // m
+
+std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+std::vector<double> numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+/// A field that is one of `names`, in the order of the values of its type.
+template <class Field, std::size_t N>
+ChoiceField choice(const std::array<std::string_view, N>& names, Field) {
+  return {{names.begin(), names.end()},
+          [](const LiveConfig& c) { return static_cast<std::size_t>(Field{}(c)); },
+          [](LiveConfig& c, std::size_t chosen) {
+            auto& place = Field{}(c);
+            place = static_cast<std::remove_reference_t<decltype(place)>>(chosen);
+          }};
+}
+
+template <class Field>
+NumbersField rotation(Field) {
+  return {.count = 4,
+          .get = [](const LiveConfig& c) { return numbers(Field{}(c)); },
+          .set = [](LiveConfig& c, const std::vector<double>& q) { Field{}(c) = parse_quaternion(q.data()); },
+          .most_parameter = kMostTurn};
+}
+
+template <class Field>
+NumbersField vector(Field) {
+  return {.count = 3,
+          .get = [](const LiveConfig& c) { return numbers(Field{}(c)); },
+          .set = [](LiveConfig& c, const std::vector<double>& v) { Field{}(c) = vector_of(v); },
+          .shows_default = true,
+          .most_parameter = kFarthest};
+}
+
+NumbersField crop_box() {
+  return {.count = 6,
+          .get =
+              [](const LiveConfig& c) {
+                const auto& box = c.scene.filter.crop_box;
+                if (!box) return std::vector<double>{};
+                std::vector<double> corners = numbers(box->min());
+                for (const double v : numbers(box->max())) corners.push_back(v);
+                return corners;
+              },
+          .set =
+              [](LiveConfig& c, const std::vector<double>& v) {
+                const Eigen::AlignedBox3d box(vector_of(v), Eigen::Vector3d(v[3], v[4], v[5]));
+                if (box.isEmpty()) throw BadValue("the first corner must be below the second");
+                c.scene.filter.crop_box = box;
+              }};
+}
+
+NumbersField crop_sphere() {
+  return {.count = 4,
+          .get =
+              [](const LiveConfig& c) {
+                const auto& sphere = c.scene.filter.crop_sphere;
+                if (!sphere) return std::vector<double>{};
+                std::vector<double> all = numbers(sphere->center);
+                all.push_back(sphere->radius);
+                return all;
+              },
+          .set =
+              [](LiveConfig& c, const std::vector<double>& v) {
+                if (!(v[3] > 0.0)) throw BadValue("the radius must be positive");
+                c.scene.filter.crop_sphere = SceneFilter::Sphere{vector_of(v), v[3]};
+              }};
+}
+
+NumbersField hand() {
+  return {
+      .count = 3,
+      .get =
+          [](const LiveConfig& c) {
+            const HandProperties& held = c.device.hand;
+            return std::vector<double>{held.mass, held.damping, held.stiffness};
+          },
+      .set = [](LiveConfig& c, const std::vector<double>& mbk) { c.device.hand = parse_hand(mbk.data()); },
+      .shows_default = true};
+}
+
+ChoiceField profile() {
+  std::vector<std::string_view> names;
+  for (const DeviceProfile& known : device_profiles()) names.push_back(known.capabilities.name);
+  return {
+      std::move(names),
+      [](const LiveConfig& c) {
+        const std::vector<std::string> all = profile_names();
+        return static_cast<std::size_t>(std::find(all.begin(), all.end(), c.device.profile) - all.begin());
+      },
+      [](LiveConfig& c, std::size_t chosen) { c.device.profile = profile_names()[chosen]; }};
+}
+
+// clang-format off
+std::vector<ConfigField> make_fields() {
+  return {
+    {"opacity-min", "filter.opacity_min", kScene, "alpha", "keep Gaussians of opacity above this",
+     NumberField{[](auto& c) -> auto& { return c.scene.filter.opacity_min; }, 0.0, 1.0}, {.saved = true}},
+    {"sigma", "filter.sigma", kScene, "k", "ellipsoid of a Gaussian: k standard deviations",
+     NumberField{[](auto& c) -> auto& { return c.scene.filter.sigma; }, 1e-6, SceneFilter::kSigmaMax}, {.saved = true}},
+    {"iso", "filter.iso", kScene, "tau", "ellipsoid at the visible level instead: k = sqrt(2 ln(alpha/tau))",
+     OptionalField{[](auto& c) -> auto& { return c.scene.filter.iso; }, 1.0}, {.saved = true, .read_only = true, .excludes = "sigma"}},
+    {"max-scale", "", kScene, "m", "drop Gaussians whose longest standard deviation is above this, m",
+     OptionalField{[](auto& c) -> auto& { return c.scene.filter.max_scale; }}, {.saved = true}},
+    {"crop-box", "", kScene, "x0,y0,z0,x1,y1,z1", "keep centres inside this box, world frame, m", crop_box(), {.saved = true}},
+    {"crop-sphere", "", kScene, "x,y,z,r", "keep centres inside this sphere, world frame, m", crop_sphere(), {.saved = true}},
+    {"frame", "registration.frame", kScene, "", "which captured axis points up; it becomes world +z",
+     choice(kUpAxisNames, [](auto& c) -> auto& { return c.scene.frame; }), {.saved = true}},
+    {"mirror", "registration.mirrored", kScene, "", "the capture is a mirror image: reverse its x axis, before --frame",
+     FlagField{[](auto& c) -> auto& { return c.scene.registration.mirrored; }}, {.saved = true}},
+    {"scale", "registration.scale", kScene, "m/unit", "metres per captured unit",
+     NumberField{[](auto& c) -> auto& { return c.scene.registration.scale; }, kMinScale, kMaxScale}, {.saved = true}},
+    {"rotate", "registration.rotation", kScene, "qw,qx,qy,qz", "rotation from the captured frame to the world",
+     rotation([](auto& c) -> auto& { return c.scene.registration.rotation; }), {.saved = true}},
+    {"translate", "registration.translation", kScene, "x,y,z", "translation, after scale and rotation, m",
+     vector([](auto& c) -> auto& { return c.scene.registration.translation; }), {.saved = true}},
+    {"no-index-file", "", kScene, "", "neither read nor write SCENE.palpate, the index beside the scene",
+     FlagField{[](auto& c) -> auto& { return c.scene.no_index_file; }}},
+
+    {"model", "model", kForce, "", "force model: proxy follows the surface; field is the gradient of a potential; density is the paper's",
+     choice(kForceModelNames, [](auto& c) -> auto& { return c.force.model; }),
+     {.saved = true, .shown_default = "proxy; density with --pipeline paper"}},
+    {"materials", "", kForce, "FILE.toml", "of proxy: what the scene is made of, region by region",
+     TextField{[](auto& c) -> auto& { return c.force.materials; }}},
+    {"stiffness", "stiffness", kForce, "N/m", "of proxy and field: force per depth",
+     NumberField{[](auto& c) -> auto& { return c.force.proxy.stiffness; }, 0.0, kMaterialProperties[kMaterialStiffness].most}, {.saved = true}},
+    {"friction", "friction", kForce, "1", "of proxy: Coulomb's coefficient",
+     NumberField{[](auto& c) -> auto& { return c.force.proxy.friction; }, 0.0, kMaterialProperties[kMaterialFriction].most}, {.saved = true}},
+    {"detail", "detail", kForce, "m", "of proxy: what is smaller is smoothed away (default: 0.65 of the tool's thinnest semi-axis)",
+     OptionalField{.member = [](auto& c) -> auto& { return c.force.proxy.detail; }, .most_parameter = kMostDetail}, {.saved = true}},
+    {"k-base", "", kForce, "N", "eq. 9: force of one colliding Gaussian of opacity 1",
+     NumberField{[](auto& c) -> auto& { return c.force.density.k_base; }, 0.0, kMostForce}},
+    {"damping", "", kForce, "N.s/m", "eq. 10: D",
+     NumberField{[](auto& c) -> auto& { return c.force.density.damping; }, 0.0, kMostForce}},
+    {"f-max", "", kForce, "N", "eq. 11: F_max",
+     NumberField{[](auto& c) -> auto& { return c.force.density.f_max; }, 0.0, kMostForce}},
+    {"tau-direction", "", kForce, "s", "time constant of the direction average",
+     NumberField{[](auto& c) -> auto& { return c.force.density.tau_direction; }, 0.0, kMostForce}},
+    {"tau-opacity", "", kForce, "s", "time constant of the opacity average",
+     NumberField{[](auto& c) -> auto& { return c.force.density.tau_opacity; }, 0.0, kMostForce}},
+    {"tau-velocity", "", kForce, "s", "time constant of the velocity filter",
+     NumberField{[](auto& c) -> auto& { return c.force.density.tau_velocity; }, 0.0, kMostForce}},
+
+    {"tool", "tool", kTool, "a,b,c|FILE.toml", "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools, or its text",
+     ToolField{[](auto& c) -> auto& { return c.tool; }}, {.saved = true}},
+
+    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; or a client of the gateway",
+     choice(kDeviceKindNames, [](auto& c) -> auto& { return c.device.kind; })},
+    {"profile", "", kDevice, "", "whose forces and mechanics it has", profile()},
+    {"trajectory", "", kDevice, "T.csv", "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)",
+     TextField{[](auto& c) -> auto& { return c.device.trajectory; }}},
+    {"client-rate", "", kDevice, "Hz", "poses a second that a client sends at least; without three of them there is no force",
+     NumberField{[](auto& c) -> auto& { return c.device.client_rate; }, 1.0, 1e4}},
+    {"hand", "", kDevice, "m,b,k", "the simulated hand: kg, N s/m and N/m", hand()},
+    {"workspace-scale", "", kDevice, "1", "metres of the world a metre of the hand's way",
+     NumberField{[](auto& c) -> auto& { return c.device.map.scale; }, 1e-3, 1e6}},
+    {"workspace-rotate", "", kDevice, "qw,qx,qy,qz", "rotation from the device to the world",
+     rotation([](auto& c) -> auto& { return c.device.map.rotation; })},
+    {"workspace-offset", "", kDevice, "x,y,z", "where the device's origin is in the world, m",
+     vector([](auto& c) -> auto& { return c.device.map.offset; })},
+
+    {"rate", "", kLoop, "Hz", "ticks a second", NumberField{[](auto& c) -> auto& { return c.loop.rate; }, 10.0, 1e4}},
+    {"contacts", "", kLoop, "", "who looks for contacts: the loop, a thread that looks ahead of it, or one whose force is held (the paper's)",
+     choice(kContactSearchNames, [](auto& c) -> auto& { return c.loop.contacts; })},
+    {"worker-delay", "", kLoop, "s", "how much longer that thread takes than it must, to see what comes of it",
+     NumberField{[](auto& c) -> auto& { return c.loop.worker_delay; }, 0.0, 1.0}},
+    {"cpu", "", kLoop, "", "processor that the loop stays on", CountField{[](auto& c) -> auto& { return c.loop.cpu; }, 0, 1023}},
+
+    {"port", "", kGateway, "", "where the viewer and rosbridge are; 0: any that is free",
+     CountField{[](auto& c) -> auto& { return c.gateway.port; }, 0, 65535}, {.shown_default = "9090, or another if that is taken"}},
+    {"listen", "", kGateway, "ADDRESS", "of this machine; any but loopback wants a token",
+     TextField{[](auto& c) -> auto& { return c.gateway.address; }}},
+    {"token", "", kGateway, "TEXT", "that clients must bring, 16 characters or more (default: with --listen one is made and printed)",
+     TextField{[](auto& c) -> auto& { return c.gateway.token; }, token_problem}},
+    {"no-gateway", "", kGateway, "", "serve nothing", FlagField{[](auto& c) -> auto& { return c.gateway.off; }}},
+
+    {"", "room.scale", kRoom, "1", "world metres per metre of the room",
+     NumberField{[](auto& c) -> auto& { return c.room.scale; }, kMinScale, kMaxScale}},
+    {"", "room.rotation", kRoom, "qw,qx,qy,qz", "rotation from the room to the world",
+     rotation([](auto& c) -> auto& { return c.room.rotation; })},
+    {"", "room.translation", kRoom, "x,y,z", "where the room's origin is in the world, m",
+     vector([](auto& c) -> auto& { return c.room.translation; })},
+  };
+}
+// clang-format on
+
+/// As --tool: semi-axes, the text of a file, or its name.
+Tool tool_from(const std::string& text) {
+  if (text.starts_with("[[")) return parse_tool("--tool", text);
+  if (text.ends_with(".toml")) return read_tool(text);
+  const auto v = parse_numbers(text, 3, 3);
+  for (const double a : v) {
+    if (!(a >= kMinToolAxis && a <= kMaxToolAxis))
+      throw BadValue(fmt::format("semi-axis {} is not in {} to {} m", a, kMinToolAxis, kMaxToolAxis));
+  }
+  return Tool(vector_of(v));
+}
+
+/// What set_from_text() does, type by type.
+struct TextSetter {
+  LiveConfig& config;
+  const std::string& text;
+
+  void operator()(const FlagField& field) const {
+    if (text != "true" && text != "false") throw BadValue("must be true or false");
+    field.member(config) = text == "true";
+  }
+  void operator()(const TextField& field) const {
+    const std::string problem = field.problem != nullptr ? field.problem(text) : "";
+    if (!problem.empty()) throw BadValue(problem);
+    field.member(config) = text;
+  }
+  void operator()(const CountField& field) const {
+    const double number = parse_number(text);
+    if (!(number >= field.least && number <= field.most) || number != static_cast<int>(number))
+      throw BadValue(fmt::format("{} is no whole number from {} to {}", text, field.least, field.most));
+    field.member(config) = static_cast<int>(number);
+  }
+  void operator()(const NumberField& field) const {
+    const double number = parse_number(text);
+    if (!(number >= field.least && number <= field.most))
+      throw BadValue(fmt::format("{} is not in {} to {}", text, field.least, field.most));
+    field.member(config) = number;
+  }
+  void operator()(const OptionalField& field) const {
+    if (field.below == std::numeric_limits<double>::infinity()) {
+      field.member(config) = parse_positive(text);
+      return;
+    }
+    const double number = parse_number(text);
+    if (!(number > 0.0 && number < field.below))
+      throw BadValue(fmt::format("{} is not between 0 and {}", text, field.below));
+    field.member(config) = number;
+  }
+  void operator()(const ChoiceField& field) const {
+    const auto at = std::find(field.names.begin(), field.names.end(), text);
+    if (at == field.names.end())
+      throw BadValue(fmt::format("'{}' is not one of {}", text, fmt::join(field.names, ", ")));
+    field.set(config, static_cast<std::size_t>(at - field.names.begin()));
+  }
+  void operator()(const NumbersField& field) const {
+    field.set(config, parse_numbers(text, field.count, field.count));
+  }
+  void operator()(const ToolField& field) const { field.member(config) = tool_from(text); }
+};
+
+/// What default_text() does.
+struct DefaultText {
+  const LiveConfig& config;
+
+  std::string operator()(const NumberField& field) const { return fmt::format("{}", field.member(config)); }
+  std::string operator()(const ChoiceField& field) const { return std::string(field.chosen(config)); }
+  std::string operator()(const NumbersField& field) const {
+    return field.shows_default ? fmt::format("{}", fmt::join(field.get(config), ",")) : "";
+  }
+  std::string operator()(const ToolField& field) const {
+    return fmt::format("{}", fmt::join(numbers(field.member(config).parts()[0].semi_axes), ","));
+  }
+  template <class Other>
+  std::string operator()(const Other&) const {
+    return {};
+  }
+};
+
+}  // namespace
+
+std::string_view title(ConfigGroup group) {
+  switch (group) {
+    case kScene: return "Scene";
+    case kTool: return "Tool";
+    case kForce: return "Force";
+    case kDevice: return "Device";
+    case kLoop: return "Loop";
+    case kGateway: return "Gateway";
+    case kRoom: return "Room";
+  }
+  return {};
+}
+
+std::span<const ConfigField> config_fields() {
+  static const std::vector<ConfigField> fields = make_fields();
+  return fields;
+}
+
+const ConfigField& config_field(std::string_view name) {
+  const auto fields = config_fields();
+  const auto at = std::find_if(fields.begin(), fields.end(),
+                               [&](const ConfigField& field) { return !name.empty() && field.name == name; });
+  if (at == fields.end()) throw Error("'{}' is no setting of a live system", printable(name));
+  return *at;
+}
+
+void set_from_text(const ConfigField& field, LiveConfig& config, const std::string& text) {
+  std::visit(TextSetter{config, text}, field.type);
+}
+
+std::string default_text(const ConfigField& field, const LiveConfig& config) {
+  if (!field.traits.shown_default.empty()) return std::string(field.traits.shown_default);
+  return std::visit(DefaultText{config}, field.type);
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+/// \file
+/// A scene with the trackers and force models that feel it with one tool.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include <palpate/haptics/held_force.h>
+#include <palpate/live/factories.h>
+#include <palpate/live/live_config.h>
+#include <palpate/servo/servo_tick.h>
+#include <palpate/servo/worker.h>
+
+namespace palpate {
+
+/// Everything of a live system that is made anew when a person changes the scene, the tool, or what is felt
+/// of them. Nothing of it may go while a ServoTick uses it.
+class FeltScene {
+ public:
+  /// \param contacts but kAuto \param clock the loop's \param worker_delay Unit: [s].
+  FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, const ForceConfig& force,
+            const Materials& materials, ContactSearch contacts, const LoopClock& clock, double worker_delay);
+
+  /// \pre one thread at a time
+  FeltModel model(ForceModelKind kind);
+  const std::shared_ptr<const SceneIndex>& index() const { return index_; }
+  const Tool& tool() const { return tool_; }
+
+ private:
+  /// Everything that a model needs.
+  struct Model {
+    std::unique_ptr<ForceModel> felt;
+    std::unique_ptr<ToolTracker> asked;  ///< for `felt` where that is held
+    std::unique_ptr<HeldForce> held;
+  };
+
+  std::shared_ptr<const SceneIndex> index_;
+  Tool tool_;
+  Lookahead lookahead_;
+  Lookahead* ahead_;                                   ///< that, or null where each looks for itself
+  ToolTracker contacts_;                               ///< of the servo thread, for whichever model it feels
+  std::array<Model, kForceModelNames.size()> models_;  ///< by ForceModelKind
+  std::unique_ptr<WorkerThread> worker_;               ///< of all models; gone before them
+};
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+#include <palpate/live/live_config.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <palpate/base/error.h>
+#include <palpate/live/live_scene.h>
+
+namespace palpate {
+namespace {
+
+/// The turn that takes the axis that points up to world +z.
+Eigen::Quaterniond upright(UpAxis frame) {
+  using Eigen::AngleAxisd;
+  using Eigen::Quaterniond;
+  using Eigen::Vector3d;
+  constexpr double kQuarter = std::numbers::pi / 2;
+  switch (frame) {
+    case UpAxis::kXDown: return Quaterniond(AngleAxisd(kQuarter, Vector3d::UnitY()));
+    case UpAxis::kXUp: return Quaterniond(AngleAxisd(-kQuarter, Vector3d::UnitY()));
+    case UpAxis::kYDown: return Quaterniond(AngleAxisd(-kQuarter, Vector3d::UnitX()));
+    case UpAxis::kYUp: return Quaterniond(AngleAxisd(kQuarter, Vector3d::UnitX()));
+    case UpAxis::kZDown: return {0, 1, 0, 0};
+    default: return Quaterniond::Identity();
+  }
+}
+
+}  // namespace
+
+ForceModelKind force_model_kind(std::string_view name) {
+  const auto at = std::find(kForceModelNames.begin(), kForceModelNames.end(), name);
+  if (at == kForceModelNames.end())
+    throw Error("'{}' is no force model; there are {}", name, fmt::join(kForceModelNames, ", "));
+  return static_cast<ForceModelKind>(at - kForceModelNames.begin());
+}
+
+Similarity SceneConfig::world_from_scene() const {
+  Similarity result = registration;
+  result.rotation = registration.rotation * upright(frame);
+  return result;
+}
+
+std::string SceneConfig::name() const {
+  return path.empty() ? fmt::format("the built-in {}", kBuiltInScene) : path;
+}
+
+std::string SceneConfig::frame_note() const {
+  const char* mirror = registration.mirrored ? ", its x axis reversed" : "";
+  if (frame != UpAxis::kAsIs)
+    return fmt::format("captured frame taken as {}{}, turned to world z up", to_string(frame), mirror);
+  return fmt::format(
+      "no frame is declared in the file: captured axes are taken as world axes{}, z up (see --frame)",
+      mirror);
+}
+
+}  // namespace palpate

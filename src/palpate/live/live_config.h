@@ -1,0 +1,142 @@
+/// \file
+/// Configuration of a live system: plain data, with every default.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <palpate/device/simulated_device.h>
+#include <palpate/geometry/similarity.h>
+#include <palpate/haptics/density_force.h>
+#include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/tool.h>
+#include <palpate/scene/scene_filter.h>
+#include <palpate/servo/workspace_map.h>
+
+namespace palpate {
+
+/// \name Choices
+/// Each with its names, in files and on the wire, in the order of its values.
+/// @{
+/// Captured axis that points up, and becomes world +z. No format of scenes declares it but glTF.
+enum class UpAxis : std::uint8_t { kAsIs, kXDown, kXUp, kYDown, kYUp, kZDown, kZUp };
+inline constexpr std::array<std::string_view, 7> kUpAxisNames{"as-is", "x-down", "x-up", "y-down",
+                                                              "y-up",  "z-down", "z-up"};
+
+/// ProxyForce, FieldForce or DensityForce.
+enum class ForceModelKind : std::uint8_t { kProxy, kField, kDensity };
+inline constexpr std::array<std::string_view, 3> kForceModelNames{"proxy", "field", "density"};
+
+enum class DeviceKind : std::uint8_t {
+  kSimulated,  ///< SimulatedDevice in a simulated hand
+  kPlayback,   ///< PlaybackDevice: poses of DeviceConfig::trajectory that no force moves
+  kClient,     ///< ClientDevice: whoever holds the tool through the gateway
+};
+inline constexpr std::array<std::string_view, 3> kDeviceKindNames{"simulated", "playback", "client"};
+
+/// Who looks for contacts.
+enum class ContactSearch : std::uint8_t {
+  kAuto,    ///< kWorker where a tool may touch hundreds of Gaussians and there is a second core, else kInline
+  kInline,  ///< the loop
+  kWorker,  ///< a thread that looks ahead of it
+  kHold,    ///< a thread that computes the force too, which is held until the next (the paper's)
+};
+inline constexpr std::array<std::string_view, 4> kContactSearchNames{"auto", "inline", "worker", "hold"};
+
+constexpr std::string_view to_string(UpAxis frame) { return kUpAxisNames[static_cast<std::size_t>(frame)]; }
+constexpr std::string_view to_string(ForceModelKind kind) {
+  return kForceModelNames[static_cast<std::size_t>(kind)];
+}
+constexpr std::string_view to_string(DeviceKind kind) {
+  return kDeviceKindNames[static_cast<std::size_t>(kind)];
+}
+constexpr std::string_view to_string(ContactSearch search) {
+  return kContactSearchNames[static_cast<std::size_t>(search)];
+}
+
+/// The model of that name. \throws Error, which names those there are.
+ForceModelKind force_model_kind(std::string_view name);
+/// @}
+
+/// Which scene, which of its Gaussians, how large, and where.
+struct SceneConfig {
+  std::string path;  ///< .ply or .splat; empty: the built-in scene
+  SceneFilter filter;
+  UpAxis frame = UpAxis::kAsIs;
+  Similarity registration;     ///< from the captured frame to the world; its rotation comes after `frame`
+  bool no_index_file = false;  ///< neither read nor write SCENE.palpate, the index beside the scene
+
+  bool operator==(const SceneConfig&) const = default;
+
+  /// From the captured frame to the world: mirrors, turns the axis that `frame` names up, then registers.
+  Similarity world_from_scene() const;
+  /// Of the file, or of the built-in scene. For people.
+  std::string name() const;
+  /// One sentence: what is assumed about the captured frame.
+  std::string frame_note() const;
+};
+
+/// How contacts become a force.
+struct ForceConfig {
+  ForceModelKind model = ForceModelKind::kProxy;
+  ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too; hand_scale and materials are set by
+                          ///< the factories
+  DensityParameters density;  ///< eqs. 9-11
+  std::string materials;      ///< file of read_materials(), felt by the proxy; empty: none
+
+  bool operator==(const ForceConfig&) const = default;
+};
+
+/// Which device, where it is, and who holds it.
+struct DeviceConfig {
+  DeviceKind kind = DeviceKind::kSimulated;
+  std::string profile = "omega";  ///< of device_profiles(): forces and mechanics of what is simulated
+  /// File of read_trajectory(): of the simulated hand, or what kPlayback plays, in the world. Empty: the
+  /// simulated hand explores the scene by touch_path().
+  std::string trajectory;
+  /// Poses a second that a client sends at least; without three of them there is no force. Unit: [Hz].
+  double client_rate = 60.0;
+  HandProperties hand;  ///< that holds a simulated device
+  WorkspaceMap map;     ///< from the device to the world; without WorkspaceMap::tool
+
+  bool operator==(const DeviceConfig&) const = default;
+};
+
+/// How the servo loop runs.
+struct LoopConfig {
+  double rate = 1000.0;  ///< Unit: [Hz].
+  ContactSearch contacts = ContactSearch::kAuto;
+  double worker_delay = 0.0;  ///< how much longer the other thread takes than it must. Unit: [s].
+  int cpu = -1;               ///< that the servo thread stays on; -1: any
+
+  bool operator==(const LoopConfig&) const = default;
+};
+
+/// Where a LiveGateway listens.
+struct GatewayConfig {
+  static constexpr int kPort = 9090;
+
+  bool off = false;                   ///< serve nothing
+  int port = -1;                      ///< 0: any that is free; -1: kPort, or another if that is taken
+  std::string address = "127.0.0.1";  ///< of this machine
+  std::string token;  ///< that clients must bring; empty: made at random where `address` is no loopback
+
+  bool operator==(const GatewayConfig&) const = default;
+};
+
+/// All of a live system. config_fields() describes the fields: their names, units and ranges.
+struct LiveConfig {
+  SceneConfig scene;
+  Tool tool;
+  ForceConfig force;
+  DeviceConfig device;
+  LoopConfig loop;
+  GatewayConfig gateway;
+  Similarity room;  ///< from the room that a headset knows to the world
+
+  bool operator==(const LiveConfig&) const = default;
+};
+
+}  // namespace palpate

@@ -1,0 +1,330 @@
+#include <palpate/live/live_system.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/collision/ellipsoid_lookup.h>
+#include <palpate/device/hand_path.h>
+#include <palpate/device/led_hand.h>
+#include <palpate/device/simulated_device.h>
+#include <palpate/live/factories.h>
+#include <palpate/study/touch_path.h>
+
+namespace palpate {
+namespace {
+
+/// How fast a hand goes that explores. Unit: [m/s].
+constexpr double kExploring = 0.5;
+/// Of the hand that explores. Unit: [m].
+constexpr double kTremor = 2e-5;
+/// Gaussians across a tool from which on a search takes so long that another thread had better do it.
+constexpr double kManyContacts = 200.0;
+
+/// As many as lie side by side under a tool that is pressed into a surface.
+double contacts_across(const Tool& tool, double extent) {
+  double across = 0.0;
+  for (const ToolPart& part : tool.parts()) {
+    const Eigen::Vector3d& a = part.semi_axes;
+    across += a.prod() / (a.minCoeff() * extent * extent);
+  }
+  return across;
+}
+
+/// The same way, no faster than `most`.
+Trajectory slowed(Trajectory path, double most) {
+  double gained = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double way = (path[i].pose.position - path[i - 1].pose.position).norm();
+    const double now = path[i].t + gained;
+    path[i].t = std::max(now, path[i - 1].t + way / most);
+    gained += path[i].t - now;
+  }
+  return path;
+}
+
+/// Above everything that there is.
+Pose waiting_place(const SceneIndex& index, const Tool& tool) {
+  Eigen::AlignedBox3d box;
+  for (const Ellipsoid& ellipsoid : EllipsoidLookup(index).all().ellipsoids) box.extend(ellipsoid.center);
+  Pose pose;
+  pose.position = box.center();
+  pose.position.z() = box.max().z() + 2.0 * tool.radius();
+  return pose;
+}
+
+}  // namespace
+
+LiveSystem::LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device, const Notify& notify,
+                       const Progress& progress)
+    : notify_([notify](const std::string& line) {
+        if (notify) notify(line);
+      }),
+      contacts_(config.loop.contacts),
+      stiffness_(config.force.proxy.stiffness),
+      owns_device_(device == nullptr),
+      device_kind_(owns_device_ ? to_string(config.device.kind) : "external"),
+      settings_(config) {
+  read_scene(progress);
+  materials_ = load_materials(config.force, config.scene.path, progress);
+  if (contacts_ == ContactSearch::kAuto) {
+    const bool many = contacts_across(config.tool, index_->usual_extent()) > kManyContacts;
+    contacts_ =
+        many && std::thread::hardware_concurrency() > 1 ? ContactSearch::kWorker : ContactSearch::kInline;
+  }
+  open(std::move(device));
+}
+
+LiveSystem::~LiveSystem() { stop(); }
+
+void LiveSystem::read_scene(const Progress& progress) {
+  const SceneConfig& scene = settings_.scene;
+  const DeviceConfig& device = settings_.device;
+  const DeviceKind kind = device.kind;
+  if (owns_device_ && !device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
+  if (owns_device_ && kind == DeviceKind::kPlayback && path_.empty())
+    throw Error("--device playback has nothing to play; give --trajectory T.csv");
+  const IndexFiles files = scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
+  index_ = std::make_shared<SceneIndex>(open_or_make_index(scene, files, notify_, progress));
+  exploring_speed_ = kExploring * device.map.scale;
+  explores_ = owns_device_ && path_.empty() && kind == DeviceKind::kSimulated;
+  if (explores_) find_way();
+}
+
+/// Of a hand that explores.
+void LiveSystem::find_way() {
+  const std::string name = settings_.scene.name();
+  try {
+    path_ = explore(*index_, settings_.tool);
+  } catch (const Error& error) {
+    if (index_->size() == 0) throw Error("{}: {}; or give --trajectory", name, error.what());
+    notify_(fmt::format("note: the hand waits above the scene: {}: {}", name, error.what()));
+    path_.emplace_back().pose = waiting_place(*index_, settings_.tool);
+  }
+}
+
+Trajectory LiveSystem::explore(const SceneIndex& index, const Tool& tool) const {
+  return slowed(touch_path(index, EllipsoidLookup(index).all(), tool, {}), exploring_speed_);
+}
+
+/// Opens `device`, or the one that the configuration asks for.
+void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
+  const DeviceConfig& config = settings_.device;
+  if (device == nullptr) {
+    DeviceConnections connections;
+    connections.client_hand = &client_hand_;
+    if (config.kind == DeviceKind::kPlayback) {
+      for (TimedPose& p : path_) p.pose = config.map.to_device(p.pose);
+      length_ = path_.back().t - path_.front().t;
+      connections.playback = path_;
+    } else if (config.kind == DeviceKind::kSimulated) {
+      go(path_);
+      connections.hand = simulated_hand();
+    }
+    device = make_device(config, settings_.loop.rate, std::move(connections));
+  }
+  device_ = std::move(device);
+  open_device(*device_, [this](const std::string& line) { notify_("note: " + line); });
+}
+
+/// From here on the simulated hand goes to and fro on `path`.
+void LiveSystem::go(const Trajectory& path) {
+  way_.back() = std::make_shared<const HandPath>(to_and_fro(path));
+  way_.publish();
+}
+
+/// On its own way, which may change, or where a client leads it; in the device's frame. The servo thread's.
+HandPath LiveSystem::simulated_hand() {
+  const HandPath own = [this](double t) {
+    way_.update();
+    return tick_->map().to_device((*way_.front())(t));
+  };
+  const LedHand::Lead lead = [this](double) -> std::optional<Pose> {
+    const ClientHand::Sample& client = client_hand_.newest();
+    if (!client_hand_.is_held()) return std::nullopt;
+    return client.pose;
+  };
+  return with_tremor(LedHand(own, lead), kTremor);
+}
+
+std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,
+                                                 const LiveConfig& settings) const {
+  ForceConfig force = settings.force;
+  force.proxy.stiffness = stiffness_;  // the rest is gain
+  force.proxy.hand_scale = settings.device.map.scale;
+  return std::make_shared<FeltScene>(std::move(index), settings.tool, force, materials_, contacts_, clock_,
+                                     settings.loop.worker_delay);
+}
+
+void LiveSystem::start(std::vector<TickObserver*> observers) {
+  device_->enable();
+  clock_ = LoopClock();
+  felt_ = make_felt(index_, settings_);
+  ServoTickOptions ticks;
+  ticks.period = 1.0 / settings_.loop.rate;
+  ticks.map = settings_.device.map;
+  if (dynamic_cast<const SimulatedDevice*>(device_.get()) != nullptr) {
+    // It cannot freeze, but a client that leads its hand may hold perfectly still.
+    ticks.limits = SafetyLimits::of(device_->capabilities(), ticks.period);
+    ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
+  }
+  tick_ = std::make_unique<ServoTick>(*device_, felt_->model(settings_.force.model), ticks);
+  ServoLoop::Options options;
+  options.rate = settings_.loop.rate;
+  if (settings_.loop.cpu >= 0) options.priority.cpu = settings_.loop.cpu;
+  loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
+  changer_ = std::thread([this, begin = settings_] { change_until_stopped(begin); });
+}
+
+void LiveSystem::stop() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ends_ = true;
+  }
+  wanted_.notify_all();
+  // First of all the force: what is being made ready may take a while to end.
+  if (loop_) loop_->stop();
+  device_->close();
+  if (changer_.joinable()) changer_.join();
+}
+
+LiveConfig LiveSystem::settings() const {
+  const std::scoped_lock lock(mutex_);
+  return settings_;
+}
+
+std::string LiveSystem::busy() const {
+  const std::scoped_lock lock(mutex_);
+  return busy_;
+}
+
+std::string LiveSystem::message() const {
+  const std::scoped_lock lock(mutex_);
+  return message_;
+}
+
+std::uint64_t LiveSystem::version() const {
+  const std::scoped_lock lock(mutex_);
+  return version_;
+}
+
+std::shared_ptr<const FeltScene> LiveSystem::felt() const {
+  const std::scoped_lock lock(mutex_);
+  return felt_;
+}
+
+void LiveSystem::change(const std::function<void(LiveConfig&)>& edit) {
+  {
+    const std::scoped_lock lock(mutex_);
+    LiveConfig next = settings_;
+    edit(next);
+    next.scene.path = settings_.scene.path;
+    next.scene.no_index_file = settings_.scene.no_index_file;
+    next.force.materials = settings_.force.materials;
+    next.device = settings_.device;
+    next.loop = settings_.loop;
+    next.gateway = settings_.gateway;
+    settings_ = std::move(next);
+    ++settings_version_;
+    ++version_;
+  }
+  wanted_.notify_all();
+}
+
+void LiveSystem::say(const std::string& busy) {
+  const std::scoped_lock lock(mutex_);
+  busy_ = busy;
+  ++version_;
+}
+
+/// \param done what is felt already
+void LiveSystem::change_until_stopped(LiveConfig done) {
+  std::uint64_t seen = 0;
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    wanted_.wait(lock, [&] { return ends_ || settings_version_ != seen; });
+    if (ends_) return;
+    const LiveConfig wanted = settings_;
+    seen = settings_version_;
+    lock.unlock();
+    std::string failure;
+    try {
+      apply(wanted, done);
+      done = wanted;
+    } catch (const Error& error) {
+      failure = error.what();
+    } catch (const std::bad_alloc&) {
+      failure = "not enough memory for that; it stays as it was";
+    }
+    if (!failure.empty()) next_.reset();
+    lock.lock();
+    // What has been asked for meanwhile is not lost: it is tried next.
+    if (!failure.empty() && settings_version_ == seen) settings_ = done;
+    if (!failure.empty()) set_gain(done);
+    message_ = failure;
+    busy_.clear();
+    ++version_;
+  }
+}
+
+void LiveSystem::set_gain(const LiveConfig& settings) {
+  if (stiffness_ > 0.0) tick_->set_gain(settings.force.proxy.stiffness / stiffness_);
+}
+
+/// Makes what is new in `wanted`, has the loop feel it, and waits until it does.
+void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
+  set_gain(wanted);
+  const SceneFilter& filter = wanted.scene.filter;
+  const bool other_place = wanted.scene.world_from_scene() != now.scene.world_from_scene();
+  const bool other_gaussians = filter != now.scene.filter ||
+                               (other_place && (filter.max_scale || filter.crop_box || filter.crop_sphere));
+  const bool other_tool = wanted.tool != now.tool;
+  const ProxyParameters &proxy = wanted.force.proxy, &before = now.force.proxy;
+  const bool other_feel = proxy.friction != before.friction || proxy.detail != before.detail ||
+                          wanted.force.density != now.force.density;
+  std::shared_ptr<const SceneIndex> index = index_;
+  if (other_gaussians) {
+    say("looking which Gaussians can be felt");
+    index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
+  } else if (other_place) {
+    index = std::make_shared<SceneIndex>(index_->registered(wanted.scene.world_from_scene()));
+  }
+  const bool other_scene = other_gaussians || other_place;
+  if (other_scene || other_tool || other_feel) {
+    if (!other_gaussians) say("making it ready");
+    next_ = make_felt(index, wanted);
+  } else if (wanted.force.model != now.force.model) {
+    next_ = felt_;
+  } else {
+    return;
+  }
+  if (explores_ && (other_scene || other_tool)) {
+    try {
+      go(explore(*index, wanted.tool));
+    } catch (const Error&) {
+      // There is no place to touch by itself: it goes on where it went, and a client may lead it elsewhere.
+    }
+  }
+  tick_->use(next_->model(wanted.force.model));
+  constexpr double kLook = 5e-3;  // s
+  while (!tick_->is_used()) {
+    sleep_until(monotonic_now() + kLook);
+    const std::scoped_lock lock(mutex_);
+    if (ends_) return;  // both stay until the loop has stopped
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    felt_.swap(next_);
+    index_ = index;
+  }
+  next_.reset();  // what was felt before, with its worker
+}
+
+}  // namespace palpate

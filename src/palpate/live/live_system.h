@@ -1,0 +1,136 @@
+/// \file
+/// A live system: a scene, a device, and the servo loop between them.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <palpate/base/latest_value.h>
+#include <palpate/base/progress.h>
+#include <palpate/gateway/client_hand.h>
+#include <palpate/live/felt_scene.h>
+#include <palpate/live/live_config.h>
+#include <palpate/live/live_scene.h>
+#include <palpate/record/trajectory.h>
+#include <palpate/servo/servo_loop.h>
+
+namespace palpate {
+
+/// What an application embeds: reads or makes the scene, opens the device, and runs the servo loop between
+/// them, while scene, tool and model may be changed.
+///
+///     LiveSystem system(config);             // opens all of it; throws Error
+///     system.start({&view});                 // motors on
+///     system.change([](LiveConfig& c) { c.force.proxy.stiffness = 800.0; });
+///     system.stop();                         // the force falls, motors off
+///
+/// Threads: construction, start(), stop() and destruction belong to the owner's thread. What says "any
+/// thread" may be called by any other between start() and stop().
+class LiveSystem {
+ public:
+  /// Reads the scene, or makes the built-in one if it has no path, and opens the device, for whose
+  /// calibration it waits where that is needed. Owner's thread. \param device the caller's own; null: one of
+  /// DeviceConfig::kind. Of DeviceConfig, one's own has `map` alone. \param notify told what a person should
+  /// know, on the owner's thread; may be empty \throws Error for a scene, trajectory, tool or material that
+  /// cannot be read, or a device that cannot be opened.
+  explicit LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device = nullptr,
+                      const Notify& notify = {}, const Progress& progress = {});
+  /// As stop().
+  ~LiveSystem();
+  LiveSystem(const LiveSystem&) = delete;
+  LiveSystem& operator=(const LiveSystem&) = delete;
+
+  /// Motors on, and begins. Owner's thread, once. \param observers see every tick, on the servo thread; must
+  /// outlive stop() \throws Error if the device cannot be enabled.
+  void start(std::vector<TickObserver*> observers);
+  /// Ramps the force down, closes the device and ends. Owner's thread; more than once does nothing.
+  void stop();
+
+  /// \name From any thread, once it has started
+  /// @{
+  /// What is wanted. What that takes may still be in the making.
+  LiveConfig settings() const;
+  /// Has `edit` change scene (but for its file), tool, force (but for materials) and room; other edits are
+  /// undone. What it comes to is made on another thread, and felt once it is there and the force has fallen;
+  /// returns at once. If it cannot be made, the settings become what they were, and message() says why. What
+  /// `edit` throws is thrown, and nothing changed.
+  void change(const std::function<void(LiveConfig&)>& edit);
+  /// What is being made; empty if nothing is.
+  std::string busy() const;
+  /// Why the last change failed; empty if it did not.
+  std::string message() const;
+  /// Another number whenever one of these four changes.
+  std::uint64_t version() const;
+  /// The scene that is felt, which is kept as long as it is held.
+  std::shared_ptr<const FeltScene> felt() const;
+
+  /// The loop's tick: its governor stops and resumes the force. What may be called when, it says itself.
+  ServoTick& tick() { return *tick_; }
+  ServoLoop& loop() { return *loop_; }
+  /// The loop's, on which all times of ticks are.
+  const LoopClock& clock() const { return clock_; }
+  const DeviceCapabilities& device() const { return device_->capabilities(); }
+  /// "simulated", "playback" or "client"; "external" for the caller's own.
+  std::string_view device_kind() const { return device_kind_; }
+  /// What the device says of itself in a fault; else empty.
+  std::string_view device_fault() const {
+    return device_->status() == DeviceStatus::kFault ? device_->status_text() : std::string_view();
+  }
+  /// Where a client's hand is, which leads the simulated one, or is the device.
+  ClientHand& client_hand() { return client_hand_; }
+  /// Who looks for contacts; never kAuto.
+  ContactSearch contacts() const { return contacts_; }
+  /// Length of the recorded motion that is played back; 0 if there is none. Unit: [s].
+  double playback_length() const { return length_; }
+  /// @}
+
+ private:
+  void read_scene(const Progress& progress);
+  void find_way();
+  Trajectory explore(const SceneIndex& index, const Tool& tool) const;
+  void open(std::unique_ptr<HapticDevice> device);
+  void go(const Trajectory& path);
+  HandPath simulated_hand();
+  std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index,
+                                       const LiveConfig& settings) const;
+  void change_until_stopped(LiveConfig done);
+  void apply(const LiveConfig& wanted, const LiveConfig& now);
+  void set_gain(const LiveConfig& settings);
+  void say(const std::string& busy);
+
+  Notify notify_;
+  LoopClock clock_;
+  ContactSearch contacts_;
+  Materials materials_;
+  double stiffness_;              ///< of gain 1. Unit: [N/m].
+  double exploring_speed_ = 0.0;  ///< Unit: [m/s].
+  bool explores_ = false;
+  std::shared_ptr<const SceneIndex> index_;
+  Trajectory path_;  ///< in the world; once it is played back, of the device
+  /// Where the simulated hand goes: in the world; written by one thread at a time.
+  LatestValue<std::shared_ptr<const HandPath>> way_;
+  ClientHand client_hand_;
+  double length_ = 0.0;
+  bool owns_device_;  ///< it is none of the caller's
+  std::string_view device_kind_;
+  std::unique_ptr<HapticDevice> device_;
+  std::unique_ptr<ServoTick> tick_;
+  std::unique_ptr<ServoLoop> loop_;
+
+  mutable std::mutex mutex_;  ///< of what follows
+  std::condition_variable wanted_;
+  LiveConfig settings_;  ///< of which device, loop and gateway never change
+  std::string busy_, message_;
+  std::uint64_t version_ = 0, settings_version_ = 0;
+  bool ends_ = false;
+  std::shared_ptr<FeltScene> felt_;  ///< changed by the changer's thread only
+  std::shared_ptr<FeltScene> next_;  ///< that thread's
+  std::thread changer_;
+};
+
+}  // namespace palpate

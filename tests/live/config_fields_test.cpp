@@ -1,0 +1,98 @@
+// The table of fields: what it says agrees with the defaults and with itself.
+#include <palpate/live/config_fields.h>
+
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <palpate/base/error.h>
+#include <palpate/live/value_text.h>
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ConfigFields, HaveNamesOfTheirOwn) {
+  std::set<std::string_view> names, parameters;
+  for (const ConfigField& field : config_fields()) {
+    EXPECT_TRUE(field.name.empty() || names.insert(field.name).second) << field.name;
+    EXPECT_TRUE(field.parameter.empty() || parameters.insert(field.parameter).second) << field.parameter;
+    EXPECT_FALSE(field.name.empty() && field.parameter.empty());
+    EXPECT_FALSE(field.help.empty());
+    if (!field.traits.excludes.empty()) {
+      EXPECT_NO_THROW(config_field(field.traits.excludes));
+    }
+  }
+  EXPECT_THROW(config_field(""), Error);
+}
+
+TEST(ConfigFields, TakeTheirOwnDefaults) {
+  const LiveConfig defaults;
+  for (const ConfigField& field : config_fields()) {
+    if (field.name.empty() || !field.traits.shown_default.empty()) continue;
+    const std::string text = default_text(field, defaults);
+    if (text.empty()) continue;
+    LiveConfig config;
+    set_from_text(field, config, text);
+    EXPECT_EQ(config, defaults) << field.name << " = " << text;
+  }
+}
+
+/// Sets one field of a configuration. \returns the refusal, empty if there is none
+std::string set(LiveConfig& config, std::string_view name, const std::string& text) {
+  try {
+    set_from_text(config_field(name), config, text);
+    return {};
+  } catch (const BadValue& error) {
+    return error.what();
+  }
+}
+
+TEST(ConfigFields, AreSetFromText) {
+  LiveConfig config;
+  EXPECT_EQ(set(config, "opacity-min", "0.3"), "");
+  EXPECT_EQ(config.scene.filter.opacity_min, 0.3);
+  EXPECT_EQ(set(config, "frame", "y-down"), "");
+  EXPECT_EQ(config.scene.frame, UpAxis::kYDown);
+  EXPECT_EQ(set(config, "rotate", "0,0,0,2"), "");
+  EXPECT_EQ(config.scene.registration.rotation.z(), 1.0);
+  EXPECT_EQ(set(config, "crop-sphere", "1,2,3,4"), "");
+  EXPECT_EQ(config.scene.filter.crop_sphere->center, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(set(config, "hand", "0.2,4,500"), "");
+  EXPECT_EQ(config.device.hand.stiffness, 500.0);
+  EXPECT_EQ(set(config, "profile", "falcon"), "");
+  EXPECT_EQ(config.device.profile, "falcon");
+  EXPECT_EQ(set(config, "contacts", "hold"), "");
+  EXPECT_EQ(config.loop.contacts, ContactSearch::kHold);
+  EXPECT_EQ(set(config, "cpu", "3"), "");
+  EXPECT_EQ(config.loop.cpu, 3);
+  EXPECT_EQ(set(config, "tool", "0.01,0.02,0.03"), "");
+  EXPECT_EQ(config.tool.parts()[0].semi_axes, Eigen::Vector3d(0.01, 0.02, 0.03));
+  EXPECT_EQ(set(config, "no-gateway", "true"), "");
+  EXPECT_TRUE(config.gateway.off);
+}
+
+TEST(ConfigFields, RefuseWhatTheyCannotTake) {
+  LiveConfig config;
+  const LiveConfig before = config;
+  EXPECT_THAT(set(config, "opacity-min", "1.5"), "1.5 is not in 0 to 1");
+  EXPECT_THAT(set(config, "stiffness", "nan"), "'nan' is not a finite number");
+  EXPECT_THAT(set(config, "iso", "1"), "1 is not between 0 and 1");
+  EXPECT_THAT(set(config, "detail", "0"), "0 is not positive");
+  EXPECT_THAT(set(config, "frame", "w-up"), HasSubstr("is not one of as-is, x-down"));
+  EXPECT_THAT(set(config, "rotate", "0,0,0,0"), HasSubstr("must not be zero"));
+  EXPECT_THAT(set(config, "translate", "1,2"), HasSubstr("3 are needed"));
+  EXPECT_THAT(set(config, "crop-box", "0,0,0,-1,1,1"), HasSubstr("below the second"));
+  EXPECT_THAT(set(config, "hand", "-1,0,0"), HasSubstr("below zero"));
+  EXPECT_THAT(set(config, "cpu", "1.5"), HasSubstr("no whole number"));
+  EXPECT_THAT(set(config, "token", "short"), HasSubstr("16"));
+  EXPECT_THAT(set(config, "tool", "0,1,1"), HasSubstr("semi-axis 0"));
+  EXPECT_THAT(set(config, "mirror", "yes"), "must be true or false");
+  EXPECT_EQ(config, before);
+}
+
+}  // namespace
+}  // namespace palpate::test

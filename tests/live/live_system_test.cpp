@@ -1,0 +1,129 @@
+// The live system as an application embeds it: with a device of its own.
+#include <palpate/live/live_system.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <palpate/base/clock.h>
+#include <palpate/base/error.h>
+#include <palpate/device/testing/scripted_device.h>
+#include <palpate/scene/ply_writer.h>
+#include <palpate/servo/live_view.h>
+#include <palpate/study/procedural.h>
+
+#include <support/temporary_file.h>
+
+namespace palpate::test {
+namespace {
+
+/// A plane at z = 0, as a file.
+const std::string& plane() {
+  static const TemporaryFile file(ply_bytes(make_scene(*make_surface("plane"), {}), "plane"), "plane.ply");
+  static const std::string path = file.path();
+  return path;
+}
+
+LiveConfig plane_config() {
+  LiveConfig config;
+  config.scene.path = plane();
+  config.scene.no_index_file = true;
+  return config;
+}
+
+/// Comes down until the tool, 40 mm long, is 2 mm in the plane.
+std::unique_ptr<HapticDevice> own_device() {
+  DeviceCapabilities can;
+  can.name = "own";
+  can.force_max = 10.0;
+  return std::make_unique<ScriptedDevice>(can, [](double t) {
+    Pose pose;
+    pose.position.z() = std::max(0.038, 0.06 - 0.1 * t);
+    return pose;
+  });
+}
+
+/// Looks until `done` or for ten seconds. \returns done()
+template <class Done>
+bool comes_true(const Done& done) {
+  const double until = monotonic_now() + 10.0;
+  while (!done() && monotonic_now() < until) sleep_until(monotonic_now() + 0.01);
+  return done();
+}
+
+TEST(LiveSystem, FeelsASceneWithADeviceOfTheCallers) {
+  LiveSystem system(plane_config(), own_device());
+  EXPECT_EQ(system.device_kind(), "external");
+  EXPECT_EQ(system.device().name, "own");
+  LiveView view;
+  system.start({&view});
+  EXPECT_TRUE(comes_true([&] {
+    view.update();
+    return view.totals().force_max > 0.5;
+  }));
+  system.stop();
+}
+
+TEST(LiveSystem, ChangesWhatIsFeltAndNothingElse) {
+  LiveSystem system(plane_config(), own_device());
+  LiveView view;
+  system.start({&view});
+  const auto before = system.felt();
+  system.change([](LiveConfig& c) {
+    c.tool = Tool(Eigen::Vector3d(0.03, 0.03, 0.03));
+    c.force.model = ForceModelKind::kField;
+    c.scene.path = "elsewhere.ply";
+    c.loop.rate = 10.0;
+    c.device.profile = "falcon";
+    c.gateway.port = 1;
+    c.force.materials = "wood.toml";
+  });
+  EXPECT_TRUE(comes_true([&] { return system.felt() != before; }));
+  EXPECT_EQ(system.message(), "");
+  EXPECT_EQ(system.felt()->tool(), Tool(Eigen::Vector3d(0.03, 0.03, 0.03)));
+  LiveConfig expected = plane_config();
+  expected.tool = Tool(Eigen::Vector3d(0.03, 0.03, 0.03));
+  expected.force.model = ForceModelKind::kField;
+  EXPECT_EQ(system.settings(), expected);
+  system.stop();
+}
+
+TEST(LiveSystem, KeepsItsSettingsWhereAnEditFails) {
+  LiveSystem system(plane_config(), own_device());
+  LiveView view;
+  system.start({&view});
+  EXPECT_THROW(system.change([](LiveConfig& c) {
+    c.force.proxy.stiffness = 1.0;
+    throw Error("no");
+  }),
+               Error);
+  EXPECT_EQ(system.settings(), plane_config());
+  system.stop();
+}
+
+TEST(LiveSystem, SaysWhatIsMissing) {
+  LiveConfig config = plane_config();
+  config.scene.path = "/nowhere/scene.ply";
+  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config, own_device()); }),
+              testing::HasSubstr("/nowhere/scene.ply"));
+  config = plane_config();
+  config.device.kind = DeviceKind::kPlayback;
+  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }), testing::HasSubstr("nothing to play"));
+  config.device.kind = DeviceKind::kClient;
+  config.device.profile = "spoon";
+  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }), testing::HasSubstr("spoon"));
+}
+
+TEST(LiveSystem, TellsWhatAPersonShouldKnow) {
+  LiveConfig config = plane_config();
+  config.scene.filter.opacity_min = 1.0;
+  std::vector<std::string> told;
+  LiveSystem system(config, own_device(), [&](const std::string& line) { told.push_back(line); });
+  EXPECT_THAT(told, testing::Contains(testing::HasSubstr("nothing is left to touch")));
+}
+
+}  // namespace
+}  // namespace palpate::test
