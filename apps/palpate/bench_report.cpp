@@ -8,10 +8,9 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/report/histogram.h>
 #include <palpate/study/latency.h>
 #include <palpate/study/machine.h>
-
-#include "histogram.h"
 
 namespace palpate::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <palpate/haptics/tool.h>
+#include <palpate/study/query_timing.h>
 
-#include "bench_path.h"
 #include "output.h"
 
 namespace palpate::cli {

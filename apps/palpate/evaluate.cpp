@@ -12,15 +12,15 @@
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
 #include <palpate/live/factories.h>
+#include <palpate/report/evaluation_page.h>
+#include <palpate/report/evaluation_table.h>
+#include <palpate/report/result_files.h>
 
 #include "command.h"
 #include "evaluate_capture.h"
-#include "evaluate_page.h"
-#include "evaluate_table.h"
 #include "evaluate_trials.h"
 #include "options.h"
 #include "output.h"
-#include "result_files.h"
 #include "terminal.h"
 
 namespace palpate::cli {
@@ -148,7 +148,7 @@ void run(const Options& options) {
     print_json(evaluation_json(rows));
     return;
   }
-  print_tables(rows);
+  fmt::print("{}", evaluation_text(rows));
   for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
 }
 

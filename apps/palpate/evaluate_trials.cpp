@@ -14,12 +14,12 @@
 #include <palpate/base/error.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/live/factories.h>
+#include <palpate/report/figure_column.h>
+#include <palpate/report/result_files.h>
 #include <palpate/study/trial_tools.h>
 #include <palpate/study/trials.h>
 
-#include "figure_column.h"
 #include "output.h"
-#include "result_files.h"
 #include "terminal.h"
 
 namespace palpate::cli {

@@ -13,25 +13,7 @@ std::string notice(std::string_view message) { return fmt::format("palpate: {}\n
 
 void notify(std::string_view message) { fmt::print(stderr, "{}", notice(message)); }
 
-std::string json_text(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
 void print_json(const Json& json) { fmt::print("{}\n", json_text(json, 2)); }
-
-Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-Json tool_json(const Tool& tool) {
-  Json json = Json::array();
-  for (const ToolPart& part : tool.parts()) {
-    const Eigen::Quaterniond& q = part.pose.orientation;
-    json.push_back({{"name", part.name},
-                    {"semi_axes", vector_json(part.semi_axes)},
-                    {"position", vector_json(part.pose.position)},
-                    {"orientation", {q.w(), q.x(), q.y(), q.z()}}});
-  }
-  return json;
-}
 
 std::string tool_text(const Tool& tool) {
   if (tool.parts().size() > 1) return fmt::format("{} ellipsoids", tool.parts().size());

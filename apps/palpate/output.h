@@ -6,15 +6,13 @@
 #include <string>
 #include <string_view>
 
-#include <Eigen/Core>
-#include <nlohmann/json.hpp>
-
 #include <palpate/collision/paper_pipeline.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/report/ordered_json.h>
 
 namespace palpate::cli {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 
 /// One line on stderr: "palpate: " and the message, printable.
 void notify(std::string_view message);
@@ -22,16 +20,8 @@ void notify(std::string_view message);
 /// What notify() writes: a line of its own.
 std::string notice(std::string_view message);
 
-/// Text that is not UTF-8, as of a file name, is replaced where it is not. \param indent -1: in one line
-std::string json_text(const Json& json, int indent = -1);
 /// On stdout, indented.
 void print_json(const Json& json);
-
-/// [x, y, z]
-Json vector_json(const Eigen::Vector3d& v);
-
-/// [{name, semi_axes, position, orientation}, ...], a part each, in the tool frame; m and w, x, y, z
-Json tool_json(const Tool& tool);
 
 /// The tool in a few words: "20/20/40 mm", "24 ellipsoids".
 std::string tool_text(const Tool& tool);

@@ -9,14 +9,15 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
+#include <palpate/report/markup.h>
+#include <palpate/report/report_data.h>
 
 #include "command.h"
-#include "markup.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
-#include "report_data.h"
 #include "terminal.h"
+#include "version.h"
 
 extern "C" {
 extern const char palpate_report_page_begin[];
@@ -61,14 +62,14 @@ void run(const Options& options) {
     notify(fmt::format("{}: the last line is cut and left out (the recording was interrupted)", options.run));
   std::string json;
   if (options.live.scene.path.empty()) {
-    json = report_json(recorded, nullptr, nullptr, nullptr);
+    json = report_json(recorded, nullptr, nullptr, nullptr, kVersion);
   } else {
     const LoadedScene loaded = load(options.live.scene, progress);
     const SceneIndex index(loaded.scene, options.live.scene.filter, options.live.scene.world_from_scene(),
                            progress);
     const RunContacts contacts = find_contacts(recorded, index, options.live.tool);
     warn_if_different(contacts, options);
-    json = report_json(recorded, &loaded.kept, &options.live.tool, &contacts);
+    json = report_json(recorded, &loaded.kept, &options.live.tool, &contacts, kVersion);
   }
   const std::string title = std::filesystem::path(options.run).filename().string();
   write_file(options.out, fill_page(title, json));
@@ -89,7 +90,7 @@ void declare_window(CLI::App& app, RunWindow& window) {
 std::string recording_page(const std::string& csv) {
   try {
     const std::string title = std::filesystem::path(csv).filename().string();
-    return fill_page(title, report_json(read_run(csv), nullptr, nullptr, nullptr));
+    return fill_page(title, report_json(read_run(csv), nullptr, nullptr, nullptr, kVersion));
   } catch (const std::exception& error) {  // also where there is no memory for a long one
     return "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
   }

@@ -15,14 +15,14 @@
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
 #include <palpate/live/factories.h>
+#include <palpate/report/result_files.h>
+#include <palpate/report/stability_page.h>
+#include <palpate/report/stability_table.h>
 #include <palpate/study/stability.h>
 
 #include "command.h"
 #include "options.h"
 #include "output.h"
-#include "result_files.h"
-#include "stability_page.h"
-#include "stability_table.h"
 #include "terminal.h"
 
 namespace palpate::cli {

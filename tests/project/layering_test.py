@@ -19,6 +19,7 @@ GRAPH = {
     "record": EVERYONES | {"scene", "collision", "haptics", "servo"},
     "device": EVERYONES | {"haptics", "servo", "record"},
     "study": EVERYONES | {"scene", "collision", "haptics", "servo", "record", "device"},
+    "report": EVERYONES | {"scene", "collision", "haptics", "servo", "record", "device", "study"},
     "gateway": EVERYONES | {"collision", "haptics", "servo", "device", "rosbridge"},
     "live": EVERYONES | {"scene", "collision", "haptics", "servo", "record", "device", "study", "rosbridge", "gateway"},
 }

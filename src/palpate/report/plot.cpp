@@ -1,4 +1,4 @@
-#include "plot.h"
+#include <palpate/report/plot.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "markup.h"
+#include <palpate/report/markup.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 // The picture, in pixels: as wide as a phone shows without making the text too small.
@@ -295,4 +295,4 @@ std::string plot_style() { return kStyle; }
 std::string plot_in_page(const Plot& plot) { return Picture(plot).draw(""); }
 std::string plot_document(const Plot& plot) { return Picture(plot).draw(kStyle); }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,18 +1,17 @@
 /// \file
-/// What `palpate evaluate` has measured, as tables, CSV and JSON.
+/// Tables of an evaluation against analytic surfaces, as text, CSV and JSON.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <palpate/report/figure_column.h>
+#include <palpate/report/ordered_json.h>
 #include <palpate/study/crossings.h>
 #include <palpate/study/evaluation.h>
 
-#include "figure_column.h"
-#include "output.h"
-
-namespace palpate::cli {
+namespace palpate {
 
 /// One model on one shape at one spacing.
 struct EvaluationRow {
@@ -40,12 +39,12 @@ struct EvaluationSection {
 /// All columns, in order.
 const std::vector<EvaluationSection>& evaluation_sections();
 
-void print_tables(const std::vector<EvaluationRow>& rows);
+std::string evaluation_text(const std::vector<EvaluationRow>& rows);
 
 /// One object a row, with the columns, and the curves of what was measured along a way.
-Json evaluation_json(const std::vector<EvaluationRow>& rows);
+OrderedJson evaluation_json(const std::vector<EvaluationRow>& rows);
 
 /// One line a row.
 std::string evaluation_csv(const std::vector<EvaluationRow>& rows);
 
-}  // namespace palpate::cli
+}  // namespace palpate

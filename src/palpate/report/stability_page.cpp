@@ -1,13 +1,13 @@
-#include "stability_page.h"
+#include <palpate/report/stability_page.h>
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "markup.h"
-#include "page.h"
+#include <palpate/report/markup.h>
+#include <palpate/report/page.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 using Style = PlotSeries::Style;
@@ -203,4 +203,4 @@ std::string stability_page(const StabilityTables& tables, const std::vector<Plot
                            walls_table(tables.walls));
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

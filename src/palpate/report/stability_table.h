@@ -1,16 +1,15 @@
 /// \file
-/// What `palpate stability` has measured, as JSON, CSV and text.
+/// Tables of stability trials, as text, CSV and JSON.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <palpate/report/ordered_json.h>
 #include <palpate/study/stability.h>
 
-#include "output.h"
-
-namespace palpate::cli {
+namespace palpate {
 
 /// From SI units to those of the tables: ms, mm, mJ.
 inline constexpr double kMilli = 1e3;
@@ -64,8 +63,8 @@ struct StabilitySummary {
 };
 std::vector<StabilitySummary> summarize(const std::vector<StabilityRow>& rows);
 
-Json stability_json(const StabilityTables& tables);
+OrderedJson stability_json(const StabilityTables& tables);
 std::string stability_csv(const StabilityTables& tables);
 std::string stability_text(const StabilityTables& tables);
 
-}  // namespace palpate::cli
+}  // namespace palpate

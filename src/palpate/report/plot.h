@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate::cli {
+namespace palpate {
 
 struct PlotAxis {
   std::string title;  ///< with its unit
@@ -52,4 +52,4 @@ std::string plot_in_page(const Plot& plot);
 /// A whole SVG document that needs nothing else.
 std::string plot_document(const Plot& plot);
 
-}  // namespace palpate::cli
+}  // namespace palpate

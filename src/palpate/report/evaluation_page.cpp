@@ -1,4 +1,4 @@
-#include "evaluate_page.h"
+#include <palpate/report/evaluation_page.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "markup.h"
-#include "page.h"
+#include <palpate/report/markup.h>
+#include <palpate/report/page.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 using Rows = std::vector<EvaluationRow>;
@@ -260,4 +260,4 @@ std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, 
   return page_document("How true the force models are", setup, figures, tables);
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

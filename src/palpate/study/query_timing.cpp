@@ -1,4 +1,4 @@
-#include "bench_path.h"
+#include <palpate/study/query_timing.h>
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,7 @@
 #include <palpate/record/playback.h>
 #include <palpate/study/latency.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -91,4 +91,4 @@ double time_batches(const TimedQuery& timed, const std::vector<Pose>& poses, int
   return static_cast<double>(all.size()) / least;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

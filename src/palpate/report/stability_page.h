@@ -1,14 +1,14 @@
 /// \file
-/// What `palpate stability` has measured, as figures and as a page.
+/// Figures and page of stability trials.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "plot.h"
-#include "stability_table.h"
+#include <palpate/report/plot.h>
+#include <palpate/report/stability_table.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// A hand that rests and slides, felt through one of the sources.
 struct StabilityTrace {
@@ -24,4 +24,4 @@ std::vector<Plot> stability_figures(const StabilityTables& tables, const std::ve
 std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
                            const std::string& setup);
 
-}  // namespace palpate::cli
+}  // namespace palpate

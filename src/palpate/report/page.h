@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "plot.h"
+#include <palpate/report/plot.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// A whole page: `title`, then `intro` in a paragraph (both text), the figures, and `body` (HTML; a table in
 /// a div of class 'table' scrolls by itself).
 std::string page_document(const std::string& title, const std::string& intro,
                           const std::vector<Plot>& figures, const std::string& body);
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -11,7 +11,7 @@
 #include <palpate/haptics/tool.h>
 #include <palpate/record/trajectory.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// What one pose costs: the least of all rounds, since whatever else the machine does only adds. Unit: [us].
 struct PoseFigures {
@@ -38,4 +38,4 @@ std::vector<PoseFigures> time_path(const TimedQuery& timed, const Trajectory& pa
 double time_batches(const TimedQuery& timed, const std::vector<Pose>& poses, int rounds,
                     const Progress& progress);
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,14 +1,14 @@
 /// \file
-/// What `palpate evaluate` has measured, as figures and as a page.
+/// Figures and page of an evaluation against analytic surfaces.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "evaluate_table.h"
-#include "plot.h"
+#include <palpate/report/evaluation_table.h>
+#include <palpate/report/plot.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// Shown are the first shape and spacing, where there is a choice. \pre rows is not empty.
 /// \param stiffness that proxy and field promise. Unit: [N/m].
@@ -18,4 +18,4 @@ std::vector<Plot> evaluation_figures(const std::vector<EvaluationRow>& rows, dou
 std::string evaluation_page(const std::vector<EvaluationRow>& rows, const std::vector<Plot>& figures,
                             const std::string& setup);
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,4 +1,4 @@
-#include "result_files.h"
+#include <palpate/report/result_files.h>
 
 #include <filesystem>
 
@@ -6,7 +6,7 @@
 
 #include <palpate/base/error.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 ResultFile::ResultFile(const std::string& path) : path_(path) {
   if (!path.empty()) file_.emplace(path);
@@ -34,4 +34,4 @@ void write_figures(const std::vector<Plot>& figures, const std::string& folder, 
   }
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

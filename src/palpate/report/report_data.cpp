@@ -1,4 +1,4 @@
-#include "report_data.h"
+#include <palpate/report/report_data.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,11 +10,9 @@
 
 #include <palpate/haptics/tool_query.h>
 #include <palpate/record/run_columns.h>
+#include <palpate/report/ordered_json.h>
 
-#include "output.h"
-#include "version.h"
-
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxRows = 300'000;       // drawn; a browser stays fluent
@@ -52,8 +50,8 @@ std::string columns_json(const Run& run, std::size_t stride) {
   return out + "}";
 }
 
-Json episodes_json(const Run& run, std::size_t stride) {
-  Json json = Json::array();
+OrderedJson episodes_json(const Run& run, std::size_t stride) {
+  OrderedJson json = OrderedJson::array();
   for (const Episode& e : contact_episodes(run.rows)) {
     const RunRow& onset = run.rows[e.first];
     const auto& p = onset.tool.position;
@@ -103,7 +101,7 @@ std::size_t fault_count(const GovernorStretches& stretches) {
 }
 
 std::string governor_json(const GovernorStretches& stretches, std::size_t run_stride) {
-  Json states = Json::array(), faults = Json::array();
+  OrderedJson states = OrderedJson::array(), faults = OrderedJson::array();
   for (int k = 0; k <= static_cast<int>(GovernorState::kStopped); ++k)
     states.push_back(to_string(static_cast<GovernorState>(k)));
   for (std::size_t k = 0; k < kFaultCount; ++k) faults.push_back(traits(static_cast<Fault>(k)).name);
@@ -156,9 +154,9 @@ std::string scene_json(const EllipsoidScene& scene) {
   return out + "}";
 }
 
-Json summary_json(const Run& run, const GovernorStretches* stretches, std::size_t stride) {
+OrderedJson summary_json(const Run& run, const GovernorStretches* stretches, std::size_t stride) {
   const RunSummary s = summarize(run.rows);
-  Json json = Json::array();
+  OrderedJson json = OrderedJson::array();
   const auto add = [&](const char* label, const std::string& value) {
     json.push_back({{"label", label}, {"value", value}});
   };
@@ -208,14 +206,14 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
 }
 
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
-                        const RunContacts* contacts) {
+                        const RunContacts* contacts, const std::string& version) {
   const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
   std::optional<GovernorStretches> stretches;
   if (run.rows.front().live) stretches = stretches_of(run);
   std::string out = fmt::format(
       "{{\"title\":{},\"generator\":\"{}\",\"summary\":{},\"tool\":{},\"columns\":{},\"episodes\":{},"
       "\"governor\":{},\"contacts\":{},\"scene\":{}}}",
-      json_text(std::filesystem::path(run.source).filename().string()), kVersion,
+      json_text(std::filesystem::path(run.source).filename().string()), version,
       json_text(summary_json(run, stretches ? &*stretches : nullptr, stride)),
       tool != nullptr ? json_text(tool_json(*tool)) : "null", columns_json(run, stride),
       json_text(episodes_json(run, stride)), stretches ? governor_json(*stretches, stride) : "null",
@@ -224,4 +222,4 @@ std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool*
   return escaped(out);
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,11 +1,11 @@
-#include "stability_table.h"
+#include <palpate/report/stability_table.h>
 
 #include <algorithm>
 #include <iterator>
 
 #include <fmt/format.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 bool same_row(const StabilityRow& a, const StabilityRow& b) {
@@ -16,7 +16,9 @@ double delay_if(const StabilityRow& row, ContactSource source) {
   return row.source == source ? kMilli * row.delay : 0.0;
 }
 
-Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+OrderedJson or_null(const std::optional<double>& value) {
+  return value ? OrderedJson(*value) : OrderedJson(nullptr);
+}
 
 }  // namespace
 
@@ -49,8 +51,8 @@ std::vector<StabilitySummary> summarize(const std::vector<StabilityRow>& rows) {
   return all;
 }
 
-Json stability_json(const StabilityTables& tables) {
-  Json json = Json::array();
+OrderedJson stability_json(const StabilityTables& tables) {
+  OrderedJson json = OrderedJson::array();
   for (const StabilityRow& row : tables.rows) {
     json.push_back({{"profile", row.profile},
                     {"hand", {row.hand.mass, row.hand.damping, row.hand.stiffness}},
@@ -115,4 +117,4 @@ std::string stability_text(const StabilityTables& tables) {
   return text;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

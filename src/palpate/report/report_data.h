@@ -1,5 +1,5 @@
 /// \file
-/// What the report page draws, as the JSON document it expects.
+/// Document of the report page: what it draws, as JSON.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 #include <palpate/record/run_log.h>
 #include <palpate/scene/scene_filter.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// Contacts of a run, found again in its scene: an even selection that a page can draw.
 struct RunContacts {
@@ -30,8 +30,9 @@ struct RunContacts {
 RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& tool);
 
 /// The document of the report page (web/report/src/data.js reads it). `index`, `tool` and `contacts` may be
-/// null where the run's scene is not at hand. Long runs are thinned; the text says so.
+/// null where the run's scene is not at hand. Long runs are thinned; the text says so. \param version of the
+/// program, which the page names
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
-                        const RunContacts* contacts);
+                        const RunContacts* contacts, const std::string& version);
 
-}  // namespace palpate::cli
+}  // namespace palpate

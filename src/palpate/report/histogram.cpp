@@ -1,4 +1,4 @@
-#include "histogram.h"
+#include <palpate/report/histogram.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "markup.h"
+#include <palpate/report/markup.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 LogHistogram::LogHistogram(const std::vector<double>& values, std::size_t bins)
     : total_(values.size()), counts_(bins) {
@@ -170,4 +170,4 @@ std::string histogram_svg(const std::vector<double>& times, const std::vector<Ma
   return plot.svg();
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

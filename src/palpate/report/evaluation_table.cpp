@@ -1,4 +1,4 @@
-#include "evaluate_table.h"
+#include <palpate/report/evaluation_table.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 using Row = EvaluationRow;
@@ -128,18 +128,18 @@ std::size_t width_of(const Column& column) {
 }
 
 /// [[at, p05, p50, p95], ...]
-Json curve_json(const Curve& curve) {
-  Json json = Json::array();
+OrderedJson curve_json(const Curve& curve) {
+  OrderedJson json = OrderedJson::array();
   for (const CurvePoint& p : curve) json.push_back({p.at, p.value.p05, p.value.p50, p.value.p95});
   return json;
 }
 
-Json curves_json(const Row& row) {
-  Json slide = Json::array();
+OrderedJson curves_json(const Row& row) {
+  OrderedJson slide = OrderedJson::array();
   for (const Eigen::Vector2d& p : row.figures.slide) slide.push_back({p.x(), p.y()});
-  Json json{{"direction_deg", curve_json(row.figures.direction_at)},
-            {"force_n", curve_json(row.figures.force_at)},
-            {"slide_n", std::move(slide)}};
+  OrderedJson json{{"direction_deg", curve_json(row.figures.direction_at)},
+                   {"force_n", curve_json(row.figures.force_at)},
+                   {"slide_n", std::move(slide)}};
   if (!row.friction_at.empty()) json["friction"] = curve_json(row.friction_at);
   if (row.step) json["noisy_step_m"] = curve_json(row.step->path);
   if (row.clean_step) json["step_m"] = curve_json(row.clean_step->path);
@@ -160,28 +160,30 @@ const std::vector<EvaluationSection>& evaluation_sections() {
   return all;
 }
 
-void print_tables(const std::vector<EvaluationRow>& rows) {
+std::string evaluation_text(const std::vector<EvaluationRow>& rows) {
+  std::string text;
   bool first = true;
   for (const Section& section : evaluation_sections()) {
     if (std::none_of(rows.begin(), rows.end(), [&](const Row& r) { return section.has(r); })) continue;
-    fmt::print("{}{}\n{}\n\n", first ? "" : "\n", section.title, section.note);
+    text += fmt::format("{}{}\n{}\n\n", first ? "" : "\n", section.title, section.note);
     first = false;
-    fmt::print("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
-    for (const Column& c : section.columns) fmt::print(" {:>{}}", c.heading, width_of(c));
-    fmt::print("\n");
+    text += fmt::format("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
+    for (const Column& c : section.columns) text += fmt::format(" {:>{}}", c.heading, width_of(c));
+    text += '\n';
     for (const Row& row : rows) {
       if (!section.has(row)) continue;
-      fmt::print("{:<9} {:>4.1f} mm {:<8}", row.shape, kToMm * row.spacing, row.model);
-      for (const Column& c : section.columns) fmt::print(" {:>{}}", text_of(c, row), width_of(c));
-      fmt::print("\n");
+      text += fmt::format("{:<9} {:>4.1f} mm {:<8}", row.shape, kToMm * row.spacing, row.model);
+      for (const Column& c : section.columns) text += fmt::format(" {:>{}}", text_of(c, row), width_of(c));
+      text += '\n';
     }
   }
+  return text;
 }
 
-Json evaluation_json(const std::vector<EvaluationRow>& rows) {
-  Json json = Json::array();
+OrderedJson evaluation_json(const std::vector<EvaluationRow>& rows) {
+  OrderedJson json = OrderedJson::array();
   for (const Row& row : rows) {
-    Json one{{"shape", row.shape}, {"spacing_m", row.spacing}, {"model", row.model}};
+    OrderedJson one{{"shape", row.shape}, {"spacing_m", row.spacing}, {"model", row.model}};
     for (const Section& section : evaluation_sections()) put_figures(section.columns, row, one);
     one["curves"] = curves_json(row);
     json.push_back(std::move(one));
@@ -201,4 +203,4 @@ std::string evaluation_csv(const std::vector<EvaluationRow>& rows) {
   return text;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// `text` as it must stand between two tags.
 inline std::string markup_escaped(std::string_view text) {
@@ -21,4 +21,4 @@ inline std::string markup_escaped(std::string_view text) {
   return out;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,10 +1,10 @@
-#include "page.h"
+#include <palpate/report/page.h>
 
 #include <fmt/format.h>
 
-#include "markup.h"
+#include <palpate/report/markup.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 constexpr const char* kPageStyle = R"(
@@ -41,4 +41,4 @@ std::string page_document(const std::string& title, const std::string& intro,
   return html + "</div>\n" + body + "</body>\n</html>\n";
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

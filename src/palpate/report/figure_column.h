@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "output.h"
+#include <palpate/report/ordered_json.h>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// A figure of a row.
 template <class Row>
@@ -30,10 +30,10 @@ std::string text_of(const FigureColumn<Row>& column, const Row& row) {
 
 /// Adds the row's figures to an object; null where there is none.
 template <class Row>
-void put_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row, Json& json) {
+void put_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row, OrderedJson& json) {
   for (const FigureColumn<Row>& column : columns) {
     const double value = column.value(row);
-    json[column.name] = std::isnan(value) ? Json() : Json(value);
+    json[column.name] = std::isnan(value) ? OrderedJson() : OrderedJson(value);
   }
 }
 
@@ -56,4 +56,4 @@ std::string csv_figures(const std::vector<FigureColumn<Row>>& columns, const Row
   return text;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate::cli {
+namespace palpate {
 
 /// Counts in bins that are equally wide on a logarithmic axis, from the least value to the largest or
 /// further.
@@ -42,4 +42,4 @@ struct Mark {
 std::string histogram_svg(const std::vector<double>& times, const std::vector<Mark>& marks,
                           const std::string& title, const std::string& subtitle);
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include <palpate/base/file.h>
+#include <palpate/report/plot.h>
 
-#include "plot.h"
-
-namespace palpate::cli {
+namespace palpate {
 
 /// A file that is opened before the work, so that it is not in vain, and written after it; or none.
 class ResultFile {
@@ -34,4 +33,4 @@ void check_figure_folder(const std::string& folder);
 void write_figures(const std::vector<Plot>& figures, const std::string& folder, const std::string& command,
                    std::vector<std::string>& written);
 
-}  // namespace palpate::cli
+}  // namespace palpate
