@@ -1,6 +1,6 @@
 #include <palpate/study/touch_path.h>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +128,7 @@ TEST_P(TouchPathOn, TouchesDistinctPlacesInReasonableTime) {
     }
   }
   EXPECT_GT(path.back().t, 12.0);
-  EXPECT_LT(path.back().t, 30.0);
+  EXPECT_LT(path.back().t, 60.0);
 }
 
 TEST_P(TouchPathOn, FirstContactIsAtTheTrueSurface) {
@@ -151,7 +151,7 @@ TEST_P(TouchPathOn, PressesInAlongTheToolByTheDepthAskedFor) {
 }
 
 TEST_P(TouchPathOn, SlidesAtConstantDepthBelowFirstContact) {
-  constexpr double kTolerance = 4e-4;  // between two slide steps, 2 mm apart, the surface is interpolated
+  constexpr double kTolerance = 5e-4;  // between two slide steps, 2 mm apart, the surface is interpolated
   ContactSet contacts;
   for (const Episode& episode : found) {
     const Pose& first = path[episode.begin].pose;
@@ -195,19 +195,18 @@ TEST_P(TouchPathOn, TravelsWithoutContact) {
   for (std::size_t i = 0; i < path.size(); ++i) ASSERT_TRUE(near[i] || counts[i] == 0) << path[i].t;
 }
 
-TEST_P(TouchPathOn, MovesSmoothly) {
-  constexpr double kFastest = 4.0;  // m/s: 15/8, the peak of least jerk, times about 1 m/s on a table
-  constexpr double kJump = 0.05;    // m/s from one pose to the next: 50 m/s^2
+TEST_P(TouchPathOn, MovesAsAHandDoes) {
+  constexpr double kDifferences = 1.01;  // of what is sampled
   Vector3d before = Vector3d::Zero();
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Vector3d velocity = (path[i].pose.position - path[i - 1].pose.position) * options.rate;
-    ASSERT_LT(velocity.norm(), kFastest) << path[i].t;
-    ASSERT_LT((velocity - before).norm(), kJump) << path[i].t;
+    ASSERT_LE(velocity.norm(), kDifferences * options.speed) << path[i].t;
+    ASSERT_LE((velocity - before).norm() * options.rate, kDifferences * options.acceleration) << path[i].t;
     before = velocity;
     ASSERT_NEAR(path[i].pose.orientation.norm(), 1.0, 1e-9);
     ASSERT_LT(path[i].pose.orientation.angularDistance(path[i - 1].pose.orientation), 0.01) << path[i].t;
   }
-  EXPECT_LT(before.norm(), kJump) << "ends at rest";
+  EXPECT_LT(before.norm() * options.rate, options.acceleration) << "ends at rest";
 }
 
 bool same(const Trajectory& a, const Trajectory& b) {
@@ -247,11 +246,23 @@ TEST_F(TouchPath, ScalesWithSceneAndTool) {
   const Touchable large_scene(sphere, kScale);
   const Tool large_tool(kScale * tool.parts()[0].semi_axes);
   const Trajectory small = touch_path(index, scene, tool, {});
-  const Trajectory large = touch_path(large_scene.index, large_scene.kept, large_tool,
-                                      {.press = kScale * 0.005, .slide = kScale * 0.05});
+  const Trajectory large = touch_path(
+      large_scene.index, large_scene.kept, large_tool,
+      {.press = kScale * 0.005, .slide = kScale * 0.05, .speed = kScale * 0.5, .acceleration = kScale * 5.0});
   ASSERT_EQ(small.size(), large.size());
   for (std::size_t i = 0; i < small.size(); ++i)
     ASSERT_LT((kScale * small[i].pose.position - large[i].pose.position).norm(), kScale * 1e-4);
+}
+
+TEST_F(TouchPath, NamesTheWayToAScaleForASceneThatIsTooLarge) {
+  constexpr double kScale = 1e4;
+  const Touchable street(sphere, kScale);
+  try {
+    touch_path(street.index, street.kept, Tool(kScale * tool.parts()[0].semi_axes), {});
+    FAIL() << "a hand that takes hours";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("--scale"));
+  }
 }
 
 TEST_F(TouchPath, WithoutPressAndSlideOnlyTouches) {
@@ -311,6 +322,8 @@ TEST_F(TouchPath, ImpossibleRequestsAreRefused) {
     EXPECT_THROW(touch_path(index, scene, tool, {.rate = bad}), Error);
   }
   EXPECT_THROW(touch_path(index, scene, tool, {.rate = 0.0}), Error);
+  EXPECT_THROW(touch_path(index, scene, tool, {.speed = 0.0}), Error);
+  EXPECT_THROW(touch_path(index, scene, tool, {.acceleration = 0.0}), Error);
   EXPECT_THROW(touch_path(index, scene, tool, {.rate = 1e12}), Error);
 }
 

@@ -21,8 +21,6 @@
 namespace palpate {
 namespace {
 
-/// How fast a hand goes that explores. Unit: [m/s].
-constexpr double kExploring = 0.5;
 /// Of the hand that explores. Unit: [m].
 constexpr double kTremor = 2e-5;
 /// Gaussians across a tool from which on a search takes so long that another thread had better do it.
@@ -36,18 +34,6 @@ double contacts_across(const Tool& tool, double extent) {
     across += a.prod() / (a.minCoeff() * extent * extent);
   }
   return across;
-}
-
-/// The same way, no faster than `most`.
-Trajectory slowed(Trajectory path, double most) {
-  double gained = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const double way = (path[i].pose.position - path[i - 1].pose.position).norm();
-    const double now = path[i].t + gained;
-    path[i].t = std::max(now, path[i - 1].t + way / most);
-    gained += path[i].t - now;
-  }
-  return path;
 }
 
 /// Above everything that there is.
@@ -93,7 +79,6 @@ void LiveSystem::read_scene(const Progress& progress) {
     throw Error("--device playback has nothing to play; give --trajectory T.csv");
   const IndexFiles files = scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
   index_ = std::make_shared<SceneIndex>(open_or_make_index(scene, files, notify_, progress));
-  exploring_speed_ = kExploring * device.map.scale;
   explores_ = owns_device_ && path_.empty() && kind == DeviceKind::kSimulated;
   if (explores_) find_way();
 }
@@ -111,7 +96,10 @@ void LiveSystem::find_way() {
 }
 
 Trajectory LiveSystem::explore(const SceneIndex& index, const Tool& tool) const {
-  return slowed(touch_path(index, EllipsoidLookup(index).all(), tool, {}), exploring_speed_);
+  TouchPathOptions options;  // of a hand, whose way is that much longer in the world
+  options.speed *= settings_.device.map.scale;
+  options.acceleration *= settings_.device.map.scale;
+  return touch_path(index, EllipsoidLookup(index).all(), tool, options);
 }
 
 /// Opens `device`, or the one that the configuration asks for.

@@ -108,7 +108,6 @@ class LiveSystem {
   ContactSearch contacts_;
   Materials materials_;
   double stiffness_;              ///< of gain 1. Unit: [N/m].
-  double exploring_speed_ = 0.0;  ///< Unit: [m/s].
   bool explores_ = false;
   std::shared_ptr<const SceneIndex> index_;
   Trajectory path_;  ///< in the world; once it is played back, of the device

@@ -38,7 +38,6 @@ constexpr double kSlideSpeed = 2.5;       // a second: 0.05 m/s
 constexpr double kTravelClearance = 2.0;  // in longest semi-axes, between tool and scene
 
 // Motion in free space.
-constexpr double kTravelTime = 0.6;                 // s for one radius of the travel sphere: 1 m/s on a table
 constexpr double kTurnSpeed = 3.0;                  // mean, as a wrist turns. Unit: [rad/s].
 constexpr double kShortestMotion = 0.2;             // bounds the acceleration of short motions. Unit: [s].
 constexpr std::array kTravelRadii{1.0, 1.25, 1.5};  // tried in this order
@@ -56,6 +55,12 @@ constexpr std::size_t kPlacesPerTouch = 20;  // places to choose from
 constexpr double kColorWeight = 3.0;         // of colour against place: another thing before a far place
 constexpr double kTail = 0.01;               // of the centres on each side of the robust bounds
 constexpr int kSlideDirections = 8;
+
+// Of motion with the least jerk over a length L in a time T: the highest speed, in L / T, and acceleration,
+// in L / T^2.
+constexpr double kPeakSpeed = 15.0 / 8.0, kPeakAcceleration = 5.7735;
+// The sharpest bend of a slide, over a slide step. Unit: [1 / smallest semi-axis].
+constexpr double kSlideBend = kSlopeLimit / kSlideStep;
 
 /// A straight approach: where the tool is, by the distance s along `direction` from `origin`.
 struct Approach {
@@ -214,9 +219,10 @@ class Search {
     if (found.empty()) {
       throw Error(
           "touch path: no place in {} tries has a surface that this tool can press on from outside; "
-          "keep more Gaussians (a lower opacity threshold), make them larger (a higher sigma), or use a "
-          "larger tool",
-          kTriesPerTouch * wanted);
+          "keep more Gaussians (a lower opacity threshold), make them larger (a higher sigma), or scale the "
+          "scene "
+          "to the tool: {:.3g} m across now, its tool {:.3g} m (palpate setup proposes a --scale)",
+          kTriesPerTouch * wanted, bounds_.diagonal().norm(), 2.0 * prober_.tool().longest());
     }
     return found;
   }
@@ -351,20 +357,30 @@ struct Motion {
   std::function<Pose(double u)> pose;
 };
 
-Motion straight(const Approach& line, double from, double to, double speed) {
-  const double duration = std::max(std::abs(to - from) / speed, kShortestMotion);
-  return {duration, [=](double u) { return line.at(from + u * (to - from)); }};
+/// How long a hand takes for `length` at a mean speed of at most `mean`. \param bend radians by which the way
+/// turns
+double duration_of(double length, double bend, double mean, const TouchPathOptions& hand) {
+  // Where it bends, v^2 / r adds to the change of speed.
+  const double peak = std::hypot(kPeakAcceleration, kPeakSpeed * kPeakSpeed * bend);
+  return std::max({length / mean, kPeakSpeed * length / hand.speed,
+                   std::sqrt(peak * length / hand.acceleration), kShortestMotion});
+}
+
+Motion straight(const Approach& line, double from, double to, double mean, const TouchPathOptions& hand) {
+  return {duration_of(std::abs(to - from), 0.0, mean, hand),
+          [=](double u) { return line.at(from + u * (to - from)); }};
 }
 
 /// Along the great circle from one pose on the sphere to another; between opposite points along
 /// one of them.
-Motion arc(const Sphere& sphere, const Pose& from, const Pose& to) {
+Motion arc(const Sphere& sphere, const Pose& from, const Pose& to, const TouchPathOptions& hand) {
   const Vector3d a = from.position - sphere.center;
   const Vector3d b = to.position - sphere.center;
   const Quaterniond turn = rotation_between(a, b);
   const double angle = turn.angularDistance(Quaterniond::Identity());
   const double spin = from.orientation.angularDistance(to.orientation);
-  const double duration = std::max({angle * kTravelTime, spin / kTurnSpeed, kShortestMotion});
+  const double length = angle * std::max(a.norm(), b.norm()) + std::abs(b.norm() - a.norm());
+  const double duration = std::max(duration_of(length, angle, hand.speed, hand), spin / kTurnSpeed);
   return {duration, [=](double u) {
             const double r = a.norm() + u * (b.norm() - a.norm());  // equal, unless a line missed the sphere
             const Vector3d direction = Quaterniond::Identity().slerp(u, turn) * a.normalized();
@@ -385,20 +401,22 @@ class Script {
     const double exit_s = entry(out, sphere_);
     const double standoff_in = std::max(-kStandoff * unit_, entry_s);
     const double standoff_out = std::max(-kStandoff * unit_, exit_s);
-    const double travel_speed = sphere_.radius / kTravelTime;
-    const double approach_speed = kApproachSpeed * unit_;
+    const double approach_speed = kApproachSpeed * unit_, any_speed = options_.speed;
 
-    if (!motions_.empty()) add(arc(sphere_, motions_.back().pose(1.0), in.at(entry_s)), true);
-    add(straight(in, entry_s, standoff_in, travel_speed), true);
-    add(straight(in, standoff_in, options_.press, approach_speed), false);
+    if (!motions_.empty()) add(arc(sphere_, motions_.back().pose(1.0), in.at(entry_s), options_), true);
+    add(straight(in, entry_s, standoff_in, any_speed, options_), true);
+    add(straight(in, standoff_in, options_.press, approach_speed, options_), false);
     if (const double length = touch.slide_length(); length > 0.0) {
       const double press = options_.press;
-      add({std::max(length / (kSlideSpeed * unit_), kShortestMotion),
+      // As slow as the sharpest bend that it may follow asks for, on the steepest way.
+      const double bends = std::sqrt(options_.acceleration * unit_ / kSlideBend) / kPeakSpeed;
+      const double mean = std::min(kSlideSpeed * unit_, bends);
+      add({duration_of(std::hypot(1.0, kSlopeLimit) * length, 0.0, mean, options_),
            [=](double u) { return touch.approach.from(touch.surface(u * length)).at(press); }},
           false);
     }
-    add(straight(out, options_.press, standoff_out, approach_speed), false);
-    add(straight(out, standoff_out, exit_s, travel_speed), true);
+    add(straight(out, options_.press, standoff_out, approach_speed, options_), false);
+    add(straight(out, standoff_out, exit_s, any_speed, options_), true);
   }
 
   /// Poses of the free motions at which the tool touches anything.
@@ -426,8 +444,7 @@ class Script {
         const double t = static_cast<double>(trajectory.size()) / options_.rate;
         const double x = (t - begin) / motion.duration;
         if (x >= 1.0) break;
-        if (trajectory.size() == kMaxPoses)
-          throw Error("touch path: more than {} poses; ask for fewer touches or a lower rate", kMaxPoses);
+        if (trajectory.size() == kMaxPoses) refuse_length();
         const double u = x * x * x * (10.0 + x * (6.0 * x - 15.0));
         append(trajectory, t, motion.pose(u));
       }
@@ -438,6 +455,16 @@ class Script {
   }
 
  private:
+  [[noreturn]] void refuse_length() const {
+    double seconds = 0.0;
+    for (const Motion& motion : motions_) seconds += motion.duration;
+    throw Error(
+        "touch path: a hand takes {:.0f} s for {} touches of a scene of {:.3g} m, more than {} poses; make "
+        "the scene "
+        "smaller (palpate setup proposes a --scale), or ask for fewer touches or a lower rate",
+        seconds, options_.touches, 2.0 * sphere_.radius, kMaxPoses);
+  }
+
   void add(Motion motion, bool free) {
     motions_.push_back(std::move(motion));
     free_.push_back(free);
@@ -475,6 +502,9 @@ void check(const EllipsoidScene& scene, const Tool& tool, const TouchPathOptions
     throw Error("touch path: slide {} m: must be finite and not negative", options.slide);
   if (!(options.rate > 0.0 && options.rate <= kMaxRate))
     throw Error("touch path: rate {} Hz: must be positive and at most {}", options.rate, kMaxRate);
+  if (!(options.speed > 0.0 && options.acceleration > 0.0))
+    throw Error("touch path: speed {} m/s, acceleration {} m/s^2: must be positive", options.speed,
+                options.acceleration);
   if (!(tool.thinnest() > 0.0 && std::isfinite(tool.radius())))
     throw Error("touch path: the semi-axes of the tool must be positive and finite");
   if (scene.size() == 0)

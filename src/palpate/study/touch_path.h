@@ -12,14 +12,19 @@
 
 namespace palpate {
 
-/// What the path does. Speeds and margins are not among it: they follow from the tool's smallest
-/// semi-axis and the scene's size, so that a path suits a figurine and a street alike.
+/// What the path does. Margins are not among it: they follow from the tool's smallest semi-axis, so that a
+/// path suits a figurine and a street alike.
 struct TouchPathOptions {
   int touches = 7;         ///< places to touch, 1 to 1000
   std::uint64_t seed = 1;  ///< of the choice of places
   double press = 0.005;    ///< below first contact, along the approach, not negative. Unit: [m].
   double slide = 0.05;     ///< along the surface at that depth, not negative. Unit: [m].
   double rate = 1000.0;    ///< poses a second, positive, at most 1e5. Unit: [Hz].
+  /// \name As a hand moves: the path is never faster, nor accelerates more. Positive.
+  /// @{
+  double speed = 0.5;         ///< Unit: [m/s].
+  double acceleration = 5.0;  ///< Unit: [m/s^2].
+  /// @}
 };
 
 /// A surface begins where the tool meets this many Gaussians: a stray floater is not a surface.
@@ -38,7 +43,8 @@ inline constexpr std::size_t kSolidContacts = 3;
 /// where a sphere up to half as large again allows it. The same arguments give the same path.
 ///
 /// \param query over the Gaussians of `scene`.
-/// \throws Error if an option or the tool is out of range, the scene is empty, or no place is found.
+/// \throws Error if an option or the tool is out of range, the scene is empty, no place is found, or the
+/// scene is so large that a hand takes too long around it; the last two name a scale that suits the tool.
 Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
                       const TouchPathOptions& options);
 
