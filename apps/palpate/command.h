@@ -24,6 +24,7 @@ struct CommonOptions {
 };
 
 Command declare_info(CLI::App& parent);
+Command declare_setup(CLI::App& parent);
 Command declare_query(CLI::App& parent);
 Command declare_run(CLI::App& parent);
 Command declare_replay(CLI::App& parent);

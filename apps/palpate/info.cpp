@@ -1,6 +1,7 @@
 // palpate info: what is in a scene file, what is wrong with it, and what the filter keeps.
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "command.h"
 #include "options.h"
 #include "output.h"
+#include "setup.h"
 #include "terminal.h"
 
 namespace palpate::cli {
@@ -134,10 +136,15 @@ Command declare_info(CLI::App& parent) {
   return {&app, [=] {
             const LoadedScene loaded = load(live->scene, terminal_progress(common->quiet));
             const LintReport report = lint(loaded.scene);
+            std::optional<SceneSetup> setup;
+            if (report.defects[0] != 0) setup = propose_setup(loaded.scene, live->tool);
             if (common->json) {
-              print_json(to_json(loaded, report, live->scene));
+              Json json = to_json(loaded, report, live->scene);
+              json["proposed"] = setup ? setup_json(*setup) : Json();
+              print_json(json);
             } else {
               print_text(loaded, report, live->scene);
+              if (setup) print_setup(*setup);
             }
           }};
 }

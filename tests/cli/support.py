@@ -18,7 +18,7 @@ RUN_HEADER = (
     "t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,compute_us"
 )
 LIVE_HEADER = ",vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,stx,sty,stz,state,fault,energy,stored,damping,margin,age_us"
-COMMANDS = ["info", "query", "replay", "report", "make-scene", "make-path", "bench", "evaluate", "run", "stability",
+COMMANDS = ["info", "setup", "query", "replay", "report", "make-scene", "make-path", "bench", "evaluate", "run", "stability",
             "completion"]
 
 

@@ -1,7 +1,6 @@
 #include <palpate/live/live_config.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,26 +9,6 @@
 #include <palpate/live/live_scene.h>
 
 namespace palpate {
-namespace {
-
-/// The turn that takes the axis that points up to world +z.
-Eigen::Quaterniond upright(UpAxis frame) {
-  using Eigen::AngleAxisd;
-  using Eigen::Quaterniond;
-  using Eigen::Vector3d;
-  constexpr double kQuarter = std::numbers::pi / 2;
-  switch (frame) {
-    case UpAxis::kXDown: return Quaterniond(AngleAxisd(kQuarter, Vector3d::UnitY()));
-    case UpAxis::kXUp: return Quaterniond(AngleAxisd(-kQuarter, Vector3d::UnitY()));
-    case UpAxis::kYDown: return Quaterniond(AngleAxisd(-kQuarter, Vector3d::UnitX()));
-    case UpAxis::kYUp: return Quaterniond(AngleAxisd(kQuarter, Vector3d::UnitX()));
-    case UpAxis::kZDown: return {0, 1, 0, 0};
-    default: return Quaterniond::Identity();
-  }
-}
-
-}  // namespace
-
 ForceModelKind force_model_kind(std::string_view name) {
   const auto at = std::find(kForceModelNames.begin(), kForceModelNames.end(), name);
   if (at == kForceModelNames.end())

@@ -13,6 +13,7 @@
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/haptics/tool.h>
 #include <palpate/scene/scene_filter.h>
+#include <palpate/scene/up_axis.h>
 #include <palpate/servo/workspace_map.h>
 
 namespace palpate {
@@ -20,11 +21,6 @@ namespace palpate {
 /// \name Choices
 /// Each with its names, in files and on the wire, in the order of its values.
 /// @{
-/// Captured axis that points up, and becomes world +z. No format of scenes declares it but glTF.
-enum class UpAxis : std::uint8_t { kAsIs, kXDown, kXUp, kYDown, kYUp, kZDown, kZUp };
-inline constexpr std::array<std::string_view, 7> kUpAxisNames{"as-is", "x-down", "x-up", "y-down",
-                                                              "y-up",  "z-down", "z-up"};
-
 /// ProxyForce, FieldForce or DensityForce.
 enum class ForceModelKind : std::uint8_t { kProxy, kField, kDensity };
 inline constexpr std::array<std::string_view, 3> kForceModelNames{"proxy", "field", "density"};
@@ -45,7 +41,6 @@ enum class ContactSearch : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 4> kContactSearchNames{"auto", "inline", "worker", "hold"};
 
-constexpr std::string_view to_string(UpAxis frame) { return kUpAxisNames[static_cast<std::size_t>(frame)]; }
 constexpr std::string_view to_string(ForceModelKind kind) {
   return kForceModelNames[static_cast<std::size_t>(kind)];
 }

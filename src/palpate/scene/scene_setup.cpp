@@ -1,0 +1,182 @@
+#include <palpate/scene/scene_setup.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/base/quantile.h>
+#include <palpate/scene/lint.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::array kAxes{'x', 'y', 'z'};
+constexpr std::array<std::array<UpAxis, 2>, 3> kUpAxes{
+    {{UpAxis::kXDown, UpAxis::kXUp}, {UpAxis::kYDown, UpAxis::kYUp}, {UpAxis::kZDown, UpAxis::kZUp}}};
+
+/// A Gaussian that can collide, as a piece of surface.
+struct Piece {
+  Vector3d position, normal;
+  double longest;  ///< standard deviation
+  double opacity;
+  double seen;  ///< opacity times area
+  bool flat;    ///< so that its normal means something
+};
+
+std::vector<Piece> pieces_of(const GaussianScene& scene) {
+  constexpr double kFlat = 0.5;  // shortest to middle axis
+  std::vector<Piece> pieces;
+  pieces.reserve(scene.size());
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const Gaussian g = scene.gaussian(i);
+    if (defect(scene, i, g) != Defect::kNone) continue;
+    Eigen::Index shortest = 0;
+    const double least = g.sigma.minCoeff(&shortest), most = g.sigma.maxCoeff();
+    const double middle = g.sigma.sum() - least - most;
+    pieces.push_back({g.position, g.rotation * Vector3d::Unit(shortest), most, g.opacity,
+                      g.opacity * most * middle, least < kFlat * middle});
+  }
+  return pieces;
+}
+
+double quantile_of(const std::vector<Piece>& pieces, double share, const auto& value) {
+  std::vector<double> values;
+  values.reserve(pieces.size());
+  for (const Piece& piece : pieces) values.push_back(value(piece));
+  return quantile(values, share);
+}
+
+Eigen::AlignedBox3d central_box(const std::vector<Piece>& pieces) {
+  constexpr double kOutside = 0.01;  // on each side
+  Vector3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto coordinate = [axis](const Piece& piece) { return piece.position[axis]; };
+    low[axis] = quantile_of(pieces, kOutside, coordinate);
+    high[axis] = quantile_of(pieces, 1.0 - kOutside, coordinate);
+  }
+  return {low, high};
+}
+
+/// Of what is seen in `box`, the share above and below the level along `axis` at which most surface faces
+/// along it.
+struct Level {
+  double at, above = 0.0, below = 0.0;
+};
+Level largest_level(const std::vector<Piece>& pieces, int axis, const Eigen::AlignedBox3d& box,
+                    const auto& faces) {
+  constexpr std::size_t kBins = 64;
+  std::array<double, kBins> seen{};
+  const double low = box.min()[axis], width = box.sizes()[axis] / static_cast<double>(kBins);
+  const auto bin = [&](const Piece& piece) {
+    const double at = (piece.position[axis] - low) / width;
+    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(kBins - 1)));
+  };
+  for (const Piece& piece : pieces)
+    if (faces(piece, axis) && box.contains(piece.position)) seen[bin(piece)] += piece.seen;
+  const auto most = std::ranges::max_element(seen) - seen.begin();
+  Level level{low + (static_cast<double>(most) + 0.5) * width};
+  for (const Piece& piece : pieces) {
+    const double height = piece.position[axis] - level.at;
+    if (!box.contains(piece.position) || std::abs(height) <= width) continue;
+    (height > 0.0 ? level.above : level.below) += piece.seen;
+  }
+  return level;
+}
+
+Proposal<UpAxis> propose_frame(const std::vector<Piece>& pieces, const Eigen::AlignedBox3d& box) {
+  // Within 15 degrees; of surfaces that face anywhere, 3.4 % face along one axis.
+  constexpr double kCosine = 0.966, kStandsOut = 0.1, kAhead = 1.5;
+  const auto faces = [](const Piece& piece, int axis) {
+    return piece.flat && std::abs(piece.normal[axis]) > kCosine;
+  };
+  std::array<double, 3> seen{};
+  double all = 0.0;
+  for (const Piece& piece : pieces) {
+    if (!box.contains(piece.position)) continue;
+    if (piece.flat) all += piece.seen;
+    for (int axis = 0; axis < 3; ++axis)
+      seen[static_cast<std::size_t>(axis)] += faces(piece, axis) ? piece.seen : 0.0;
+  }
+  std::array<int, 3> order{0, 1, 2};
+  std::ranges::sort(order, [&](int a, int b) { return seen[std::size_t(a)] > seen[std::size_t(b)]; });
+  const double first = seen[std::size_t(order[0])], second = seen[std::size_t(order[1])];
+  if (!(first > kStandsOut * all) || first < kAhead * second)
+    return {UpAxis::kAsIs,
+            "no direction has more surface than the others; turn it by --frame until it is upright"};
+  const Level level = largest_level(pieces, order[0], box, faces);
+  return {kUpAxes[std::size_t(order[0])][level.above > level.below ? 1 : 0],
+          fmt::format(
+              "{:.0f} % of the surface is level with {} = {:.3g}, and most of the scene on one side of it",
+              100.0 * first / all, kAxes[std::size_t(order[0])], level.at)};
+}
+
+Proposal<double> propose_opacity(const std::vector<Piece>& pieces) {
+  double all = 0.0;
+  for (const Piece& piece : pieces) all += piece.seen;
+  double best = kPaperThresholds.front(), kept = 1.0;
+  for (const double threshold : kPaperThresholds) {
+    double seen = 0.0;
+    for (const Piece& piece : pieces) seen += piece.opacity > threshold ? piece.seen : 0.0;
+    if (threshold != kPaperThresholds.front() && seen < SceneSetup::kSeenShare * all) break;
+    best = threshold;
+    kept = all > 0.0 ? seen / all : 0.0;
+  }
+  return {best, fmt::format("keeps {:.0f} % of what is seen (opacity times area)", 100.0 * kept)};
+}
+
+/// Tukey's far fence, of logarithms, since sizes are spread over decades.
+Proposal<std::optional<double>> propose_max_scale(const std::vector<Piece>& pieces, double scale) {
+  constexpr double kFar = 3.0, kLeast = 4.0;  // the latter of where all are alike
+  const auto longest = [](const Piece& piece) { return piece.longest; };
+  const double low = quantile_of(pieces, 0.25, longest), high = quantile_of(pieces, 0.75, longest);
+  const double fence = high * std::max(kLeast, std::pow(high / low, kFar));
+  const auto outliers = std::ranges::count_if(pieces, [&](const Piece& p) { return p.longest > fence; });
+  if (outliers == 0) return {std::nullopt, "no Gaussian is far larger than the others"};
+  return {scale * fence, fmt::format("{} Gaussians are far larger than the others", outliers)};
+}
+
+Proposal<std::optional<Eigen::AlignedBox3d>> propose_crop(const std::vector<Piece>& pieces,
+                                                          const Eigen::AlignedBox3d& box,
+                                                          const Eigen::Quaterniond& rotation, double scale) {
+  constexpr double kGrown = 0.25;  // of its size, on each side
+  const Vector3d margin = kGrown * box.sizes();
+  const Eigen::AlignedBox3d larger(box.min() - margin, box.max() + margin);
+  const auto outside =
+      std::ranges::count_if(pieces, [&](const Piece& p) { return !larger.contains(p.position); });
+  if (outside == 0) return {std::nullopt, "no Gaussian is far from the others"};
+  Eigen::AlignedBox3d world;
+  for (const auto corner : {Eigen::AlignedBox3d::BottomLeftFloor, Eigen::AlignedBox3d::TopRightCeil})
+    world.extend(scale * (rotation * larger.corner(corner)));
+  return {world, fmt::format("{} Gaussians are far from the others", outside)};
+}
+
+}  // namespace
+
+SceneSetup propose_setup(const GaussianScene& scene, double tool_radius) {
+  const std::vector<Piece> pieces = pieces_of(scene);
+  if (pieces.empty()) throw Error("{}: no Gaussian of it can collide; look at palpate info", scene.source);
+  const Eigen::AlignedBox3d box = central_box(pieces);
+  const double usual = quantile_of(pieces, 0.5, [](const Piece& piece) { return piece.longest; });
+  SceneSetup setup;
+  setup.frame = propose_frame(pieces, box);
+  const double scale = tool_radius / (SceneSetup::kGaussiansAcross * usual);
+  // Two digits are as much as this is worth.
+  const double unit = std::pow(10.0, std::floor(std::log10(scale)) - 1.0);
+  setup.scale.value = std::round(scale / unit) * unit;
+  setup.scale.reason = fmt::format(
+      "the usual Gaussian is then {:.2g} mm large, a {:g}th of the tool, and the scene {:.2g} m across",
+      1e3 * setup.scale.value * usual, SceneSetup::kGaussiansAcross,
+      setup.scale.value * box.sizes().maxCoeff());
+  setup.opacity_min = propose_opacity(pieces);
+  setup.max_scale = propose_max_scale(pieces, setup.scale.value);
+  setup.crop_box = propose_crop(pieces, box, upright(setup.frame.value), setup.scale.value);
+  return setup;
+}
+
+}  // namespace palpate
