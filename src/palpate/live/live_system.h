@@ -107,7 +107,7 @@ class LiveSystem {
   LoopClock clock_;
   ContactSearch contacts_;
   Materials materials_;
-  double stiffness_;              ///< of gain 1. Unit: [N/m].
+  double stiffness_;  ///< of gain 1. Unit: [N/m].
   bool explores_ = false;
   std::shared_ptr<const SceneIndex> index_;
   Trajectory path_;  ///< in the world; once it is played back, of the device
