@@ -5,7 +5,7 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-ORDER = ["base", "geometry", "rosbridge", "scene", "collision", "haptics", "servo", "device", "gateway"]
+ORDER = ["base", "geometry", "kinematics", "rosbridge", "scene", "collision", "haptics", "servo", "device", "gateway"]
 INCLUDE = re.compile(r'#include [<"]palpate/(\w+)/')
 
 
