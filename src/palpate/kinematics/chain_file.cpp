@@ -102,8 +102,7 @@ bool is_xml(std::string_view text) {
 }  // namespace
 
 SerialChain parse_chain(const std::string& name, std::string_view text) {
-  const SerialChain chain =
-      assemble_chain(is_xml(text) ? urdf_listing(name, text) : toml_listing(name, text));
+  SerialChain chain = assemble_chain(is_xml(text) ? urdf_listing(name, text) : toml_listing(name, text));
   compare_with_kdl(chain, name);
   return chain;
 }
