@@ -20,10 +20,17 @@ enum class DampingSource {
   kSimulated,  ///< the device is a simulation, and this is what its plant has
 };
 
+/// What a device takes, and what it measures in return.
+enum class Causality {
+  kImpedance,   ///< takes a wrench, measures the hand's motion
+  kAdmittance,  ///< takes a motion, measures the hand's wrench: see MotionDevice and AdmittanceLoop
+};
+
 /// From the maker's data sheet, or measured. All limits are upper bounds: nothing sends more, whatever a
 /// force model asks for. What is not known is 0.
 struct DeviceCapabilities {
   std::string name;
+  Causality kind = Causality::kImpedance;
   double force_max = 0.0;   ///< peak. Unit: [N]. > 0
   double torque_max = 0.0;  ///< peak; 0 if it has no motors for the orientation. Unit: [N m].
   /// What the motors hold for ever, at most the peak; 0: as much as the peak. Above it SafetyGovernor keeps

@@ -33,6 +33,10 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
      kGently, false},
     {"stalled", "the loop stood still and the device was stopped; close other programs, or report it", 0.0,
      false},
+    {"force-sensor", "the force sensor cannot be right; check its cable, and let go of the handle to tare it",
+     kSoon, false},
+    {"not-following", "the device is not where it was sent; see what holds it, and check its drives", kSoon,
+     true},
 }};
 
 }  // namespace

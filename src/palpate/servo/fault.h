@@ -27,8 +27,10 @@ enum class Fault : std::uint8_t {
   kLateTick,       ///< the loop's ticks come too late: SafetyLimits::late_max
   kCrowded,        ///< the model wants more contacts than a tick has time for: ToolTracker::kMost
   kStalled,        ///< the loop did not tick for ServoLoop::kPatience, and the device was stopped
+  kForceSensor,    ///< the force sensor says what no hand can do, or nothing: ForceSensorGuard
+  kNotFollowing,   ///< the device is not where its motion was to take it: MotionSafety::following_max
 };
-inline constexpr std::size_t kFaultCount = 17;
+inline constexpr std::size_t kFaultCount = 19;
 
 /// What is known of a fault.
 struct FaultTraits {

@@ -1,0 +1,92 @@
+/// \file
+/// A simulated room-scale device of the admittance type.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <random>
+
+#include <palpate/device/joint_plant.h>
+#include <palpate/kinematics/joint_motion.h>
+#include <palpate/servo/least_admittance.h>
+#include <palpate/servo/motion_device.h>
+
+namespace palpate {
+
+/// What its force sensor adds to the truth.
+struct ForceSensorProperties {
+  double noise = 0.02, torque_noise = 0.002;  ///< of each axis, standard deviation. Unit: [N], [N m].
+  Wrench bias;
+  Wrench drift;                               ///< of the bias. Unit: [N/s], [N m/s].
+  double lag = 2e-3;                          ///< of its filter. Unit: [s]. >= 0
+  double range = 150.0, torque_range = 15.0;  ///< of each axis: more is told as this. Unit: [N], [N m].
+};
+
+/// A device besides its mechanics.
+struct GiantProperties {
+  JointPlantProperties drives;
+  ForceSensorProperties sensor;
+  double delay = 2e-3;       ///< from move() until the drives go for it; at most kMostDelay. Unit: [s].
+  double resolution = 2e-6;  ///< of the encoders at the joints; 0: exact. Unit: [m], [rad].
+  JointMotionOptions motion;
+};
+
+/// A serial chain in a hand, as a device that measures the hand's wrench and takes a motion, which
+/// JointMotion brings to its joints within their limits. Readings are of encoders and sensor; they come with
+/// every read().
+///
+/// Time is the loop's, as of SimulatedDevice. Without a move() for kWatchdog, and after stop(), the joints
+/// brake.
+class GiantDevice final : public MotionDevice {
+ public:
+  /// \param chain checked \param plant made with this chain's shape; moved by this object alone
+  /// \param start of the TCP; must be within reach \throws Error if it is not.
+  GiantDevice(const SerialChain& chain, std::unique_ptr<JointPlant> plant, const GiantProperties& properties,
+              const Pose& start, std::uint64_t seed = 1);
+
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double t, MotionReading& reading) override;
+  MotionAnswer move(const MotionSetpoint& motion, double dt) override;
+  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
+
+  /// Where the TCP really is, and what the hand really exerts on it.
+  Pose pose() const;
+  Wrench hand() const { return plant_->hand(); }
+  const JointMotion& joints() const { return motion_; }
+
+  static constexpr double kMostDelay = 0.012;  ///< Unit: [s].
+  static constexpr double kWatchdog = 0.05;    ///< Unit: [s].
+
+ private:
+  struct Told {
+    double t = 0.0;
+    JointVector q;
+  };
+
+  void advance(double t);
+  Wrench sensed(double dt);
+
+  SerialChain chain_;
+  GiantProperties properties_;
+  DeviceCapabilities capabilities_;
+  std::unique_ptr<JointPlant> plant_;
+  JointMotion motion_;
+  mutable ChainKinematics kinematics_;
+  bool started_ = false;
+  double t_ = 0.0, read_at_ = 0.0, moved_at_ = 0.0;
+  std::array<Told, 64> told_;  ///< a ring of what move() has made, for the delay
+  std::size_t told_count_ = 0, shown_ = 0;
+  Pose seen_;
+  Twist velocity_;
+  Wrench filtered_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  std::atomic<bool> stopped_ = false;
+};
+
+/// What an AdmittanceLoop may take this device to be, along an axis: delay, lags, and the slowest mode of
+/// gears and belts. Contact and hand are left at nothing.
+AdmittanceLoopModel loop_model(const SerialChain& chain, const GiantProperties& properties);
+
+}  // namespace palpate

@@ -1,0 +1,128 @@
+#include <palpate/servo/admittance_controller.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <palpate/geometry/rotation.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+double wanted_acceleration(double force, double mass, double damping, const AxisState& s, double dt) {
+  return (force - damping * (s.velocity + 0.5 * dt * s.acceleration)) / (mass + 0.5 * dt * damping);
+}
+
+/// `now` on its way to `wanted`. \param most of the way, upwards
+void approach(double& now, double wanted, double most) { now = std::min(wanted, now + most); }
+
+void approach(Vector3d& mass, Vector3d& damping, const Vector3d& wanted_mass, const Vector3d& wanted_damping,
+              double dt) {
+  // A mass that falls under way would give energy if the motion stayed; it is the virtual mass that is
+  // divided by, so that its momentum is lost, and its energy with it.
+  constexpr double kDampingTime = 0.1;  // Unit: [s].
+  for (Index k = 0; k < 3; ++k) {
+    approach(mass[k], wanted_mass[k], dt * damping[k]);
+    damping[k] += std::min(1.0, dt / kDampingTime) * (wanted_damping[k] - damping[k]);
+  }
+}
+
+}  // namespace
+
+AxisLimits MotionLimits::along(Index axis) const {
+  AxisLimits limits{jerk, acceleration, velocity};
+  if (workspace.isEmpty()) return limits;
+  limits.lower = workspace.min()[axis];
+  limits.upper = workspace.max()[axis];
+  return limits;
+}
+
+double MotionLimits::stop_time() const {
+  return std::max(palpate::stop_time(along(0)), palpate::stop_time(about()));
+}
+
+AdmittanceController::AdmittanceController(const Admittance& admittance, const MotionLimits& limits)
+    : limits_(limits), now_(admittance), wanted_(admittance) {}
+
+void AdmittanceController::start(const Pose& pose) {
+  motion_ = {};
+  motion_.pose = pose;
+  for (Index k = 0; k < 3; ++k) along_[static_cast<std::size_t>(k)] = {pose.position[k], 0.0, 0.0};
+}
+
+void AdmittanceController::follow(const Pose& pose, const Twist& velocity, double dt) {
+  const auto held = [dt](double most, double now, double before) {
+    return dt > 0.0 ? std::clamp((now - before) / dt, -most, most) : 0.0;
+  };
+  for (Index k = 0; k < 3; ++k) {
+    motion_.acceleration.linear[k] =
+        held(limits_.acceleration, velocity.linear[k], motion_.velocity.linear[k]);
+    motion_.acceleration.angular[k] =
+        held(limits_.angular_acceleration, velocity.angular[k], motion_.velocity.angular[k]);
+    along_[static_cast<std::size_t>(k)] = {pose.position[k], velocity.linear[k],
+                                           motion_.acceleration.linear[k]};
+  }
+  motion_.pose = pose;
+  motion_.velocity = velocity;
+}
+
+void AdmittanceController::change(double dt) {
+  approach(now_.mass, now_.damping, wanted_.mass, wanted_.damping, dt);
+  approach(now_.inertia, now_.angular_damping, wanted_.inertia, wanted_.angular_damping, dt);
+}
+
+/// \param turned about each axis since the last call, from 0
+void AdmittanceController::tell(const Axes& turned) {
+  Vector3d turn;
+  for (Index k = 0; k < 3; ++k) {
+    const AxisState &x = along_[static_cast<std::size_t>(k)], &a = turned[static_cast<std::size_t>(k)];
+    motion_.pose.position[k] = x.position;
+    motion_.velocity.linear[k] = x.velocity;
+    motion_.acceleration.linear[k] = x.acceleration;
+    turn[k] = a.position;
+    motion_.velocity.angular[k] = a.velocity;
+    motion_.acceleration.angular[k] = a.acceleration;
+  }
+  motion_.pose.orientation = (rotation_by(turn) * motion_.pose.orientation).normalized();
+}
+
+const MotionSetpoint& AdmittanceController::step(const Wrench& user, const Wrench& scene, double dt) {
+  change(dt);
+  motion_.still = false;
+  const Vector3d force = user.force + scene.force, torque = user.torque + scene.torque;
+  Axes turned;
+  for (Index k = 0; k < 3; ++k) {
+    AxisState& x = along_[static_cast<std::size_t>(k)];
+    x = stepped(x, limits_.along(k), wanted_acceleration(force[k], now_.mass[k], now_.damping[k], x, dt), dt);
+    const AxisState a{0.0, motion_.velocity.angular[k], motion_.acceleration.angular[k]};
+    turned[static_cast<std::size_t>(k)] =
+        stepped(a, limits_.about(),
+                wanted_acceleration(torque[k], now_.inertia[k], now_.angular_damping[k], a, dt), dt);
+  }
+  tell(turned);
+  return motion_;
+}
+
+const MotionSetpoint& AdmittanceController::brake(double dt) {
+  change(dt);
+  Axes turned;
+  for (Index k = 0; k < 3; ++k) {
+    AxisState& x = along_[static_cast<std::size_t>(k)];
+    x = stopping(x, limits_.along(k), dt);
+    turned[static_cast<std::size_t>(k)] =
+        stopping({0.0, motion_.velocity.angular[k], motion_.acceleration.angular[k]}, limits_.about(), dt);
+  }
+  tell(turned);
+  motion_.still = at_rest();
+  return motion_;
+}
+
+bool AdmittanceController::at_rest() const {
+  const auto none = [](const Twist& t) { return t.linear.isZero(0.0) && t.angular.isZero(0.0); };
+  return none(motion_.velocity) && none(motion_.acceleration);
+}
+
+}  // namespace palpate

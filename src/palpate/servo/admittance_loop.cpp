@@ -1,0 +1,121 @@
+#include <palpate/servo/admittance_loop.h>
+
+#include <algorithm>
+#include <array>
+
+namespace palpate {
+namespace {
+
+constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+/// What a late tick moves at most: it slows down what it is late for. Unit: [ticks].
+constexpr double kOnTime = 2.0;
+
+}  // namespace
+
+void AdmittanceLoop::check(const AdmittanceLoopOptions& options) {
+  if (options.margin == 0.0) return;
+  AdmittanceLoopModel along = options.along, about = options.about;
+  along.delay += 0.5 * options.period;
+  about.delay += 0.5 * options.period;
+  const Admittance& a = options.admittance;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto axis = std::string(kAxes[static_cast<std::size_t>(k)]);
+    require_stable({a.mass[k], a.damping[k]}, along, "along " + axis, options.margin);
+    require_stable({a.inertia[k], a.angular_damping[k]}, about, "about " + axis, options.margin);
+  }
+}
+
+DeviceCapabilities AdmittanceLoop::told(const MotionDevice& device, const AdmittanceLoopOptions& options) {
+  DeviceCapabilities can = device.capabilities();
+  can.kind = Causality::kAdmittance;
+  can.damping = options.admittance.damping.minCoeff();
+  can.damping_max = 0.5 * can.damping;
+  can.damping_source = DampingSource::kSimulated;  // by the controller, whatever the device
+  can.delay = options.along.delay + options.along.lag + options.along.sensor_lag;
+  return can;
+}
+
+AdmittanceLoop::AdmittanceLoop(MotionDevice& device, const AdmittanceLoopOptions& options)
+    : device_(device),
+      options_(options),
+      capabilities_(told(device, options)),
+      governor_(
+          options.safety.value_or(MotionSafety::of(device.capabilities(), options.limits, options.period))),
+      controller_(options.admittance, options.limits) {
+  check(options);
+}
+
+void AdmittanceLoop::open() {
+  device_.open();
+  HapticDevice::open();
+}
+
+void AdmittanceLoop::enable() {
+  device_.enable();
+  HapticDevice::enable();
+}
+
+void AdmittanceLoop::close() noexcept {
+  device_.close();
+  HapticDevice::close();
+}
+
+void AdmittanceLoop::stop() noexcept {
+  governor_.stop(Fault::kStalled);
+  device_.stop();
+}
+
+void AdmittanceLoop::change(const Admittance& admittance, double contact_stiffness) {
+  AdmittanceLoopOptions changed = options_;
+  changed.admittance = admittance;
+  changed.along.contact_stiffness = contact_stiffness;
+  check(changed);
+  options_ = changed;
+  next_.back() = admittance;
+  next_.publish();
+}
+
+bool AdmittanceLoop::read(double t, DeviceReading& reading) {
+  t_ = t;
+  const bool fresh = device_.read(t, said_);
+  heard_ = heard_ || fresh;
+  if (!heard_) {
+    governor_.admit_none(t);
+    return false;
+  }
+  governor_.admit(said_, t);
+  if (!started_) {
+    controller_.start(governor_.reading().pose);
+    answer_.motion = controller_.motion();
+    written_at_ = t;
+    started_ = true;
+  }
+  if (fresh) reading = {said_.t, said_.pose, said_.velocity, said_.hand, said_.buttons};
+  return fresh;
+}
+
+void AdmittanceLoop::write(const Wrench& wrench) {
+  if (!started_) return;
+  const double passed = t_ > written_at_ ? t_ - written_at_ : options_.period;
+  const double dt = std::min(passed, kOnTime * options_.period);
+  written_at_ = t_;
+  if (next_.update()) controller_.set(next_.front());
+  if (governor_.brakes()) {
+    controller_.brake(dt);
+  } else {
+    const double share = governor_.share();
+    const Wrench user = governor_.user();
+    controller_.step({share * user.force, share * user.torque}, {share * wrench.force, share * wrench.torque},
+                     dt);
+  }
+  const bool good = governor_.moved(controller_.motion(), answer_.motion, controller_.at_rest());
+  if (!good) controller_.start(answer_.motion.pose);
+  answer_ = device_.move(controller_.motion(), dt);
+  if (!answer_.held) return;
+  held_ = true;
+  held_at_ = t_;
+  held_reason_ = answer_.reason;
+  controller_.follow(answer_.motion.pose, answer_.motion.velocity, dt);
+}
+
+}  // namespace palpate
