@@ -65,6 +65,8 @@ urdf::ModelInterfaceSharedPtr parsed(const std::string& name, std::string_view t
   console_bridge::restorePreviousOutputHandler();
   const std::string& why = error.first().empty() ? thrown : error.first();
   if (model == nullptr) throw Error("{}: is no URDF: {}", name, why.empty() ? "it cannot be parsed" : why);
+  // A loop of links would hold itself in memory; what is asked for is in the model's own lists.
+  for (const auto& [link, given] : model->links_) given->child_links.clear();
   return model;
 }
 
