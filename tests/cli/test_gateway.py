@@ -83,6 +83,9 @@ class Gateway(Case):
 
         def receive():
             opcode, length = stream.read(2)
+            if opcode & 15 == 9:  # a ping, of a server that has heard nothing for a while
+                send(stream.read(length), opcode=10)
+                return receive()
             length = {126: lambda: struct.unpack(">H", stream.read(2))[0],
                       127: lambda: struct.unpack(">Q", stream.read(8))[0]}.get(length, lambda: length)()
             return opcode & 15, stream.read(length)
