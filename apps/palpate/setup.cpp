@@ -1,7 +1,6 @@
 // palpate setup: how an unknown scene might be felt, as a configuration file.
 #include "setup.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
 #include <palpate/live/config_toml.h>
+#include <palpate/scene/load_scene.h>
 
 #include "command.h"
 #include "options.h"
@@ -61,8 +61,8 @@ struct Options {
 void run(const Options& options) {
   if (!options.out.empty()) check_output(options.out, {options.live.scene.path, options.common.config});
   LiveConfig live = options.live;
-  const LoadedScene loaded = load(live.scene, terminal_progress(options.common.quiet));
-  const SceneSetup setup = propose_setup(loaded.scene, live.tool);
+  const GaussianScene scene = load_scene(live.scene.path, terminal_progress(options.common.quiet));
+  const SceneSetup setup = propose_setup(scene, live.tool);
   apply(setup, live.scene);
   if (!options.out.empty()) {
     OutputFile file(options.out);
@@ -82,9 +82,7 @@ void run(const Options& options) {
 }  // namespace
 
 SceneSetup propose_setup(const GaussianScene& scene, const Tool& tool) {
-  double radius = tool.parts()[0].semi_axes.minCoeff();
-  for (const ToolPart& part : tool.parts()) radius = std::min(radius, part.semi_axes.minCoeff());
-  return palpate::propose_setup(scene, radius);
+  return palpate::propose_setup(scene, tool.thinnest());
 }
 
 void print_setup(const SceneSetup& setup) {
