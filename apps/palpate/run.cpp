@@ -50,11 +50,11 @@ struct Options {
 /// device before.
 /// @{
 std::atomic<bool> ends = false;
-std::atomic<ServoTick*> stoppable = nullptr;
-static_assert(std::atomic<ServoTick*>::is_always_lock_free);
+std::atomic<LiveSystem*> stoppable = nullptr;
+static_assert(std::atomic<LiveSystem*>::is_always_lock_free);
 
 void stop_for(Fault why) {
-  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->governor().stop(why);
+  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->stop_force(why);
 }
 extern "C" void end_run(int) {
   ends.store(true, std::memory_order_relaxed);
@@ -63,7 +63,7 @@ extern "C" void end_run(int) {
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
 /// The last thing that is done.
 extern "C" void die(int signal) {
-  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->stall();
+  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->tick().stall();
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -74,8 +74,8 @@ constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 /// Has the handlers in place as long as it lives.
 class Signals {
  public:
-  explicit Signals(ServoTick& tick) {
-    stoppable.store(&tick, std::memory_order_release);
+  explicit Signals(LiveSystem& system) {
+    stoppable.store(&system, std::memory_order_release);
     for (const int signal : kEnding) std::signal(signal, end_run);
     for (const int signal : kDeadly) std::signal(signal, die);
     std::signal(SIGUSR1, stop_motors);
@@ -181,12 +181,14 @@ void Console::draw() const {
   const std::string margin = now.margin <= 0.0  ? "-"
                              : now.margin < 1.0 ? fmt::format("{:.1f}x: softer, since it is late", now.margin)
                                                 : fmt::format("{:.1f}x", now.margin);
+  const std::string_view held_by = system_.device_held_by();
+  const std::string held = held_by.empty() ? "" : fmt::format("  held: {}", held_by);
   stderr_.write(fmt::format(
       "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
-      "margin {}",
+      "margin {}{}",
       now.t, to_string(now.state), why, to_string(settings.force.model), settings.force.proxy.stiffness,
       now.sent.force.norm(), now.contacts, kMicro * statistics.whole.quantile(0.5),
-      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin));
+      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin, held));
 }
 
 bool Console::act(char key) {
@@ -195,8 +197,8 @@ bool Console::act(char key) {
     case ' ':
       view_.newest().fault == Fault::kPaused ? governor.unpause() : governor.stop(Fault::kPaused);
       break;
-    case 'r': governor.resume(); break;
-    case 'e': governor.stop(); break;
+    case 'r': system_.resume(); break;
+    case 'e': system_.stop_force(); break;
     case 'm':
       system_.change([](LiveConfig& settings) {
         const auto next = static_cast<std::size_t>(settings.force.model) + 1;
@@ -299,7 +301,7 @@ void print_text(const Outcome& outcome, LiveSystem& system) {
 void warn(const LiveSystem& system) {
   const DeviceCapabilities& device = system.device();
   const double stiffness = system.settings().force.proxy.stiffness;
-  if (stiffness > device.stiffness_max) {
+  if (device.stiffness_max > 0.0 && stiffness > device.stiffness_max) {
     notify(fmt::format("warning: --stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
                        stiffness, device.name, device.stiffness_max));
   }
@@ -313,7 +315,7 @@ void run(const Options& options) {
   const auto view = std::make_unique<LiveView>();
   std::vector<TickObserver*> observers{view.get()};
   if (!options.record.empty()) {
-    recorder = std::make_unique<Recorder>(options.record);
+    recorder = std::make_unique<Recorder>(options.record, recorder_options(system.device()));
     recording = std::make_unique<RecordingObserver>(*recorder);
     observers.push_back(recording.get());
   }
@@ -328,7 +330,7 @@ void run(const Options& options) {
   system.start(observers);
   const LoopEnd end(system);
   if (gateway) gateway->start();
-  std::optional<Signals> signals(std::in_place, system.tick());
+  std::optional<Signals> signals(std::in_place, system);
   if (talks) {
     for (const std::string& line : system.loop().refused()) notify("note: " + line);
     notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,

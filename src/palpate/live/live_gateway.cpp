@@ -142,7 +142,7 @@ LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pag
       pages_(std::move(pages)),
       map_(system.settings().device.map),
       feed_(system.client_hand()),
-      recording_(elsewhere(), pages_.report),
+      recording_(elsewhere(), pages_.report, recorder_options(system.device())),
       felt_list_(elsewhere()),
       parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)),
       run_tag_(random_text()) {
@@ -305,9 +305,8 @@ void LiveGateway::Implementation::add_switches() {
       });
     });
   };
-  add("/palpate/emergency_stop", "std_srvs/Trigger",
-      [this](const Json&) { system_.tick().governor().stop(); });
-  add("/palpate/resume", "std_srvs/Trigger", [this](const Json&) { system_.tick().governor().resume(); });
+  add("/palpate/emergency_stop", "std_srvs/Trigger", [this](const Json&) { system_.stop_force(); });
+  add("/palpate/resume", "std_srvs/Trigger", [this](const Json&) { system_.resume(); });
   add("/palpate/pause", "std_srvs/SetBool", [this](const Json& arguments) {
     SafetyGovernor& governor = system_.tick().governor();
     flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.unpause();

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +18,7 @@
 #include <palpate/live/live_config.h>
 #include <palpate/live/live_scene.h>
 #include <palpate/record/trajectory.h>
+#include <palpate/servo/admittance_loop.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
@@ -69,17 +71,26 @@ class LiveSystem {
   /// The scene that is felt, which is kept as long as it is held.
   std::shared_ptr<const FeltScene> felt() const;
 
+  /// No force, and a device of the admittance type is at rest where that takes resume() to end. Signal
+  /// handlers too.
+  void stop_force(Fault why = Fault::kEmergencyStop);
+  /// Ends all that stop_force() began but for pauses, and faults that latch.
+  void resume();
   /// The loop's tick: its governor stops and resumes the force. What may be called when, it says itself.
   ServoTick& tick() { return *tick_; }
   ServoLoop& loop() { return *loop_; }
   /// The loop's, on which all times of ticks are.
   const LoopClock& clock() const { return clock_; }
   const DeviceCapabilities& device() const { return device_->capabilities(); }
-  /// "simulated", "playback" or "client"; "external" for the caller's own.
+  /// A name of kDeviceKindNames; "external" for the caller's own.
   std::string_view device_kind() const { return device_kind_; }
   /// What the device says of itself in a fault; else empty.
   std::string_view device_fault() const {
     return device_->status() == DeviceStatus::kFault ? device_->status_text() : std::string_view();
+  }
+  /// What keeps it from its motion, of the admittance type; empty where nothing does.
+  std::string_view device_held_by() const {
+    return device_->status() == DeviceStatus::kEnabled ? device_->status_text() : std::string_view();
   }
   /// Where a client's hand is, which leads the simulated one, or is the device.
   ClientHand& client_hand() { return client_hand_; }
@@ -91,8 +102,10 @@ class LiveSystem {
 
  private:
   void read_scene(const Progress& progress);
+  void place_giant();
   void find_way();
   Trajectory explore(const SceneIndex& index, const Tool& tool) const;
+  Trajectory explore_room(const SceneIndex& index, const Tool& tool) const;
   void open(std::unique_ptr<HapticDevice> device);
   void go(const Trajectory& path);
   HandPath simulated_hand();
@@ -100,7 +113,7 @@ class LiveSystem {
                                        const LiveConfig& settings) const;
   void change_until_stopped(LiveConfig done);
   void apply(const LiveConfig& wanted, const LiveConfig& now);
-  void set_gain(const LiveConfig& settings);
+  void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);
 
   Notify notify_;
@@ -115,9 +128,11 @@ class LiveSystem {
   LatestValue<std::shared_ptr<const HandPath>> way_;
   ClientHand client_hand_;
   double length_ = 0.0;
-  bool owns_device_;  ///< it is none of the caller's
+  std::optional<Pose> home_;  ///< of a giant's handle, device's frame
+  bool owns_device_;          ///< it is none of the caller's
   std::string_view device_kind_;
   std::unique_ptr<HapticDevice> device_;
+  AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
   std::unique_ptr<ServoTick> tick_;
   std::unique_ptr<ServoLoop> loop_;
 
