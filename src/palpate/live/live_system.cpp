@@ -13,16 +13,14 @@
 #include <palpate/base/error.h>
 #include <palpate/collision/ellipsoid_lookup.h>
 #include <palpate/device/hand_path.h>
-#include <palpate/device/led_hand.h>
 #include <palpate/device/simulated_device.h>
 #include <palpate/live/factories.h>
+#include <palpate/live/simulated_hand.h>
 #include <palpate/study/touch_path.h>
 
 namespace palpate {
 namespace {
 
-/// Of the hand that explores. Unit: [m].
-constexpr double kTremor = 2e-5;
 /// Gaussians across a tool from which on a search takes so long that another thread had better do it.
 constexpr double kManyContacts = 200.0;
 
@@ -114,7 +112,11 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
       connections.playback = path_;
     } else if (config.kind == DeviceKind::kSimulated) {
       go(path_);
-      connections.hand = simulated_hand();
+      const HandPath own = [this](double t) {
+        way_.update();
+        return tick_->map().to_device((*way_.front())(t));
+      };
+      connections.hand = simulated_hand(own, client_hand_, moves_itself_);
     }
     device = make_device(config, settings_.loop.rate, std::move(connections));
   }
@@ -126,20 +128,6 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
 void LiveSystem::go(const Trajectory& path) {
   way_.back() = std::make_shared<const HandPath>(to_and_fro(path));
   way_.publish();
-}
-
-/// On its own way, which may change, or where a client leads it; in the device's frame. The servo thread's.
-HandPath LiveSystem::simulated_hand() {
-  const HandPath own = [this](double t) {
-    way_.update();
-    return tick_->map().to_device((*way_.front())(t));
-  };
-  const LedHand::Lead lead = [this](double) -> std::optional<Pose> {
-    const ClientHand::Sample& client = client_hand_.newest();
-    if (!client_hand_.is_held()) return std::nullopt;
-    return client.pose;
-  };
-  return with_tremor(LedHand(own, lead), kTremor);
 }
 
 std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,
