@@ -35,6 +35,7 @@ export class Headset {
   surroundings = new Surroundings();
   teleport = new Teleport();
   #holding = null; // the hand with the tool
+  #aiming = null; // the hand that aims at a place to go to
   #last = 0;
 
   /// `parts` are {view, room, hold, splats, felt, live, actions, statusBar, parameters}.
@@ -62,6 +63,10 @@ export class Headset {
       this.#letGo(hand);
       hand.squeezing = null;
       hand.source = null;
+      if (this.#aiming === hand) {
+        this.#aiming = null;
+        this.teleport.end();
+      }
       for (const part of [ray, grip]) part.clear();
     });
     ray.addEventListener('selectstart', () => this.#take(hand));
@@ -220,11 +225,11 @@ export class Headset {
   // While the stick is ahead it aims; once it comes back the person is there.
   #aim(hand, ahead) {
     if (ahead) {
-      this.aiming = hand;
+      this.#aiming = hand;
       const { origin, direction } = hand.pointing;
       this.teleport.aim(origin, direction);
-    } else if (this.aiming === hand) {
-      this.aiming = null;
+    } else if (this.#aiming === hand) {
+      this.#aiming = null;
       const target = this.teleport.end();
       const feet = this.view.camera.position.clone().setY(0);
       this.room.translation.add(this.room.toWorld(target).sub(this.room.toWorld(feet)));

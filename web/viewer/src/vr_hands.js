@@ -7,6 +7,7 @@ import {
 import { themeValue } from '../../shared/theme.js';
 
 const rayLength = 1.5; // Unit: [m].
+const slimmer = 0.7; // than the radius of a joint, so that fingers can be told apart
 const usualJoint = 0.008; // radius of a joint that says none. Unit: [m].
 
 function solid(geometry, color) {
@@ -38,6 +39,6 @@ export function drawnRay() {
 export function drawHand(hand) {
   for (const joint of Object.values(hand.joints)) {
     if (joint.children.length === 0) joint.add(Object.assign(solid(new SphereGeometry(1, 12, 8), '--tool'), { renderOrder: 12 }));
-    joint.children[0].scale.setScalar(joint.jointRadius || usualJoint);
+    joint.children[0].scale.setScalar(slimmer * (joint.jointRadius || usualJoint));
   }
 }

@@ -28,14 +28,14 @@ export class EyeSigns {
   constructor() {
     this.dark = inFront(new PlaneGeometry(4, 4), '#000000', 40);
     this.dark.position.z = -0.3;
-    this.frame = inFront(new RingGeometry(0.3, 0.9, 48), themeValue('--stop'), 38, { opacity: 0.75 });
+    this.frame = inFront(new RingGeometry(0.33, 0.95, 64), themeValue('--stop'), 38, { opacity: 0.75 });
     this.frame.position.z = -0.4;
     this.arrow = inFront(new ConeGeometry(0.014, 0.05, 16), themeValue('--tool'), 39);
     this.canvas = Object.assign(document.createElement('canvas'), { width: textSize[0], height: textSize[1] });
     this.texture = new CanvasTexture(this.canvas);
     this.texture.colorSpace = SRGBColorSpace;
     this.words = inFront(new PlaneGeometry(0.36, (0.36 * textSize[1]) / textSize[0]), '#ffffff', 39, { map: this.texture });
-    this.words.position.set(0, -0.13, -0.5);
+    this.words.position.set(0, 0.16, -0.5);
     this.group.add(this.dark, this.frame, this.arrow, this.words);
   }
 

@@ -7,6 +7,7 @@ import { themeValue } from '../../shared/theme.js';
 const reach = 8; // of the floor's lines to each side. Unit: [m].
 const farAway = 400; // where the sky is. Unit: [m].
 const order = -10; // before the splats
+const deepest = 0.25; // of the ink, in the sky
 
 export class Surroundings {
   group = new Group();
@@ -21,23 +22,29 @@ export class Surroundings {
     this.group.visible = false;
   }
 
-  /// In the colours of the theme: the sky is darker up, the ground darker down, and the horizon between them bright.
+  /// In the colours of the theme: sky and ground are darker than the horizon between them.
   applyTheme() {
-    const [horizon, ink] = ['--view', '--ink'].map((name) => new Color(themeValue(name)));
+    const [view, ink] = ['--view', '--ink'].map((name) => new Color(themeValue(name)));
+    const isDark = view.g < ink.g;
+    const horizon = isDark ? view.clone().lerp(ink, deepest) : view;
+    const away = isDark ? view : view.clone().lerp(ink, deepest);
     const { position } = this.sky.geometry.attributes;
     const colors = new Float32Array(3 * position.count);
     for (let i = 0; i < position.count; ++i) {
       const up = position.getY(i) / farAway;
-      const share = up >= 0 ? 0.22 * Math.sqrt(up) : 0.12 + 0.2 * Math.sqrt(-up);
-      horizon.clone().lerp(ink, share).toArray(colors, 3 * i);
+      const share = up >= 0 ? 0.6 * Math.sqrt(up) : Math.min(0.4 + 0.6 * Math.sqrt(-up), 1);
+      horizon.clone().lerp(away, share).toArray(colors, 3 * i);
     }
     this.sky.geometry.setAttribute('color', new BufferAttribute(colors, 3));
     this.floor.material.color.set(themeValue('--muted'));
   }
 }
 
+// Every side of every square metre by itself: a line from behind the eyes to before them is not drawn everywhere.
 function gridLines() {
   const points = [];
-  for (let k = -reach; k <= reach; ++k) points.push(k, 0, -reach, k, 0, reach, -reach, 0, k, reach, 0, k);
+  for (let k = -reach; k <= reach; ++k) {
+    for (let i = -reach; i < reach; ++i) points.push(k, 0, i, k, 0, i + 1, i, 0, k, i + 1, 0, k);
+  }
   return new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
 }
