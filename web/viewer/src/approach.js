@@ -4,14 +4,14 @@ import { Vector3 } from 'three';
 
 import { reachOf } from './tool_shape.js';
 
-const pressed = 0.2; // deeper than the surface, so that it is felt. In sizes of the tool.
+const pressed = 0.15; // deeper than the surface, so that it is felt. In sizes of the tool.
 const clearance = 2.5; // from the surface, where the last leg begins. In sizes of the tool.
 const lifted = 6; // towards the eye, where the straight way is not free. In sizes of the tool.
-const speed = { free: 12, last: 3 }; // in sizes of the tool a second
-const longestFrame = 0.25; // a page that stood still does not leap. Unit: [s].
+// In sizes of the tool a second; and how long a frame counts at most, since a page that stood still does not leap. Unit: [s].
+const pace = { free: { speed: 12, longest: 1 }, last: { speed: 3, longest: 0.25 } };
 
 export class Approach {
-  #legs = []; // {to, speed}
+  #legs = []; // {to, speed, longest}
   #last = 0;
 
   constructor({ hold, splats, felt }) {
@@ -32,7 +32,7 @@ export class Approach {
     const end = point.clone().addScaledVector(back, reach - pressed * this.felt.size);
     const before = end.clone().addScaledVector(back, clearance * this.felt.size);
     const way = this.#way(this.hold.hand.clone(), before, back);
-    this.#legs = [...way.map((to) => ({ to, speed: speed.free })), { to: end, speed: speed.last }];
+    this.#legs = [...way.map((to) => ({ to, ...pace.free })), { to: end, ...pace.last }];
     return true;
   }
 
@@ -73,16 +73,16 @@ export class Approach {
 
   /// To be called before every frame, and before the hand is published.
   update(now) {
-    const seconds = Math.min(now - this.#last, longestFrame);
+    const seconds = now - this.#last;
     this.#last = now;
     if (!this.isOn) return;
     if (this.#legs.length === 0) {
       this.hold.end('approach');
       return;
     }
-    const [{ to, speed: sizes }] = this.#legs;
+    const [{ to, speed, longest }] = this.#legs;
     const way = to.clone().sub(this.hold.hand);
-    const step = sizes * this.felt.size * seconds;
+    const step = speed * this.felt.size * Math.min(seconds, longest);
     if (way.length() > step) {
       this.hold.hand.addScaledVector(way.normalize(), step);
       return;
