@@ -5,7 +5,7 @@ import { before, beforeEach, describe, test } from 'node:test';
 
 import { ask, colorsOf, settle, until } from './browser.mjs';
 import { ball, clear, desk, distance, frameAll, openDesk, resetDesk, scaled, toolOnPage, touching } from './desk.mjs';
-import { radius } from './mock_scene.mjs';
+import { ballScene, radius } from './mock_scene.mjs';
 
 const spread = (color) => Math.max(...color) - Math.min(...color);
 
@@ -101,6 +101,12 @@ describe('what is seen', () => {
     const arrow = await (await until(desk.page, () => window.palpateViewer.arrow())).jsonValue();
     const outward = scaled(desk.gateway.tool.position, 1 / Math.hypot(...desk.gateway.tool.position));
     assert.ok(distance(arrow, outward) < 1e-3, `${arrow}`);
+  });
+
+  test('where the tool is far too small for the scene, that is said', async () => {
+    const tool = [{ ...desk.gateway.parameters.tool[0], semi_axes: [5e-4, 5e-4, 5e-4] }];
+    await resetDesk({ scene: ballScene(300), parameters: { tool } });
+    await desk.page.getByText('times smaller than the scene').waitFor();
   });
 
   test('a tool that is small is encircled by 24 pixels at least, and one out of view is pointed at', async () => {

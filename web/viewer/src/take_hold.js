@@ -3,6 +3,7 @@
 import { Vector3 } from 'three';
 
 import { byId } from '../../shared/dom.js';
+import { formatCount } from '../../shared/format.js';
 import { followClicks } from './clicks.js';
 import { formatLength } from './format.js';
 import { notify } from './notices.js';
@@ -11,6 +12,7 @@ import { boxAround } from './view.js';
 
 const findShare = 0.12; // of the height of the view, that the tool fills once it is looked for
 const focusShare = 0.5; // of the way to what is double-clicked, that is left
+const mostTimes = 100; // that a scene is larger than the tool, where its unit is probably not the metre
 const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
 const nearest = 8; // a double click goes no nearer. In sizes of the tool.
 const stretched = 1.4; // a tool that makes the box of the scene larger than by this is left out of it
@@ -28,6 +30,13 @@ export class TakeHold {
 
   get shortcuts() {
     return { f: () => this.frameAll(), t: () => this.findTool(), h: () => this.toggleKeys(), c: () => this.touchMiddle() };
+  }
+
+  /// To be called once a scene is there.
+  open() {
+    this.frameAll();
+    const times = this.splats.box.getSize(new Vector3()).length() / this.felt.size;
+    if (times > mostTimes) notify(`The tool is ${formatCount(Number(times.toPrecision(2)))} times smaller than the scene. “Propose a setup” in Placement finds a scale.`, 'message');
   }
 
   /// The whole object, and the tool if it is near.

@@ -39,7 +39,7 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
   const { shown, update: updateShown } = createShownPanel({ splats, felt, changed: () => view.invalidate() });
   createPlacementPanel(parameters, { pickPoint: () => picker.point(), mark: (points) => picker.mark(points), propose: actions.proposeSetup });
   const legend = new Legend(view, felt);
-  const loader = new SceneLoader(splats, () => takeHold.frameAll());
+  const loader = new SceneLoader(splats, () => takeHold.open());
 
   view.add(splats.spark);
   view.world.add(splats.group, felt.group, depth.group, picker.marks);
