@@ -17,5 +17,5 @@ here=$(dirname "$(realpath "$0")")
 source "$here/../packages.sh"
 enter "$work" "$here"
 cp "$here"/../../../web/viewer/src/{kept,haptics,neighbourhood,parameters}.js .
-# One after the other: each has a browser that draws in software.
-node --test --test-concurrency=1 "${tests[@]}"
+# Two at a time: each has a browser that draws in software, and mostly waits for one core.
+node --test --test-concurrency=2 "${tests[@]}"
