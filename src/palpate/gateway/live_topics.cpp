@@ -232,9 +232,10 @@ void LiveTopics::publish_tool(const Stamp& stamp) {
 }
 
 void LiveTopics::watch_rate() {
-  constexpr double kLeast = 0.5;  // s
+  constexpr double kLeast = 1.0;  // s
   const double now = clock_.now();
-  if (now - ticks_at_ < kLeast) return;
+  if (now - ticks_at_ < kLeast && rate_ > 0.0) return;
+  times_.next();
   const std::uint64_t ticks = statistics_.ticks.load(std::memory_order_relaxed);
   rate_ = static_cast<double>(ticks - ticks_) / (now - ticks_at_);
   ticks_ = ticks;
@@ -254,8 +255,9 @@ void LiveTopics::publish_diagnostics(const Stamp& stamp) {
   text("held_by", is_held() ? "client" : "");
   number("rate_hz", rate_);
   number("tick_us", kMicro * times.whole);
-  number("tick_p50_us", kMicro * statistics_.whole.quantile(0.5));
-  number("tick_p99_us", kMicro * statistics_.whole.quantile(0.99));
+  number("tick_mean_us", kMicro * times_.mean());
+  number("tick_p50_us", kMicro * times_.quantile(0.5));
+  number("tick_p99_us", kMicro * times_.quantile(0.99));
   number("age_us", kMicro * times.age);
   number("overruns", static_cast<double>(times.overruns));
   number("contacts", static_cast<double>(tick.contacts));

@@ -57,6 +57,10 @@ class LiveTopics {
   static constexpr double kSilence = 1.0;
 
   bool is_held() const { return holder_ != nullptr; }
+  /// As if who holds the tool were silent: until it sends again, nobody does.
+  void let_go() {
+    if (holder_ != nullptr) release();
+  }
 
  private:
   void take(const Json& message, Client& from);
@@ -122,6 +126,7 @@ class LiveTopics {
   std::uint64_t count_ = 0;     ///< calls of publish()
   std::uint64_t ticks_ = 0;
   double ticks_at_ = 0.0, rate_ = 0.0;
+  TimeWindow times_{statistics_.whole};  ///< of the ticks that rate_ counts
 };
 
 }  // namespace palpate

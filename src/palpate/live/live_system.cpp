@@ -16,16 +16,15 @@
 #include <palpate/device/led_hand.h>
 #include <palpate/device/simulated_device.h>
 #include <palpate/live/factories.h>
+#include <palpate/live/simulated_hand.h>
 #include <palpate/study/room_path.h>
 #include <palpate/study/touch_path.h>
 
 namespace palpate {
 namespace {
 
-/// Of the hand that explores. Unit: [m].
-constexpr double kTremor = 2e-5;
-/// Until a simulated hand takes up its way: what a force sensor says before that is taken for its bias.
-/// Unit: [s].
+/// What a force sensor says before that is taken for its bias: until then a hand stays where the handle
+/// rests. Unit: [s].
 constexpr double kTares = 1.5;
 /// Gaussians across a tool from which on a search takes so long that another thread had better do it.
 constexpr double kManyContacts = 200.0;
@@ -48,6 +47,10 @@ Pose waiting_place(const SceneIndex& index, const Tool& tool) {
   pose.position = box.center();
   pose.position.z() = box.max().z() + 2.0 * tool.radius();
   return pose;
+}
+
+LedHand::Lead waits_at(const Pose& home) {
+  return [home](double t) { return t < kTares ? std::optional(home) : std::nullopt; };
 }
 
 }  // namespace
@@ -145,7 +148,12 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
       connections.playback = path_;
     } else if (config.kind == DeviceKind::kSimulated || home_) {
       go(path_);
-      connections.hand = simulated_hand();
+      const HandPath own = [this](double t) {
+        way_.update();
+        return tick_->map().to_device((*way_.front())(t));
+      };
+      connections.hand = simulated_hand(own, client_hand_, moves_itself_);
+      if (home_) connections.hand = LedHand(connections.hand, waits_at(*home_));
     }
     connections.contact_stiffness = stiffness_;
     device = make_device(config, settings_.loop.rate, std::move(connections));
@@ -159,21 +167,6 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
 void LiveSystem::go(const Trajectory& path) {
   way_.back() = std::make_shared<const HandPath>(to_and_fro(path));
   way_.publish();
-}
-
-/// On its own way, which may change, or where a client leads it; in the device's frame. The servo thread's.
-HandPath LiveSystem::simulated_hand() {
-  const HandPath own = [this](double t) {
-    way_.update();
-    return tick_->map().to_device((*way_.front())(t));
-  };
-  const LedHand::Lead lead = [this](double t) -> std::optional<Pose> {
-    if (home_ && t < kTares) return home_;
-    const ClientHand::Sample& client = client_hand_.newest();
-    if (!client_hand_.is_held()) return std::nullopt;
-    return client.pose;
-  };
-  return with_tremor(LedHand(own, lead), kTremor);
 }
 
 std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,

@@ -2,6 +2,7 @@
 /// A live system: a scene, a device, and the servo loop between them.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -94,6 +95,14 @@ class LiveSystem {
   }
   /// Where a client's hand is, which leads the simulated one, or is the device.
   ClientHand& client_hand() { return client_hand_; }
+  /// Whether the simulated hand moves by itself. A client that leads it ends that: afterwards the hand stays
+  /// where it was left, until it is set to move again.
+  bool moves_itself() const { return moves_itself_.load(std::memory_order_relaxed); }
+  void set_moves_itself(bool on) { moves_itself_.store(on, std::memory_order_relaxed); }
+  /// Whether there is a simulated hand.
+  bool has_hand() const {
+    return owns_device_ && (home_ || device_kind_ == to_string(DeviceKind::kSimulated));
+  }
   /// Who looks for contacts; never kAuto.
   ContactSearch contacts() const { return contacts_; }
   /// Length of the recorded motion that is played back; 0 if there is none. Unit: [s].
@@ -108,7 +117,6 @@ class LiveSystem {
   Trajectory explore_room(const SceneIndex& index, const Tool& tool) const;
   void open(std::unique_ptr<HapticDevice> device);
   void go(const Trajectory& path);
-  HandPath simulated_hand();
   std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index,
                                        const LiveConfig& settings) const;
   void change_until_stopped(LiveConfig done);
@@ -127,6 +135,7 @@ class LiveSystem {
   /// Where the simulated hand goes: in the world; written by one thread at a time.
   LatestValue<std::shared_ptr<const HandPath>> way_;
   ClientHand client_hand_;
+  std::atomic<bool> moves_itself_ = true;
   double length_ = 0.0;
   std::optional<Pose> home_;  ///< of a giant's handle, device's frame
   bool owns_device_;          ///< it is none of the caller's
