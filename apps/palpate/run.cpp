@@ -299,7 +299,7 @@ void print_text(const Outcome& outcome, LiveSystem& system) {
 void warn(const LiveSystem& system) {
   const DeviceCapabilities& device = system.device();
   const double stiffness = system.settings().force.proxy.stiffness;
-  if (stiffness > device.stiffness_max) {
+  if (device.stiffness_max > 0.0 && stiffness > device.stiffness_max) {
     notify(fmt::format("warning: --stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
                        stiffness, device.name, device.stiffness_max));
   }
