@@ -51,9 +51,10 @@ DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& val
 DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& value,
                           const std::vector<std::string>& choices, const std::string& description);
 
-/// The same, handed to `set`.
+/// The same, handed to `set`. \param may_be true for other text that is taken, too; null: none is
 DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& choices,
-                          const std::string& description, const std::function<void(const std::string&)>& set);
+                          const std::string& description, const std::function<void(const std::string&)>& set,
+                          bool (*may_be)(const std::string& text) = nullptr);
 
 /// Several choices, separated by commas.
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,

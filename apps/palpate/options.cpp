@@ -35,7 +35,7 @@ struct Declaration {
     return text.problem == nullptr ? add_text(app, name, text.member(config), unit, help) : parsed();
   }
   DeclaredOption operator()(const ChoiceField& choice) const {
-    return add_choice(app, name, {choice.names.begin(), choice.names.end()}, help, setter());
+    return add_choice(app, name, {choice.names.begin(), choice.names.end()}, help, setter(), choice.may_be);
   }
   template <class Other>
   DeclaredOption operator()(const Other&) const {

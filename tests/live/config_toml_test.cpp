@@ -36,7 +36,7 @@ LiveConfig other_config() {
   c.force.proxy.detail = 0.003;
   c.force.density = {0.2, 6.0, 11.0, 0.02, 0.03, 0.04};
   c.force.materials = "wood.toml";
-  c.device = {DeviceKind::kPlayback, "falcon", "path.csv", 120.0, {0.2, 4.0, 500.0}, {}};
+  c.device = {DeviceKind::kPlayback, "", "falcon", "path.csv", 120.0, {0.2, 4.0, 500.0}, {}};
   c.device.map.scale = 3.0;
   c.device.map.rotation = Eigen::Quaterniond(0.8, 0.6, 0, 0);
   c.device.map.offset = {4, 5, 6};
@@ -51,6 +51,13 @@ LiveConfig read(const std::string& text) {
 
 std::string refusal(const std::string& text) {
   return message_of<Error>([&] { read(text); });
+}
+
+TEST(ConfigToml, ADriverTakesThePlaceOfAKindOfDevice) {
+  const LiveConfig config = read("device = \"plugin:./arm.so:0.1\"\n");
+  EXPECT_EQ(config.device.driver, "plugin:./arm.so:0.1");
+  EXPECT_EQ(read(to_toml(config, TomlFields::kAll)), config);
+  EXPECT_THAT(refusal("device = \"arm.so\"\n"), ::testing::HasSubstr("'arm.so' is not one of"));
 }
 
 TEST(ConfigToml, ReadsBackWhatItWrites) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# An installed Palpate can be found and used: builds examples/contacts and examples/embed against it, touches a scene with
-# both, and feels that as the device of examples/client.
+# An installed Palpate can be found and used: builds examples/contacts, examples/embed and examples/plugin against it, touches a scene
+# with each, and feels that as the device of examples/client.
 # usage: install_test.sh BUILD_FOLDER
 set -euo pipefail
 build=$(realpath "${1:?usage: install_test.sh BUILD_FOLDER}")
@@ -24,6 +24,10 @@ echo "$answer"
 answer=$("$work/embed/embed")
 echo "$answer"
 [[ $answer =~ up\ to\ [1-9][0-9]*\ contacts ]]
+cmake -S "$root/examples/plugin" -B "$work/plugin" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror" >/dev/null
+cmake --build "$work/plugin" >/dev/null
+answer=$("$work/prefix/bin/palpate" run "$work/sphere.ply" --device "plugin:$work/plugin/pendulum.so:0.15" --seconds 2 --no-gateway -q --json)
+[[ $answer =~ \"contacts_max\":\ *[1-9] ]]
 cmake -S "$root/examples/client" -B "$work/client" -G Ninja -DCMAKE_CXX_FLAGS=-Werror >/dev/null
 cmake --build "$work/client" >/dev/null
 "$work/prefix/bin/palpate" run "$work/sphere.ply" --device client --port 0 --tool 0.02,0.02,0.02 >/dev/null 2>"$work/said" </dev/null &

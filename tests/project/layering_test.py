@@ -53,7 +53,7 @@ def violations(files):
             parts = included.split("/")
             if parts[0] == "palpate" and parts[1] != folder and parts[1] not in GRAPH[folder]:
                 found.append(f"{path}:{number}: {included}")
-            elif parts[0] in ("apps", "bench", "tests"):
+            elif parts[0] in ("apps", "bench", "bridges", "tests"):
                 found.append(f"{path}:{number}: {included}")
     return found
 
@@ -99,8 +99,8 @@ class Layering(unittest.TestCase):
         self.assertEqual(cycle(file_edges(sources(ROOT))), [])
 
     def test_the_checks_see_what_they_look_for(self):
-        wrong = {"scene/a.h": [(1, "palpate/servo/b.h")], "new/a.h": [], "base/c.cpp": [(2, "apps/palpate/x.h")]}
-        self.assertEqual(len(violations(wrong)), 3)
+        wrong = {"scene/a.h": [(1, "palpate/servo/b.h")], "new/a.h": [], "base/c.cpp": [(2, "apps/palpate/x.h"), (3, "bridges/ros1/x.h")]}
+        self.assertEqual(len(violations(wrong)), 4)
         circle = {"base/a.h": [(1, "palpate/base/b.h")], "base/b.h": [(1, "palpate/base/a.h")]}
         self.assertEqual(cycle(file_edges(circle)), ["base/a.h", "base/b.h", "base/a.h"])
 

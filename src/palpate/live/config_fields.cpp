@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <palpate/base/error.h>
+#include <palpate/device/plugin_device.h>
 #include <palpate/device/profiles.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/live/value_text.h>
@@ -104,6 +105,14 @@ NumbersField hand() {
       .shows_default = true};
 }
 
+ChoiceField device() {
+  ChoiceField field = choice(
+      kDeviceKindNames, [](auto& c) -> auto& { return c.device.kind; });
+  field.other = [](auto& c) -> auto& { return c.device.driver; };
+  field.may_be = names_plugin;
+  return field;
+}
+
 ChoiceField profile() {
   std::vector<std::string_view> names;
   for (const DeviceProfile& known : device_profiles()) names.push_back(known.capabilities.name);
@@ -169,8 +178,8 @@ std::vector<ConfigField> make_fields() {
     {"tool", "tool", kTool, "a,b,c|FILE.toml", "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools, or its text",
      ToolField{[](auto& c) -> auto& { return c.tool; }}, {.saved = true}},
 
-    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; a client of the gateway; or a room-scale one of the admittance type in a simulated hand, on the project's own mechanics or on MuJoCo's",
-     choice(kDeviceKindNames, [](auto& c) -> auto& { return c.device.kind; })},
+    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; a client of the gateway; a room-scale one of the admittance type in a simulated hand, on the project's own mechanics or on MuJoCo's; or a driver, plugin:PATH.so[:ARGUMENTS] or NAME:ARGUMENTS (ros1:/omni)",
+     device()},
     {"profile", "", kDevice, "", "whose forces and mechanics it has", profile()},
     {"trajectory", "", kDevice, "T.csv", "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)",
      TextField{[](auto& c) -> auto& { return c.device.trajectory; }}},
@@ -266,6 +275,9 @@ struct TextSetter {
   }
   void operator()(const ChoiceField& field) const {
     const auto at = std::find(field.names.begin(), field.names.end(), text);
+    const bool other = at == field.names.end() && field.other && field.may_be(text);
+    if (field.other) (*field.other)(config) = other ? text : "";
+    if (other) return;
     if (at == field.names.end())
       throw BadValue(fmt::format("'{}' is not one of {}", text, fmt::join(field.names, ", ")));
     field.set(config, static_cast<std::size_t>(at - field.names.begin()));

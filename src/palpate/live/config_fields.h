@@ -67,9 +67,14 @@ struct ChoiceField {
   std::vector<std::string_view> names;
   std::size_t (*get)(const LiveConfig& config);  ///< of `names`
   void (*set)(LiveConfig& config, std::size_t choice);
+  /// Where it may be other text besides: where that is (empty: one of `names` is chosen), and which it may
+  /// be.
+  std::optional<ConfigMember<std::string>> other = std::nullopt;
+  bool (*may_be)(const std::string& text) = nullptr;
 
-  /// Empty if it is none of `names`.
+  /// Empty if it is none of `names`, nor other text.
   std::string_view chosen(const LiveConfig& config) const {
+    if (other && !(*other)(config).empty()) return (*other)(config);
     const std::size_t choice = get(config);
     return choice < names.size() ? names[choice] : std::string_view();
   }

@@ -97,6 +97,7 @@ struct ForceConfig {
 /// Which device, where it is, and who holds it.
 struct DeviceConfig {
   DeviceKind kind = DeviceKind::kSimulated;
+  std::string driver;  ///< text of make_plugin_device(): that device in place of `kind`; empty: none
   std::string profile = "omega";  ///< of device_profiles(): forces and mechanics of what is simulated
   /// File of read_trajectory(): of the simulated hand, or what kPlayback plays, in the world. Empty: the
   /// simulated hand explores the scene by touch_path().

@@ -14,6 +14,7 @@
 #include <palpate/collision/ellipsoid_lookup.h>
 #include <palpate/device/hand_path.h>
 #include <palpate/device/led_hand.h>
+#include <palpate/device/plugin_device.h>
 #include <palpate/device/simulated_device.h>
 #include <palpate/live/factories.h>
 #include <palpate/live/simulated_hand.h>
@@ -62,7 +63,7 @@ LiveSystem::LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> d
       }),
       contacts_(config.loop.contacts),
       stiffness_(config.force.proxy.stiffness),
-      owns_device_(device == nullptr),
+      owns_device_(device == nullptr && config.device.driver.empty()),
       device_kind_(owns_device_ ? to_string(config.device.kind) : "external"),
       settings_(config) {
   read_scene(progress);
@@ -72,6 +73,8 @@ LiveSystem::LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> d
     contacts_ =
         many && std::thread::hardware_concurrency() > 1 ? ContactSearch::kWorker : ContactSearch::kInline;
   }
+  const std::string& driver = config.device.driver;
+  if (device == nullptr && !driver.empty()) device = make_plugin_device(driver);
   open(std::move(device));
 }
 

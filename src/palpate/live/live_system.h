@@ -83,7 +83,7 @@ class LiveSystem {
   /// The loop's, on which all times of ticks are.
   const LoopClock& clock() const { return clock_; }
   const DeviceCapabilities& device() const { return device_->capabilities(); }
-  /// A name of kDeviceKindNames; "external" for the caller's own.
+  /// A name of kDeviceKindNames; "external" for the caller's own and for drivers.
   std::string_view device_kind() const { return device_kind_; }
   /// What the device says of itself in a fault; else empty.
   std::string_view device_fault() const {

@@ -1,0 +1,237 @@
+#include "ros_link.h"
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TwistStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/callback_queue.h>
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
+#include <std_msgs/Header.h>
+
+namespace palpate::ros1 {
+namespace {
+
+/// Between two looks at the master. Unit: [s].
+constexpr double kLook = 0.2;
+/// Of poses that wait: the newest counts.
+constexpr int kQueue = 8;
+
+std::array<double, 3> array_of(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
+
+geometry_msgs::Vector3 vector_of(const std::array<double, 3>& v) {
+  geometry_msgs::Vector3 out;
+  out.x = v[0];
+  out.y = v[1];
+  out.z = v[2];
+  return out;
+}
+
+template <class Message>
+Header header_of(const ros::MessageEvent<const Message>& event) {
+  const auto& head = event.getConstMessage()->header;
+  return {head.stamp.toSec(), head.frame_id, event.getPublisherName()};
+}
+
+}  // namespace
+
+class Link::Implementation {
+ public:
+  Implementation(const std::string& prefix, Listener& listener) : prefix_(prefix), listener_(listener) {
+    if (!ros::isInitialized()) {
+      int argc = 0;
+      // No rosout: advertising it waits for a master.
+      ros::init(argc, nullptr, "palpate",
+                ros::init_options::AnonymousName | ros::init_options::NoSigintHandler |
+                    ros::init_options::NoRosout);
+    }
+    thread_ = std::thread([this] { run(); });
+    watch_ = std::thread([this] { watch(); });
+  }
+  ~Implementation() {
+    ends_ = true;
+    thread_.join();
+    watch_.join();
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  void publish(const StampedWrench& spatial, const StampedWrench& body) {
+    if (!connected_.load(std::memory_order_acquire)) return;
+    std::string frame;
+    {
+      const std::scoped_lock lock(mutex_);
+      frame = frame_;
+    }
+    send(spatial_, spatial, frame);
+    send(body_, body, "tool");
+  }
+
+  void publish_echo(std::uint64_t number) {
+    if (!connected_.load(std::memory_order_acquire)) return;
+    std_msgs::Header echo;
+    echo.seq = static_cast<std::uint32_t>(number);
+    echo.stamp = ros::Time::now();
+    echo_.publish(echo);
+  }
+
+ private:
+  static void send(const ros::Publisher& to, const StampedWrench& wrench, const std::string& frame) {
+    geometry_msgs::WrenchStamped message;
+    message.header.stamp.fromSec(wrench.stamp);
+    message.header.frame_id = frame;
+    message.wrench.force = vector_of(wrench.force);
+    message.wrench.torque = vector_of(wrench.torque);
+    to.publish(message);
+  }
+
+  void run() {
+    while (!ends_ && !ros::master::check()) {
+      tell_lost("there is no ROS master at " + ros::master::getURI() +
+                "; start roscore, or set ROS_MASTER_URI");
+      sleep();
+    }
+    if (ends_) return;
+    connect();
+    while (!ends_) queue_.callAvailable(ros::WallDuration(kLook));
+    subscriptions_ = {};
+    connected_ = false;
+  }
+
+  void connect() {
+    node_ = std::make_unique<ros::NodeHandle>(prefix_);
+    node_->setCallbackQueue(&queue_);
+    const auto hints = ros::TransportHints().tcpNoDelay();
+    subscriptions_ = {
+        node_->subscribe<geometry_msgs::PoseStamped>(
+            "measured_cp", kQueue,
+            boost::function<void(const ros::MessageEvent<const geometry_msgs::PoseStamped>&)>(
+                [this](const auto& event) { take_pose(event); }),
+            ros::VoidConstPtr(), hints),
+        node_->subscribe<geometry_msgs::TwistStamped>(
+            "measured_cv", kQueue,
+            boost::function<void(const ros::MessageEvent<const geometry_msgs::TwistStamped>&)>(
+                [this](const auto& event) {
+                  const auto& twist = event.getConstMessage()->twist;
+                  listener_.on_velocity(header_of(event), array_of(twist.linear), array_of(twist.angular));
+                }),
+            ros::VoidConstPtr(), hints),
+        node_->subscribe<std_msgs::Header>(
+            "palpate/echoed", kQueue,
+            boost::function<void(const std_msgs::Header::ConstPtr&)>(
+                [this](const auto& echo) { listener_.on_echo(echo->seq, echo->stamp.toSec()); }),
+            ros::VoidConstPtr(), hints)};
+    spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
+    body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
+    echo_ = node_->advertise<std_msgs::Header>("palpate/echo", 1);
+    connected_.store(true, std::memory_order_release);
+  }
+
+  void take_pose(const ros::MessageEvent<const geometry_msgs::PoseStamped>& event) {
+    const geometry_msgs::PoseStamped& message = *event.getConstMessage();
+    {
+      const std::scoped_lock lock(mutex_);
+      frame_ = message.header.frame_id;
+    }
+    const auto& p = message.pose.position;
+    const auto& q = message.pose.orientation;
+    listener_.on_pose(header_of(event), {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z});
+  }
+
+  /// A master that was started again knows nobody, while connections between nodes stay.
+  void watch() {
+    int pid = 0;
+    while (!ends_) {
+      sleep();
+      if (!connected_.load(std::memory_order_acquire)) continue;
+      XmlRpc::XmlRpcValue request, response, payload;
+      request[0] = ros::this_node::getName();
+      if (!ros::master::execute("getPid", request, response, payload, false)) {
+        tell_lost("the ROS master is gone; what is connected stays so, and it is waited for");
+        continue;
+      }
+      const int now = payload;
+      if (pid != 0 && now != pid) register_anew();
+      if (lost_) listener_.say("the ROS master is there");
+      lost_ = false;
+      pid = now;
+    }
+  }
+
+  void register_anew() {
+    for (const ros::Subscriber& subscriber : subscriptions_) {
+      const std::string topic = subscriber.getTopic();
+      const std::string type = topic == subscriptions_[0].getTopic()   ? "geometry_msgs/PoseStamped"
+                               : topic == subscriptions_[1].getTopic() ? "geometry_msgs/TwistStamped"
+                                                                       : "std_msgs/Header";
+      update(topic, register_as("registerSubscriber", topic, type));
+    }
+    register_as("registerPublisher", spatial_.getTopic(), "geometry_msgs/WrenchStamped");
+    register_as("registerPublisher", body_.getTopic(), "geometry_msgs/WrenchStamped");
+    register_as("registerPublisher", echo_.getTopic(), "std_msgs/Header");
+  }
+
+  /// \returns what the master answers: for a subscriber the publishers that it knows.
+  static XmlRpc::XmlRpcValue register_as(const char* method, const std::string& topic,
+                                         const std::string& type) {
+    XmlRpc::XmlRpcValue request, response, payload;
+    request[0] = ros::this_node::getName();
+    request[1] = topic;
+    request[2] = type;
+    request[3] = ros::XMLRPCManager::instance()->getServerURI();
+    ros::master::execute(method, request, response, payload, false);
+    return payload;
+  }
+
+  /// Publishers that have registered before this: as the master tells of those that come later.
+  static void update(const std::string& topic, const XmlRpc::XmlRpcValue& publishers) {
+    if (publishers.getType() != XmlRpc::XmlRpcValue::TypeArray || publishers.size() == 0) return;
+    std::string host;
+    std::uint32_t port = 0;
+    if (!ros::network::splitURI(ros::XMLRPCManager::instance()->getServerURI(), host, port)) return;
+    XmlRpc::XmlRpcValue request, response;
+    request[0] = "/master";
+    request[1] = topic;
+    request[2] = publishers;
+    XmlRpc::XmlRpcClient(host.c_str(), static_cast<int>(port), "/")
+        .execute("publisherUpdate", request, response);
+  }
+
+  void tell_lost(const std::string& line) {
+    if (!lost_.exchange(true)) listener_.say(line);
+  }
+  static void sleep() { std::this_thread::sleep_for(std::chrono::duration<double>(kLook)); }
+
+  std::string prefix_;
+  Listener& listener_;
+  ros::CallbackQueue queue_;
+  std::unique_ptr<ros::NodeHandle> node_;
+  std::array<ros::Subscriber, 3> subscriptions_;  ///< poses, velocities, echoes
+  ros::Publisher spatial_, body_, echo_;
+  std::mutex mutex_;   ///< of what follows
+  std::string frame_;  ///< of the newest pose
+  std::atomic<bool> ends_ = false, connected_ = false, lost_ = false;
+  std::thread thread_, watch_;
+};
+
+Link::Link(const std::string& prefix, Listener& listener) {
+  try {
+    implementation_ = std::make_unique<Implementation>(prefix, listener);
+  } catch (const ros::Exception& error) {
+    throw std::runtime_error(error.what());
+  }
+}
+Link::~Link() = default;
+void Link::publish(const StampedWrench& spatial, const StampedWrench& body) {
+  implementation_->publish(spatial, body);
+}
+void Link::publish_echo(std::uint64_t number) { implementation_->publish_echo(number); }
+
+}  // namespace palpate::ros1

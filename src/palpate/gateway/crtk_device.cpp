@@ -1,0 +1,275 @@
+#include <palpate/gateway/crtk_device.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/geometry/rotation.h>
+#include <palpate/servo/safety_governor.h>
+
+namespace palpate {
+namespace {
+
+/// Of a quaternion that a driver has rounded to single precision, and more.
+constexpr double kNotUnit = 1e-2;
+/// What is farther is a mistake. Unit: [m].
+constexpr double kFarthest = 1e6;
+/// Of echoes. Unit: [s].
+constexpr double kEchoPeriod = 0.1;
+/// In which velocities that come are used in place of those of poses. Unit: [s].
+constexpr double kVelocityAge = 0.02;
+/// Within which a stale pose's force has fallen (FaultTraits::fall_time). Unit: [s].
+constexpr double kFall = 0.03;
+
+bool is_finite(const Pose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() &&
+         pose.position.norm() <= kFarthest;
+}
+
+bool is_unit(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1.0) <= kNotUnit; }
+
+}  // namespace
+
+CrtkDevice::CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> transport)
+    : options_(std::move(options)),
+      age_limit_(SafetyLimits::of(options_.capabilities, SafetyLimits().tick).stale_after),
+      transport_(std::move(transport)),
+      stamps_(options_.one_way),
+      reader_(options_.capabilities, hand_) {
+  const std::string& name = options_.capabilities.name;
+  if (!(options_.extrapolation >= 0.0 && options_.extrapolation <= CrtkOptions::kMostExtrapolation))
+    throw Error("device '{}': extrapolation must be 0 to {} s", name, CrtkOptions::kMostExtrapolation);
+  if (!(options_.one_way >= 0.0 && options_.one_way < age_limit_))
+    throw Error("device '{}': the one-way delay must be 0 to {} s", name, age_limit_);
+  // What is carried on looks as new as it is carried.
+  options_.capabilities.delay += options_.extrapolation;
+  said_at_.fill(-2.0 * kSilence);
+}
+
+void CrtkDevice::open() {
+  if (status() != DeviceStatus::kClosed)
+    throw Error("device '{}': is open already; close it first", options_.capabilities.name);
+  transport_->start(*this);
+  set_status(DeviceStatus::kOpen);
+}
+
+void CrtkDevice::enable() {
+  if (status() != DeviceStatus::kOpen)
+    throw Error("device '{}': is not open; open it first", options_.capabilities.name);
+  read_ = came_back_ = false;
+  good_at_ = told_ = 0.0;
+  begin_ = std::numeric_limits<double>::infinity();
+  stopped_.store(true, std::memory_order_relaxed);
+  ends_.store(false, std::memory_order_relaxed);
+  set_status(DeviceStatus::kEnabled);
+  sender_ = std::thread([this] { send_until_closed(); });
+}
+
+void CrtkDevice::close() noexcept {
+  stop();
+  ends_.store(true, std::memory_order_relaxed);
+  written_.set();
+  if (sender_.joinable()) sender_.join();
+  if (status() != DeviceStatus::kClosed) transport_->stop();
+  set_status(DeviceStatus::kClosed);
+}
+
+void CrtkDevice::stop() noexcept {
+  stopped_.store(true, std::memory_order_relaxed);
+  written_.set();
+}
+
+/// Every wrench that is written, or the newest where the transport is slower; none once it is stopped.
+void CrtkDevice::send_until_closed() {
+  double echoed = 0.0;
+  bool off = true;  // that was sent
+  while (!ends_.load(std::memory_order_relaxed)) {
+    written_.wait(kEchoPeriod);
+    if (const double now = monotonic_now(); now - echoed >= kEchoPeriod) {
+      echoed = now;
+      transport_->send_echo(ask_echo(now));
+    }
+    const bool fresh = wrench_.update(), stopped = stopped_.load(std::memory_order_relaxed);
+    if (!fresh && (off || !stopped)) continue;
+    CrtkWrench wrench = wrench_.front();
+    if (stopped) wrench.spatial = wrench.body = {};
+    transport_->send(wrench);
+    off = stopped;
+  }
+  CrtkWrench none;
+  none.stamp = wrench_.front().stamp;
+  transport_->send(none);
+}
+
+std::uint64_t CrtkDevice::ask_echo(double now) {
+  const std::scoped_lock lock(mutex_);
+  return stamps_.echoes().ask(now);
+}
+
+bool CrtkDevice::is_other_source(std::string_view source, double now) {
+  return taken_ > 0 && source != source_ && now - heard_ < kSilence;
+}
+
+CrtkDevice::Problem CrtkDevice::check_stamp(double stamp, double now) {
+  age_ = 0.0;
+  if (stamp == 0.0) return Problem::kNone;  // nothing is known but that it has come
+  const std::scoped_lock lock(mutex_);
+  if (now - refused_since_ > kSilence) stamps_.reset();
+  const std::optional<double> age = stamps_.age(stamp, now);
+  if (!age) return Problem::kFuture;
+  age_ = *age;
+  if (age_ > age_limit_) return Problem::kStale;
+  const bool restarted = now - heard_ >= kSilence;
+  return stamp > stamp_ || restarted ? Problem::kNone : Problem::kStale;
+}
+
+CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
+  if (is_other_source(header.source, now)) return Problem::kSecond;
+  const std::string& wanted = options_.frame.empty() ? frame_ : options_.frame;
+  if (taken_ + dropped_ > 0 || !options_.frame.empty()) {
+    if (header.frame != wanted) return Problem::kFrame;
+  } else {
+    frame_ = header.frame;
+  }
+  if (!is_finite(pose) || !is_unit(pose.orientation) || !std::isfinite(header.stamp)) return Problem::kBad;
+  return check_stamp(header.stamp, now);
+}
+
+void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
+  const double t = monotonic_now();
+  const Problem problem = problem_of(header, pose, t);
+  if (problem != Problem::kNone) return refuse(problem, header, t);
+  if (header.source != source_) {
+    if (taken_ > 0) hand_.change_hand();
+    source_ = header.source;
+  } else if (t - heard_ > age_limit_ && taken_ > 0) {
+    hand_.change_hand();
+  }
+  accept(pose, header.stamp, t);
+}
+
+void CrtkDevice::accept(const Pose& pose, double stamp, double now) {
+  Pose unit = pose;
+  unit.orientation.normalize();
+  stamp_of_[(taken_ + 1) % stamp_of_.size()].store(stamp, std::memory_order_relaxed);
+  ++taken_;
+  hand_.put(unit, now - age_);
+  stamp_ = stamp;
+  heard_ = now;
+  refused_since_ = std::numeric_limits<double>::infinity();
+  reason_.store(Problem::kNone, std::memory_order_relaxed);
+}
+
+void CrtkDevice::refuse(Problem problem, const CrtkHeader& header, double now) {
+  ++dropped_;
+  if (problem == Problem::kBad) hand_.change_hand();
+  if (problem != Problem::kSecond) {
+    refused_since_ = std::min(refused_since_, now);
+    reason_.store(problem, std::memory_order_relaxed);
+  }
+  double& told = said_at_[static_cast<std::size_t>(problem)];
+  if (now - std::exchange(told, now) >= kSilence) transport_->say(line_of(problem, header));
+}
+
+std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const {
+  const std::string who = fmt::format("{}: poses of '{}'", options_.capabilities.name, header.source);
+  switch (problem) {
+    case Problem::kBad:
+      return who + " are not finite or have no unit quaternion: no force until they do; correct the driver";
+    case Problem::kFrame:
+      return fmt::format("{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id",
+                         who, header.frame, options_.frame.empty() ? frame_ : options_.frame);
+    case Problem::kStale:
+      return fmt::format("{} come late, twice or out of order (limit {:.0f} ms), and those are dropped", who,
+                         1e3 * age_limit_);
+    case Problem::kFuture:
+      return who + " have stamps of the future, and are dropped; if its clock was set they count in a second";
+    case Problem::kSecond:
+      return fmt::format("{} are dropped: '{}' holds the device, until it is silent for {:.0f} s; stop one",
+                         who, source_, kSilence);
+    default: return who;
+  }
+}
+
+void CrtkDevice::take_velocity(const CrtkHeader& header, const Twist& twist) {
+  if (header.source != source_ || !twist.linear.allFinite() || !twist.angular.allFinite()) return;
+  velocity_.back() = twist;
+  velocity_.publish();
+  velocity_at_.store(monotonic_now(), std::memory_order_relaxed);
+}
+
+void CrtkDevice::take_echo(std::uint64_t number, double stamp) {
+  const std::scoped_lock lock(mutex_);
+  stamps_.echoes().answer(number, stamp, monotonic_now());
+}
+
+/// Ticks begin a little before they are seen here: the least is the best.
+double CrtkDevice::loop_begin(double t) {
+  begin_ = std::min(begin_, monotonic_now() - t);
+  return begin_;
+}
+
+bool CrtkDevice::extrapolate(double t, DeviceReading& reading) {
+  if (!read_ || status() != DeviceStatus::kEnabled) return false;
+  const double carried = std::min(t - last_.t, options_.extrapolation);
+  if (!(last_.t + carried > told_)) return false;
+  DeviceReading next = last_;
+  next.t = told_ = last_.t + carried;
+  next.pose.position += carried * last_.velocity.linear;
+  const Eigen::Vector3d turn = carried * last_.velocity.angular;
+  if (const double angle = turn.norm(); angle > 0.0)
+    next.pose.orientation = Eigen::AngleAxisd(angle, turn / angle) * last_.pose.orientation;
+  reading = next;
+  return true;
+}
+
+bool CrtkDevice::read(double t, DeviceReading& reading) {
+  constexpr double kAfter = 1e-6;  // what was carried on past this one
+  const double begin = loop_begin(t);
+  velocity_.update();
+  if (reader_.read(t, last_)) {
+    read_ = true;
+    good_at_ = t;
+    last_.t = std::min(last_.t - begin, t);
+    if (t + begin - velocity_at_.load(std::memory_order_relaxed) < kVelocityAge)
+      last_.velocity = velocity_.front();
+    if (status() == DeviceStatus::kFault) {
+      came_back_ = true;
+      set_status(DeviceStatus::kEnabled);
+    }
+    reading = last_;
+    reading.t = told_ = std::max(last_.t, std::min(told_ + kAfter, t));
+    return true;
+  }
+  if (t - good_at_ > age_limit_ + kFall && status() == DeviceStatus::kEnabled) {
+    constexpr std::array<const char*, static_cast<std::size_t>(Problem::kCount)> kTexts{
+        "no poses come",
+        "poses are not finite or have no unit quaternion",
+        "poses have a wrong frame_id",
+        "poses come too late or out of order",
+        "poses have stamps of the future",
+        "two publish poses"};
+    set_status(DeviceStatus::kFault,
+               kTexts[static_cast<std::size_t>(reason_.load(std::memory_order_relaxed))]);
+  }
+  return extrapolate(t, reading);
+}
+
+void CrtkDevice::write(const Wrench& wrench) {
+  if (status() == DeviceStatus::kClosed || status() == DeviceStatus::kOpen) return;
+  if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) came_back_ = false;
+  const bool shows = status() == DeviceStatus::kEnabled && !came_back_;
+  CrtkWrench& out = wrench_.back();
+  out.spatial = shows ? wrench : Wrench{};
+  const Eigen::Quaterniond back = last_.pose.orientation.conjugate();
+  out.body = {back * out.spatial.force, back * out.spatial.torque};
+  out.stamp = stamp_of_[hand_.seen() % stamp_of_.size()].load(std::memory_order_relaxed);
+  stopped_.store(false, std::memory_order_relaxed);
+  wrench_.publish();
+  written_.set();
+}
+
+}  // namespace palpate

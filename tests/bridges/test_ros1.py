@@ -1,0 +1,263 @@
+"""palpate run --device ros1:/omni with a real roscore, and a driver that is an ordinary rospy node."""
+
+import json
+import math
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import rospy
+from geometry_msgs.msg import PoseStamped, WrenchStamped
+from std_msgs.msg import Header
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
+from support import ply, wall_rows  # noqa: E402
+
+PALPATE = os.environ["PALPATE"]
+FREE, PRESSED = 0.05, 0.016  # heights of a ball of 2 cm over the wall. Unit: [m]
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+class Master:
+    """A roscore's master, which may be killed and started again on the same port."""
+
+    def __init__(self, port):
+        self.port = port
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL)
+        deadline = time.time() + 20
+        while time.time() < deadline:
+            try:
+                socket.create_connection(("127.0.0.1", self.port), 1).close()
+                return
+            except OSError:
+                time.sleep(0.05)
+        raise RuntimeError("no rosmaster")
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+
+class Driver:
+    """What speaks CRTK: poses at 1 kHz with stamps, wrenches back."""
+
+    def __init__(self, prefix="/omni"):
+        self.height, self.at = FREE, FREE
+        self.force, self.wrenches, self.body = 0.0, 0, 0
+        self.sent, self.round_trips = 0, []
+        self.spoil = lambda message: message
+        self.ends = False
+        self.publisher = rospy.Publisher(prefix + "/measured_cp", PoseStamped, queue_size=4, tcp_nodelay=True)
+        self.echoed = rospy.Publisher(prefix + "/palpate/echoed", Header, queue_size=4, tcp_nodelay=True)
+        rospy.Subscriber(prefix + "/palpate/echo", Header, self.answer, tcp_nodelay=True)
+        rospy.Subscriber(prefix + "/spatial/servo_cf", WrenchStamped, self.hear, tcp_nodelay=True)
+        rospy.Subscriber(prefix + "/body/servo_cf", WrenchStamped, self.hear_body, tcp_nodelay=True)
+        self.times = {}
+        threading.Thread(target=self.speak, daemon=True).start()
+
+    def answer(self, echo):
+        self.echoed.publish(Header(seq=echo.seq, stamp=rospy.Time.now(), frame_id=""))
+
+    def hear(self, message):
+        self.force = message.wrench.force.z
+        self.wrenches += 1
+        sent = self.times.pop(message.header.stamp.to_nsec() // 1000, None)
+        if sent is not None:
+            self.round_trips.append(time.perf_counter() - sent)
+
+    def hear_body(self, message):
+        self.body += 1
+        self.body_frame = message.header.frame_id
+
+    def speak(self):
+        message = PoseStamped()
+        message.header.frame_id = "base"
+        due = time.perf_counter()
+        while not self.ends:
+            self.at += max(-1e-4, min(1e-4, self.height - self.at))  # 0.1 m/s
+            message.header.stamp = rospy.Time.from_sec(round(time.time(), 6))
+            message.pose.position.x = message.pose.position.y = 0.0
+            message.pose.position.z = self.at
+            message.pose.orientation.x = message.pose.orientation.y = message.pose.orientation.z = 0.0
+            message.pose.orientation.w = 1.0
+            out = self.spoil(message)
+            if out is not None:
+                self.times[message.header.stamp.to_nsec() // 1000] = time.perf_counter()
+                self.publisher.publish(out)
+                self.sent += 1
+            message.header.frame_id = "base"
+            due = max(due + 0.001, time.perf_counter() - 0.005)
+            time.sleep(max(0.0, due - time.perf_counter()))
+
+
+class Ros1(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        port = free_port()
+        os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
+        os.environ["ROS_IP"] = "127.0.0.1"
+        cls.folder = tempfile.TemporaryDirectory()
+        os.environ["ROS_LOG_DIR"] = os.environ["ROS_HOME"] = cls.folder.name
+        scene = os.path.join(cls.folder.name, "wall.ply")
+        with open(scene, "wb") as file:
+            file.write(ply(wall_rows()))
+        cls.said = os.path.join(cls.folder.name, "said")
+        # Before there is a master: it waits, and says so.
+        with open(cls.said, "ab") as said:
+            cls.run_ = subprocess.Popen([PALPATE, "run", scene, "--no-gateway", "--no-index-file", "--tool", "0.02,0.02,0.02",
+                                         "--device", "ros1:/omni,force_max=8,rate=20", "--json"],
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=said)
+        cls.wait_said("there is no ROS master at")
+        cls.master = Master(port)
+        rospy.init_node("driver", disable_signals=True, disable_rosout=True)
+        cls.driver = Driver()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.run_.send_signal(signal.SIGTERM)
+        out, _ = cls.run_.communicate(timeout=30)
+        summary = json.loads(out)
+        print("servo:", summary["ticks"], "ticks at", round(summary["rate_hz"]), "Hz, force age p50/p99",
+              round(summary["age_us"]["p50"]), round(summary["age_us"]["p99"]), "us, faults", summary["faults"])
+        assert cls.run_.returncode == 0, cls.run_.returncode
+        cls.driver.ends = True
+        cls.master.kill()
+        cls.folder.cleanup()
+
+    @classmethod
+    def text(cls):
+        with open(cls.said, encoding="utf-8") as file:
+            return file.read()
+
+    @classmethod
+    def wait_said(cls, words, count=1):
+        deadline = time.time() + 20
+        while cls.text().count(words) < count:
+            if time.time() > deadline:
+                raise AssertionError(f"does not say {words!r}: {cls.text()}")
+            time.sleep(0.05)
+
+    def wait(self, what, seconds=20.0):
+        deadline = time.time() + seconds
+        while not what():
+            self.assertLess(time.time(), deadline, self.text())
+            time.sleep(0.01)
+
+    def lean(self):
+        """Through the gate, then against the wall; again where the machine has stood still meanwhile."""
+        for _ in range(10):
+            self.driver.height = FREE
+            self.wait(lambda: self.driver.at > FREE - 1e-3)
+            time.sleep(0.6)
+            self.driver.height = PRESSED
+            deadline = time.time() + 2.0
+            while time.time() < deadline:
+                if self.driver.force > 0.5:
+                    return
+                time.sleep(0.01)
+        self.fail(self.text())
+
+    def test_1_a_wall_is_felt_and_every_tick_answers(self):
+        self.lean()
+        driver = self.driver
+        driver.round_trips.clear()
+        sent, wrenches, body, begin = driver.sent, driver.wrenches, driver.body, time.time()
+        time.sleep(1.0)
+        seconds = time.time() - begin
+        trips = sorted(driver.round_trips)
+        print(f"poses {(driver.sent - sent) / seconds:.0f} Hz, wrenches {(driver.wrenches - wrenches) / seconds:.0f} Hz, "
+              f"answered {len(trips)} of {driver.sent - sent}; round trip p50 {1e3 * trips[len(trips) // 2]:.2f} ms, "
+              f"p99 {1e3 * trips[int(0.99 * len(trips))]:.2f} ms")
+        self.assertGreater(len(trips), 50)
+        self.assertGreater(driver.wrenches - wrenches, 50)
+        self.assertGreater(driver.body - body, 50)
+        self.assertEqual(driver.body_frame, "tool")
+
+    def test_2_what_is_no_pose_ends_the_force_and_is_said_once(self):
+        for name, words, change in (
+            ("NaN", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
+            ("norm", "no force until they do", lambda m: setattr(m.pose.orientation, "w", 2.0)),
+            ("frame", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
+            ("stale", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
+        ):
+            with self.subTest(what=name):
+                self.lean()
+                before = self.text().count(words)
+
+                def spoil(message, change=change):
+                    change(message)
+                    return message
+                self.driver.spoil = spoil
+                self.wait(lambda: self.driver.force == 0.0)
+                time.sleep(0.1)
+                self.assertEqual(self.driver.force, 0.0)
+                self.driver.spoil = lambda message: message
+                self.assertEqual(self.text().count(words), before + 1, self.text())
+
+    def test_3_a_second_publisher_is_not_felt(self):
+        other = subprocess.Popen(["rostopic", "pub", "-r", "50", "/omni/measured_cp", "geometry_msgs/PoseStamped",
+                                  "{header: auto, pose: {position: {z: 0.3}, orientation: {w: 1.0}}}"],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            self.wait_said("holds the device, until it is silent for 1 s; stop one")
+        finally:
+            other.kill()
+            other.wait()
+
+    def test_4_the_master_is_killed_and_started_again(self):
+        self.master.kill()
+        self.wait_said("the ROS master is gone")
+        wrenches = self.driver.wrenches
+        self.wait(lambda: self.driver.wrenches > wrenches + 20)  # connections stay
+        self.master.start()
+        self.wait_said("the ROS master is there", 2)
+        # A node that comes now finds it through the new master.
+        found = subprocess.run(["timeout", "20", "rostopic", "echo", "-n", "1", "/omni/spatial/servo_cf"], capture_output=True,
+                               text=True, check=False)
+        self.assertIn("force:", found.stdout, found.stderr)
+
+    def test_5_silence_ends_the_force_and_it_comes_back(self):
+        self.lean()
+        self.driver.spoil = lambda message: None
+        self.wait(lambda: self.driver.force == 0.0)
+        self.wait_said("stale-pose")
+        self.driver.spoil = lambda message: message
+        self.lean()
+
+
+class Refusals(unittest.TestCase):
+    def test_bad_arguments_are_one_line(self):
+        for text, words in {
+            "ros1:": "wants the prefix of the device's topics",
+            "ros1:omni": "wants the prefix",
+            "ros1:/omni,force_max=nan": "'nan' is no number",
+            "ros1:/omni,force_max=0": "force_max must be positive",
+            "ros1:/omni,weight=3": "there is no option 'weight'",
+            "ros1:/omni,rate": "'rate' is not NAME=VALUE",
+            "ros1:/omni,extrapolation=0.5": "extrapolation must be 0 to 0.01 s",
+        }.items():
+            with self.subTest(device=text):
+                result = subprocess.run([PALPATE, "run", "--no-gateway", "--device", text, "--seconds", "1"], capture_output=True,
+                                        text=True, check=False)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(words, result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

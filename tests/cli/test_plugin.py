@@ -1,0 +1,52 @@
+"""palpate run --device plugin:PATH.so, and what it refuses."""
+
+import os
+import unittest
+
+from support import Case, ply, wall_rows
+
+PLUGINS = os.environ.get("PALPATE_PLUGINS", os.path.join(os.path.dirname(__file__), "../../build/release/plugins"))
+
+
+def plugin(name):
+    return "plugin:" + os.path.join(PLUGINS, name + ".so")
+
+
+class Plugin(Case):
+    def setUp(self):
+        super().setUp()
+        self.wall = self.write("wall.ply", ply(wall_rows()))
+        self.common = (self.wall, "--no-gateway", "--no-index-file", "--tool", "0.02,0.02,0.02")
+
+    def test_a_wall_is_felt_through_the_example(self):
+        """It swings from 1 cm above the wall to 7 cm: a ball of 2 cm touches it once every two seconds."""
+        summary = self.succeed("run", *self.common, "--device", plugin("pendulum") + ":0.01", "--seconds", "3", "--json", "-q").json
+        self.assertGreater(summary["contacts_max"], 0)
+        self.assertGreater(summary["force_max"], 0.1)
+        self.assertEqual(summary["faults"], [])
+
+    def test_a_configuration_names_one(self):
+        config = self.write("run.toml", f'device = "{plugin("pendulum")}:0.5"\n'.encode())
+        summary = self.succeed("run", *self.common, "--config", config, "--seconds", "0.3", "--json", "-q").json
+        self.assertEqual(summary["contacts_max"], 0)
+
+    def test_what_is_no_device_is_refused_with_one_line(self):
+        for text, words in {
+            "plugin:/nowhere/arm.so": "/nowhere/arm.so: there is no such file",
+            plugin("bad_no_symbol"): "is no device plug-in",
+            plugin("bad_wrong_version"): "compile it anew",
+            plugin("bad_no_read"): "lacks a function",
+            plugin("bad_nan_force"): "force_max must be positive",
+            plugin("bad_no_device"): "no arm is plugged in; plug it in",
+            plugin("pendulum") + ":high": "'high' is no height",
+            "no_such:x": "palpate_device_no_such.so",
+        }.items():
+            with self.subTest(device=text):
+                self.refuse(1, words, "run", *self.common, "--device", text, "--seconds", "1")
+
+    def test_what_is_no_name_is_bad_usage(self):
+        self.refuse(2, "--device", "run", *self.common, "--device", "arm.so", "--seconds", "1")
+
+
+if __name__ == "__main__":
+    unittest.main()

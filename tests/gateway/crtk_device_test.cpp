@@ -1,0 +1,360 @@
+// A device whose driver speaks CRTK: the contract of drivers, and a network that does what networks do.
+#include <palpate/gateway/crtk_device.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include <palpate/base/error.h>
+#include <palpate/device/testing/device_contract.h>
+#include <palpate/servo/servo_tick.h>
+#include <support/allocation_guard.h>
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kMilli = 1e-3;
+constexpr double kOffset = 5000.0;  // of the driver's clock, s
+
+/// The other end, without a network.
+class Peer final : public CrtkTransport {
+ public:
+  void start(CrtkDevice& device) override { device_ = &device; }
+  void stop() noexcept override {}
+  void send(const CrtkWrench& wrench) override {
+    const std::scoped_lock lock(mutex_);
+    last_ = wrench;
+    ++sent_;
+  }
+  void send_echo(std::uint64_t number) override {
+    const std::scoped_lock lock(mutex_);
+    echo_ = number;
+  }
+  void say(const std::string& line) override { said.push_back(line); }
+
+  CrtkWrench last() const {
+    const std::scoped_lock lock(mutex_);
+    return last_;
+  }
+  std::uint64_t echo() const {
+    const std::scoped_lock lock(mutex_);
+    return echo_;
+  }
+  std::uint64_t sent() const {
+    const std::scoped_lock lock(mutex_);
+    return sent_;
+  }
+
+  std::vector<std::string> said;
+
+ private:
+  CrtkDevice* device_ = nullptr;
+  mutable std::mutex mutex_;
+  CrtkWrench last_;
+  std::uint64_t echo_ = 0, sent_ = 0;
+};
+
+CrtkOptions options() {
+  CrtkOptions o;
+  o.capabilities.name = "omni";
+  o.capabilities.force_max = 8.0;
+  return o;
+}
+
+double driver_now() { return monotonic_now() + kOffset; }
+
+/// A device that is enabled, and its peer.
+struct Link {
+  explicit Link(const CrtkOptions& with = options()) {
+    auto made = std::make_unique<Peer>();
+    peer = made.get();
+    device = std::make_unique<CrtkDevice>(with, std::move(made));
+    open_device(*device, {});
+    device->enable();
+  }
+  /// A tick a millisecond after the last. \returns whether it read something.
+  bool tick() {
+    clock.sleep_until(clock.now() + kMilli);
+    return device->read(clock.now(), reading);
+  }
+  void pose(double x, double age = 0.0, const char* frame = "base", const char* source = "/arm") const {
+    Pose p;
+    p.position.x() = x;
+    pose(p, driver_now() - age, frame, source);
+  }
+  void pose(const Pose& p, double stamp, const char* frame = "base", const char* source = "/arm") const {
+    device->take_pose({stamp, frame, source}, p);
+  }
+  void ticks(int count, double x) {
+    for (int k = 0; k < count; ++k) {
+      pose(x);
+      tick();
+    }
+  }
+
+  Peer* peer = nullptr;
+  std::unique_ptr<CrtkDevice> device;
+  LoopClock clock;
+  DeviceReading reading;
+};
+
+Peer* contract_peer = nullptr;
+CrtkDevice* contract_device = nullptr;
+
+std::unique_ptr<HapticDevice> contract() {
+  auto peer = std::make_unique<Peer>();
+  contract_peer = peer.get();
+  auto device = std::make_unique<CrtkDevice>(options(), std::move(peer));
+  contract_device = device.get();
+  return device;
+}
+
+void contract_feed(double t) {
+  Pose pose;
+  pose.position.x() = 0.1 * std::sin(t);
+  contract_device->take_pose({driver_now(), "base", "/arm"}, pose);
+}
+
+/// Once the device's own thread has sent what was written.
+Wrench contract_shown(const HapticDevice&) {
+  sleep_until(monotonic_now() + 0.03);
+  return contract_peer->last().spatial;
+}
+
+INSTANTIATE_TEST_SUITE_P(Crtk, HapticDeviceContract,
+                         ::testing::Values(DeviceUnderTest{"crtk",
+                                                           contract,
+                                                           {.real_time = true,
+                                                            .feed = contract_feed,
+                                                            .shown = contract_shown,
+                                                            .allocations = allocations_of_thread}}));
+
+TEST(CrtkDevice, AWrenchGoesOutAlongBothFramesWithTheStampThatItAnswers) {
+  Link link;
+  Pose turned;
+  turned.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+  link.pose(turned, 77.25);
+  ASSERT_TRUE(link.tick());
+  const auto before = link.peer->sent();
+  link.device->write({{1, 0, 0}, {0, 0, 0.5}});
+  for (int k = 0; k < 200 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
+  const CrtkWrench sent = link.peer->last();
+  EXPECT_TRUE(sent.spatial.force.isApprox(Eigen::Vector3d(1, 0, 0)));
+  EXPECT_TRUE(sent.body.force.isApprox(Eigen::Vector3d(0, -1, 0), 1e-12));
+  EXPECT_TRUE(sent.body.torque.isApprox(Eigen::Vector3d(0, 0, 0.5), 1e-12));
+  EXPECT_EQ(sent.stamp, 77.25);
+}
+
+TEST(CrtkDevice, WhatComesOutOfOrderOrTwiceOrLateIsDroppedAndSaidOnce) {
+  Link link;
+  link.ticks(5, 0.0);
+  const double stamp = driver_now();
+  link.pose({{0.1, 0, 0}, Eigen::Quaterniond::Identity()}, stamp);
+  link.pose({{0.2, 0, 0}, Eigen::Quaterniond::Identity()}, stamp);
+  link.pose({{0.3, 0, 0}, Eigen::Quaterniond::Identity()}, stamp - 2e-3);
+  link.pose({{0.4, 0, 0}, Eigen::Quaterniond::Identity()}, stamp - 0.5);
+  ASSERT_TRUE(link.tick());
+  EXPECT_EQ(link.reading.pose.position.x(), 0.1);
+  EXPECT_EQ(link.device->dropped(), 3U);
+  ASSERT_EQ(link.peer->said.size(), 1U);
+  EXPECT_THAT(link.peer->said[0], HasSubstr("late, twice or out of order"));
+}
+
+TEST(CrtkDevice, AnAgeCountsTheJitterAndTheWayBack) {
+  Link link;
+  link.ticks(20, 0.0);
+  for (int k = 0; k < 12; ++k) link.tick();  // nothing comes
+  link.pose(0.01, 0.008);
+  ASSERT_TRUE(link.tick());
+  EXPECT_GT(link.clock.now() - link.reading.t, 0.008);
+  link.ticks(5, 0.0);
+  link.device->take_echo(link.peer->echo(), driver_now());
+  link.pose(0.02);
+  ASSERT_TRUE(link.tick());
+  EXPECT_LE(link.reading.t, link.clock.now());
+}
+
+TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
+  Link link;
+  link.ticks(5, 0.0);
+  link.pose(0.1, -10.0);
+  EXPECT_FALSE(link.tick());
+  EXPECT_THAT(link.peer->said.at(0), HasSubstr("stamps of the future"));
+  link.pose(0.2);
+  EXPECT_TRUE(link.tick()) << "one of them changes nothing";
+  const std::uint32_t hand = link.reading.hand;
+  bool read = false;
+  for (int k = 0; k < 1300 && !read; ++k) {
+    link.pose(0.3, -10.0);
+    read = link.tick();
+  }
+  EXPECT_TRUE(read) << "it was set";
+  EXPECT_NE(link.reading.hand, hand) << "and comes back through the gate";
+}
+
+TEST(CrtkDevice, AnotherFrameIsDropped) {
+  Link link;
+  link.ticks(3, 0.0);
+  for (int k = 0; k < 100; ++k) {
+    link.pose(0.5, 0.0, "world");
+    EXPECT_FALSE(link.tick());
+  }
+  EXPECT_EQ(link.device->status(), DeviceStatus::kFault);
+  EXPECT_EQ(link.device->status_text(), "poses have a wrong frame_id");
+  ASSERT_EQ(link.peer->said.size(), 1U);
+  EXPECT_THAT(link.peer->said[0], HasSubstr("in the frame 'world', not 'base'"));
+  const std::uint32_t hand = link.reading.hand;
+  link.pose(0.0);
+  EXPECT_TRUE(link.tick());
+  EXPECT_EQ(link.device->status(), DeviceStatus::kEnabled);
+  EXPECT_NE(link.reading.hand, hand);
+}
+
+TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
+  Link link;
+  link.ticks(3, 0.1);
+  const std::uint32_t hand = link.reading.hand;
+  link.pose(0.9, 0.0, "base", "/other");
+  EXPECT_FALSE(link.tick());
+  ASSERT_EQ(link.peer->said.size(), 1U);
+  EXPECT_THAT(link.peer->said[0], HasSubstr("'/other' are dropped: '/arm' holds the device"));
+  bool read = false;
+  double since = monotonic_now();
+  while (!read && monotonic_now() - since < 3.0) {
+    link.pose(0.9, 0.0, "base", "/other");
+    read = link.tick();
+  }
+  EXPECT_GT(monotonic_now() - since, 0.9);
+  EXPECT_TRUE(read);
+  EXPECT_NE(link.reading.hand, hand);
+}
+
+TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Pose> bad{{{nan, 0, 0}, Eigen::Quaterniond::Identity()},
+                              {{1e9, 0, 0}, Eigen::Quaterniond::Identity()},
+                              {{0, 0, 0}, Eigen::Quaterniond(0, 0, 0, 0)},
+                              {{0, 0, 0}, Eigen::Quaterniond(2, 0, 0, 0)},
+                              {{0, 0, 0}, Eigen::Quaterniond(nan, 0, 0, 0)}};
+  for (const Pose& pose : bad) {
+    Link link;
+    link.ticks(3, 0.0);
+    const std::uint32_t hand = link.reading.hand;
+    link.pose(pose, driver_now());
+    link.pose(pose, driver_now());
+    EXPECT_FALSE(link.tick());
+    ASSERT_EQ(link.peer->said.size(), 1U);
+    EXPECT_THAT(link.peer->said[0], HasSubstr("no force until they do"));
+    link.pose(0.0);
+    ASSERT_TRUE(link.tick());
+    EXPECT_NE(link.reading.hand, hand);
+  }
+}
+
+/// A spring to the origin through a ServoTick, so that the governor is in it.
+class Spring final : public ForceModel {
+ public:
+  bool wants_contacts() const override { return false; }
+  ForceOutput evaluate(const ForceInput& input) override {
+    ForceOutput out;
+    out.wrench.force = -100.0 * input.tool.position;
+    out.proxy = input.tool;
+    return out;
+  }
+  void reset() override {}
+};
+
+TEST(CrtkDevice, LossThatIsShortIsNotFeltAndASilenceRampsToZeroAndComesBack) {
+  Link link;
+  Spring spring;
+  ToolTracker* none = nullptr;
+  ServoTick tick(*link.device, {&spring, none, nullptr});
+  double at = 0.0;
+  const auto force = [&](bool comes, double x) {
+    constexpr double kStep = 1e-4;  // 0.1 m/s
+    at += std::clamp(x - at, -kStep, kStep);
+    if (comes) link.pose(at);
+    link.clock.sleep_until(link.clock.now() + kMilli);
+    return tick.run(link.clock.now()).sent.force.norm();
+  };
+  // More than once, since a machine that stands still for a while is a fault, too.
+  const auto leans = [&](int every) {
+    for (int round = 0; round < 10; ++round) {
+      for (int k = 0; k < 800; ++k) force(true, 0.0);  // the gate
+      for (int k = 0; k < 1000; ++k)
+        if (force(k % every != 0, 0.02) > 1.9) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(leans(1000));
+  EXPECT_TRUE(leans(10)) << "a tenth of the poses is lost";
+  double last = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    last = force(false, 0.02);
+    EXPECT_LE(last, 2.05);
+  }
+  EXPECT_EQ(last, 0.0);
+  EXPECT_EQ(link.device->status(), DeviceStatus::kFault);
+  EXPECT_EQ(link.device->status_text(), "no poses come");
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(force(true, 0.02), 0.0) << "the gate";
+  EXPECT_TRUE(leans(1000));
+}
+
+TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
+  CrtkOptions o = options();
+  o.extrapolation = 5e-3;
+  Link link(o);
+  EXPECT_GE(link.device->capabilities().delay, 5e-3) << "it looks newer than it is by that";
+  Twist twist;
+  twist.linear.x() = 0.2;
+  for (int k = 0; k < 20; ++k) {
+    link.device->take_velocity({0.0, "base", "/arm"}, twist);
+    link.pose(2e-4 * k);
+    ASSERT_TRUE(link.tick());
+  }
+  const double x = link.reading.pose.position.x();
+  double last = link.reading.t;
+  for (int k = 0; k < 20; ++k) {
+    if (!link.tick()) continue;
+    ASSERT_GT(link.reading.t, last);
+    last = link.reading.t;
+  }
+  EXPECT_GT(link.reading.pose.position.x(), x + 1e-4);
+  EXPECT_LE(link.reading.pose.position.x(), x + 5e-3 * 0.2 + 1e-9);
+  o.extrapolation = 0.5;
+  EXPECT_THROW(CrtkDevice(o, std::make_unique<Peer>()), Error);
+}
+
+TEST(CrtkDevice, MayBeOpenForLongBeforeTheLoopBegins) {
+  auto made = std::make_unique<Peer>();
+  CrtkDevice device(options(), std::move(made));
+  open_device(device, {});
+  for (int k = 0; k < 100; ++k) {
+    device.take_pose({driver_now(), "base", "/arm"}, {});
+    sleep_until(monotonic_now() + kMilli);
+  }
+  device.enable();
+  const LoopClock clock;
+  DeviceReading reading;
+  int read = 0;
+  for (int k = 0; k < 50; ++k) {
+    device.take_pose({driver_now(), "base", "/arm"}, {});
+    clock.sleep_until(clock.now() + kMilli);
+    const double t = clock.now();
+    if (!device.read(t, reading)) continue;
+    ++read;
+    ASSERT_LE(reading.t, t);
+    ASSERT_GT(reading.t, t - 0.5);
+  }
+  EXPECT_GT(read, 40);
+}
+
+}  // namespace
+}  // namespace palpate::test

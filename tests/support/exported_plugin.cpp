@@ -1,0 +1,32 @@
+// A driver in C++, exported as a plug-in: a ScriptedDevice, which needs calibration and is silent for a
+// while.
+#include <cmath>
+#include <stdexcept>
+
+#include <palpate/device/export_device.h>
+#include <palpate/device/testing/scripted_device.h>
+
+namespace {
+
+palpate::Pose swing(double t) {
+  palpate::Pose pose;
+  pose.position.x() = 0.01 * std::sin(5.0 * t);
+  return pose;
+}
+
+std::unique_ptr<palpate::HapticDevice> make(const std::string& arguments) {
+  using palpate::test::DeviceFault;
+  if (!arguments.empty() && arguments != "nan")
+    throw std::runtime_error("takes no arguments but nan, not '" + arguments + "'");
+  palpate::DeviceCapabilities can;
+  can.name = "scripted";
+  can.force_max = 10.0;
+  can.sensed.rotation = 0;
+  const DeviceFault fault = arguments.empty() ? DeviceFault::kSilent : DeviceFault::kNan;
+  return std::make_unique<palpate::test::ScriptedDevice>(
+      can, swing, std::vector<palpate::test::ScriptedFault>{{0.05, 0.07, fault}});
+}
+
+}  // namespace
+
+const PalpateDevicePlugin* palpate_device_plugin(uint32_t) { return &palpate::ExportedDevice<make>::kPlugin; }
