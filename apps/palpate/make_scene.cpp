@@ -11,6 +11,7 @@
 #include <palpate/scene/ply_writer.h>
 #include <palpate/study/capture_defects.h>
 #include <palpate/study/procedural.h>
+#include <palpate/study/still_life.h>
 
 #include "command.h"
 #include "options.h"
@@ -28,8 +29,27 @@ struct Options {
   std::vector<std::string> like;  ///< of capture_defects()
 };
 
+/// Which has light, materials and a spacing by the thing, and none of the defects of captures.
+void run_still_life(const Options& options) {
+  if (options.procedural.noise > 0.0 || options.tilt_degrees > 0.0 || !options.like.empty())
+    throw Error("{} takes neither --noise nor --tilt nor --like; leave them out, or make a table",
+                kStillLife);
+  const double spacing = options.procedural.spacing.value_or(kStillLifeSpacing);
+  const StillLife made = make_still_life(options.procedural.seed, spacing);
+  write_ply(
+      made.scene, options.out,
+      fmt::format("palpate make-scene {} seed {} spacing {} m", kStillLife, options.procedural.seed, spacing),
+      material_columns(made));
+  if (!options.common.quiet)
+    fmt::print("wrote {}: {}, {} Gaussians\n", printable(options.out), kStillLife, made.scene.size());
+}
+
 void run(const Options& options) {
   check_output(options.out, {options.common.config});
+  if (options.shape == kStillLife) {
+    run_still_life(options);
+    return;
+  }
   ProceduralOptions procedural = options.procedural;
   procedural.tilt = options.tilt_degrees * std::numbers::pi / 180.0;
   const auto surface = make_surface(options.shape);
@@ -52,7 +72,9 @@ Command declare_make_scene(CLI::App& parent) {
   auto options = std::make_shared<Options>();
   declare_common(app, options->common);
   const auto shapes = procedural_shapes();
-  add_choice(app, "SHAPE", options->shape, {shapes.begin(), shapes.end()}, "what to make").required();
+  std::vector<std::string> names{shapes.begin(), shapes.end()};
+  names.emplace_back(kStillLife);
+  add_choice(app, "SHAPE", options->shape, names, "what to make").required();
   add_text(app, "--out", options->out, "S.ply", "the scene").required();
   add_seed(app, options->procedural.seed, "of all randomness");
   add_parsed(app, "--spacing", "m", "mean distance of neighbours, m (default: the shape's own)",

@@ -92,10 +92,6 @@ LoadedScene load(const SceneConfig& config, const Progress& progress) {
   return load_scene(config, notify, progress);
 }
 
-LoadedScene load_or_make(const SceneConfig& config, const Progress& progress) {
-  return load_or_make_scene(config, notify, progress);
-}
-
 void QueryOptions::declare(CLI::App& app, LiveConfig& config) {
   app_ = &app;
   const std::string group(title(ConfigGroup::kTool));

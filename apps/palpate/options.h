@@ -38,8 +38,6 @@ void declare_force_parameters(CLI::App& app, LiveConfig& config);
 
 /// Loads and filters; warns on stderr if nothing is left. \throws Error.
 LoadedScene load(const SceneConfig& config, const Progress& progress);
-/// The same; without a path, of the scene that needs no file.
-LoadedScene load_or_make(const SceneConfig& config, const Progress& progress);
 
 /// How contacts are found, and what feels them.
 struct QueryOptions {

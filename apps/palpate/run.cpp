@@ -320,6 +320,9 @@ void print_text(const Outcome& outcome, LiveSystem& system) {
   if (!outcome.faults.empty()) fmt::print("faults           {}\n", fmt::join(outcome.faults, ", "));
 }
 
+/// As thick as that of a finger: what the built-in scene is felt with unless a tool is given.
+Tool fingertip() { return Tool(Eigen::Vector3d::Constant(0.008)); }
+
 /// What a user should know before a hand is near.
 void warn(const LiveSystem& system, const Notify& tell) {
   const DeviceCapabilities& device = system.device();
@@ -428,7 +431,12 @@ Command declare_run(CLI::App& parent) {
   declare_field(app, live, "tool");
   declare_field(app, live, "no-index-file").in_group("Options");
   declare_group(app, live, ConfigGroup::kForce);
-  return {&app, [=] { run(*options); }};
+  return {&app, [&app, options] {
+            LiveConfig& settings = options->live;
+            const bool by_hand = settings.scene.path.empty() && !is_giant(settings.device.kind);
+            if (by_hand && !is_given(app, "--tool")) settings.tool = fingertip();
+            run(*options);
+          }};
 }
 
 }  // namespace palpate::cli

@@ -14,10 +14,13 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/haptics/material_file.h>
 #include <palpate/live/factories.h>
+#include <palpate/live/live_scene.h>
 #include <palpate/report/result_files.h>
 #include <palpate/report/stability_page.h>
 #include <palpate/report/stability_table.h>
+#include <palpate/study/procedural.h>
 #include <palpate/study/stability.h>
 
 #include "command.h"
@@ -59,11 +62,25 @@ struct Ground {
   std::vector<PressPlace> places;
 };
 
+/// Without a file the table of make-scene, of one stuff all over: plain shapes, whose figures stay
+/// comparable.
+LoadedScene read_ground(const LiveConfig& live, Ground& ground, const Progress& progress) {
+  const SceneConfig& scene = live.scene;
+  if (!scene.path.empty()) {
+    ground.name = std::filesystem::path(scene.path).filename().string();
+    ground.materials = load_materials(live.force, scene.path, progress);
+    return load(scene, progress);
+  }
+  constexpr const char* kTable = "table";
+  ground.name = fmt::format("the built-in {}", kTable);
+  if (!live.force.materials.empty())
+    ground.materials = std::make_shared<MaterialMap>(read_materials(live.force.materials));
+  return filter_made_scene(make_scene(*make_surface(kTable), {}), scene, notify, progress);
+}
+
 Ground ground_of(const Options& options, const Progress& progress) {
   Ground ground;
-  ground.name = std::filesystem::path(options.live.scene.name()).filename().string();
-  ground.materials = load_materials(options.live.force, options.live.scene.path, progress);
-  const LoadedScene loaded = load_or_make(options.live.scene, progress);
+  const LoadedScene loaded = read_ground(options.live, ground, progress);
   ground.index = std::make_unique<SceneIndex>(loaded.scene, options.live.scene.filter,
                                               options.live.scene.world_from_scene(), progress);
   try {

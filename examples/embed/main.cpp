@@ -31,9 +31,9 @@ class Probe final : public palpate::HapticDevice {
 };
 
 int main(int argc, char** argv) {
-  palpate::LiveConfig config;  // without a path: the built-in scene, a table
+  palpate::LiveConfig config;  // without a path: the built-in scene, a still life on a table
   config.force.proxy.stiffness = 800.0;
-  Eigen::Vector3d place(0.25, 0.0, 0.0);  // free table
+  Eigen::Vector3d place(0.2, -0.22, 0.0);  // free table
   if (argc == 5) {
     config.scene.path = argv[1];
     place = {std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4])};

@@ -280,6 +280,8 @@ row("option: no out", ["replay", "a.ply", "--trajectory", "path.csv"], "--out", 
 row("option: report without out", ["report", "run.csv"], "--out", 2)
 row("option: unknown shape", ["make-scene", "cube", "--out", "out.ply"], "cube", 2)
 row("option: unknown shell", ["completion", "cmd"], "cmd", 2)
+row("option: too fine a still life", ["make-scene", "still-life", "--spacing", "1e-4", "--out", "out.ply"], "0.001 m to 0.02 m")
+row("option: a noisy still life", ["make-scene", "still-life", "--noise", "0.001", "--out", "out.ply"], "neither --noise")
 row("option: too fine a spacing", ["make-scene", "plane", "--spacing", "1e-9", "--out", "out.ply"], "Gaussians")
 row("option: absurdly fine a spacing", ["make-scene", "plane", "--spacing", "1e-300", "--out", "out.ply"], "Gaussians")
 

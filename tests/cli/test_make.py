@@ -32,6 +32,16 @@ class MakeScene(Case):
         self.assertEqual(uncommented, expected)
         self.assertEqual(len(data.split(b"end_header\n", 1)[1]), count * 17 * 4)
 
+    def test_a_still_life_tells_its_materials(self):
+        self.make("still-life", "s.ply", "--spacing", "0.008")
+        info = self.succeed("info", "s.ply")
+        self.assertIn("with stiffness, friction, damping", info.out.decode())
+        stroke = self.succeed("query", "s.ply", "--pose", "0.2,-0.22,0.005", "--tool", "0.008,0.008,0.008", "--json").json
+        self.assertGreater(len(stroke["contacts"]), 0)
+        self.assertGreater(stroke["force"][2], 0.5)
+        first = self.make("still-life", "a.ply", "--spacing", "0.012", "--seed", "7")
+        self.assertEqual(first, self.make("still-life", "b.ply", "--spacing", "0.012", "--seed", "7"))
+
     def test_a_seed_decides_every_byte(self):
         args = ["--spacing", "0.02", "--noise", "0.001", "--tilt", "10"]
         for shape in SHAPES:

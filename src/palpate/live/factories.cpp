@@ -12,6 +12,7 @@
 #include <palpate/haptics/field_force.h>
 #include <palpate/haptics/material_file.h>
 #include <palpate/kinematics/chain_file.h>
+#include <palpate/live/live_scene.h>
 
 namespace palpate {
 namespace {
@@ -50,7 +51,7 @@ std::unique_ptr<JointPlant> make_giant_plant(DeviceKind kind, const GiantSetup& 
 Materials load_materials(const ForceConfig& config, const std::string& scene, const Progress& progress) {
   return std::make_shared<MaterialMap>(
       config.materials.empty() ? std::vector<MaterialRegion>{} : read_materials(config.materials),
-      scene.empty() ? PlyMaterials{} : read_ply_materials(scene, progress));
+      scene.empty() ? material_columns(built_in_scene()) : read_ply_materials(scene, progress));
 }
 
 std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceConfig& config,

@@ -21,8 +21,8 @@ namespace palpate {
 /// What a scene is made of; null: of one stuff all over.
 using Materials = std::shared_ptr<const MaterialMap>;
 
-/// What ForceConfig::materials and the scene's own file say. \param scene SceneConfig::path \throws Error for
-/// broken materials.
+/// What ForceConfig::materials and the scene's own file, or the built-in scene, say. \param scene
+/// SceneConfig::path \throws Error for broken materials.
 Materials load_materials(const ForceConfig& config, const std::string& scene, const Progress& progress = {});
 
 /// A model of `kind` on an index, which must outlive it, as `lookahead` must, through which it looks for

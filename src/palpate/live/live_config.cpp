@@ -23,7 +23,7 @@ Similarity SceneConfig::world_from_scene() const {
 }
 
 std::string SceneConfig::name() const {
-  return path.empty() ? fmt::format("the built-in {}", kBuiltInScene) : path;
+  return path.empty() ? fmt::format("the built-in {}", kStillLife) : path;
 }
 
 std::string SceneConfig::frame_note() const {

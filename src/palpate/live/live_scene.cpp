@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <palpate/scene/load_scene.h>
-#include <palpate/study/procedural.h>
 
 namespace palpate {
 namespace {
@@ -28,8 +27,15 @@ void tell(const FilterReport& f, const std::string& path, const Notify& notify) 
   }
 }
 
-LoadedScene filtered(GaussianScene scene, const SceneConfig& config, const Notify& notify,
-                     const Progress& progress) {
+}  // namespace
+
+const StillLife& built_in_scene() {
+  static const StillLife made = make_still_life();
+  return made;
+}
+
+LoadedScene filter_made_scene(GaussianScene scene, const SceneConfig& config, const Notify& notify,
+                              const Progress& progress) {
   LoadedScene result;
   result.scene = std::move(scene);
   result.kept =
@@ -38,16 +44,13 @@ LoadedScene filtered(GaussianScene scene, const SceneConfig& config, const Notif
   return result;
 }
 
-}  // namespace
-
 LoadedScene load_scene(const SceneConfig& config, const Notify& notify, const Progress& progress) {
-  return filtered(load_scene(config.path, progress), config, notify, progress);
+  return filter_made_scene(load_scene(config.path, progress), config, notify, progress);
 }
 
 LoadedScene load_or_make_scene(const SceneConfig& config, const Notify& notify, const Progress& progress) {
-  return config.path.empty()
-             ? filtered(make_scene(*make_surface(kBuiltInScene), {}), config, notify, progress)
-             : load_scene(config, notify, progress);
+  return config.path.empty() ? filter_made_scene(built_in_scene().scene, config, notify, progress)
+                             : load_scene(config, notify, progress);
 }
 
 SceneIndex open_index(const SceneConfig& config, IndexFiles files, const Notify& notify,

@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -21,14 +23,18 @@ void append(std::string& out, double value) {
   for (int k = 0; k < 4; ++k, bits >>= 8) out.push_back(static_cast<char>(bits & 0xffU));
 }
 
-std::string ply_header(std::size_t count, const std::string& comment) {
+std::string ply_header(std::size_t count, const std::string& comment, const PlyMaterials& materials) {
   std::string header =
       fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n", comment, count);
   for (const char* name : kProperties) header += fmt::format("property float {}\n", name);
+  for (std::size_t k = 0; k < kMaterialPropertyCount; ++k) {
+    if (!materials.values[k].empty())
+      header += fmt::format("property float {}\n", kMaterialProperties[k].name);
+  }
   return header + "end_header\n";
 }
 
-void append_row(std::string& out, const GaussianScene& scene, std::size_t i) {
+void append_row(std::string& out, const GaussianScene& scene, const PlyMaterials& materials, std::size_t i) {
   const Gaussian g = scene.gaussian(i);
   for (const double v : g.position) append(out, v);
   for (int k = 0; k < 3; ++k) append(out, 0.0);
@@ -38,25 +44,30 @@ void append_row(std::string& out, const GaussianScene& scene, std::size_t i) {
   append(out, std::log(g.opacity / (1.0 - g.opacity)));
   for (const double s : g.sigma) append(out, std::log(s));
   for (const double q : {g.rotation.w(), g.rotation.x(), g.rotation.y(), g.rotation.z()}) append(out, q);
+  for (const std::vector<float>& column : materials.values) {
+    if (!column.empty()) append(out, column[i]);
+  }
 }
 
 }  // namespace
 
-void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment) {
+void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment,
+               const PlyMaterials& materials) {
   OutputFile file(path);
-  file.write(ply_header(scene.size(), comment));
+  file.write(ply_header(scene.size(), comment, materials));
   std::string row;
   for (std::size_t i = 0; i < scene.size(); ++i) {
     row.clear();
-    append_row(row, scene, i);
+    append_row(row, scene, materials, i);
     file.write(row);
   }
   file.commit();
 }
 
 std::string ply_bytes(const GaussianScene& scene, const std::string& comment) {
-  std::string bytes = ply_header(scene.size(), comment);
-  for (std::size_t i = 0; i < scene.size(); ++i) append_row(bytes, scene, i);
+  const PlyMaterials none;
+  std::string bytes = ply_header(scene.size(), comment, none);
+  for (std::size_t i = 0; i < scene.size(); ++i) append_row(bytes, scene, none, i);
   return bytes;
 }
 

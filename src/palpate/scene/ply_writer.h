@@ -5,14 +5,17 @@
 #include <string>
 
 #include <palpate/scene/gaussian_scene.h>
+#include <palpate/scene/ply_materials.h>
 
 namespace palpate {
 
 /// Writes binary little-endian INRIA .ply with the properties x y z, nx ny nz (zero), f_dc_0..2,
-/// opacity (logit), scale_0..2 (log), rot_0..3, all float, SH degree 0. `comment` goes into the
-/// header. The file appears whole or not at all. Rows are written in order; ids are not kept.
-/// \throws Error if the file cannot be written.
-void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment);
+/// opacity (logit), scale_0..2 (log), rot_0..3, all float, SH degree 0, and what `materials` has of
+/// stiffness, friction and damping, by the row. `comment` goes into the header. The file appears whole or not
+/// at all. Rows are written in order; ids are not kept. \pre a column of `materials` is empty or as long as
+/// the scene \throws Error if the file cannot be written.
+void write_ply(const GaussianScene& scene, const std::string& path, const std::string& comment,
+               const PlyMaterials& materials = {});
 
 /// The bytes of such a file.
 std::string ply_bytes(const GaussianScene& scene, const std::string& comment);
