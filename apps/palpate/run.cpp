@@ -43,7 +43,8 @@ struct Options {
   CommonOptions common;
   LiveConfig live;
   std::string record;
-  double seconds = 0.0;  ///< 0: until someone ends it
+  double seconds = 0.0;             ///< 0: until someone ends it
+  std::vector<std::string> scenes;  ///< folders
 };
 
 /// \name Signals
@@ -323,6 +324,11 @@ void print_text(const Outcome& outcome, LiveSystem& system) {
 /// As thick as that of a finger: what the built-in scene is felt with unless a tool is given.
 Tool fingertip() { return Tool(Eigen::Vector3d::Constant(0.008)); }
 
+/// Why no page may open another scene.
+std::string one_scene(const Options& options) {
+  return options.record.empty() ? "" : "with --record all of a run is of one scene: start again for another";
+}
+
 /// What a user should know before a hand is near.
 void warn(const LiveSystem& system, const Notify& tell) {
   const DeviceCapabilities& device = system.device();
@@ -353,7 +359,8 @@ void run(const Options& options) {
   const bool talks = !options.common.quiet;
   std::unique_ptr<LiveGateway> gateway;
   if (!options.live.gateway.off) {
-    gateway = std::make_unique<LiveGateway>(system, GatewayPages{viewer_file, recording_page});
+    gateway = std::make_unique<LiveGateway>(
+        system, GatewayPages{viewer_file, recording_page, options.scenes, one_scene(options)});
     for (TickObserver* observer : gateway->observers()) observers.push_back(observer);
   }
   warn(system, tell);
@@ -428,6 +435,8 @@ Command declare_run(CLI::App& parent) {
   declare_group(app, live, ConfigGroup::kDevice);
   declare_group(app, live, ConfigGroup::kLoop);
   declare_group(app, live, ConfigGroup::kGateway);
+  add_texts(app, "--scenes", options->scenes, "DIR,...", "folders whose scenes the viewer may open")
+      .in_group(std::string(title(ConfigGroup::kGateway)));
   declare_field(app, live, "tool");
   declare_field(app, live, "no-index-file").in_group("Options");
   declare_group(app, live, ConfigGroup::kForce);
@@ -435,6 +444,9 @@ Command declare_run(CLI::App& parent) {
             LiveConfig& settings = options->live;
             const bool by_hand = settings.scene.path.empty() && !is_giant(settings.device.kind);
             if (by_hand && !is_given(app, "--tool")) settings.tool = fingertip();
+            SceneConfig& scene = settings.scene;
+            scene.scale_known = scene.path.empty() || is_given(app, "--scale");
+            scene.frame_known = scene.path.empty() || is_given(app, "--frame") || is_given(app, "--rotate");
             run(*options);
           }};
 }

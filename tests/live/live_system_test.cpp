@@ -91,6 +91,46 @@ TEST(LiveSystem, ChangesWhatIsFeltAndNothingElse) {
   system.stop();
 }
 
+TEST(LiveSystem, OpensAnotherSceneAndForgetsWhatWasOfTheOldOne) {
+  const TemporaryFile ball(ply_bytes(make_scene(*make_surface("sphere"), {}), "ball"), "ball.ply");
+  LiveConfig config = plane_config();
+  config.scene.registration.scale = 2.0;
+  config.scene.filter.crop_box =
+      Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-9), Eigen::Vector3d::Constant(9));
+  LiveSystem system(config, own_device());
+  LiveView view;
+  system.start({&view});
+  EXPECT_EQ(system.felt()->path(), plane());
+  system.open_scene(ball.path());
+  ASSERT_TRUE(comes_true([&] { return system.felt()->path() == ball.path(); }));
+  EXPECT_EQ(system.message(), "");
+  EXPECT_EQ(system.felt()->index()->size(), make_scene(*make_surface("sphere"), {}).size());
+  const SceneConfig scene = system.settings().scene;
+  EXPECT_EQ(scene.registration.scale, 1.0);
+  EXPECT_FALSE(scene.filter.crop_box);
+  EXPECT_FALSE(scene.scale_known || scene.frame_known);
+  system.open_scene("");  // the built-in one, whose size is known
+  ASSERT_TRUE(comes_true([&] { return system.felt()->path().empty(); }));
+  EXPECT_TRUE(system.settings().scene.scale_known);
+  system.stop();
+}
+
+TEST(LiveSystem, KeepsTheSceneWhereTheOtherCannotBeRead) {
+  const TemporaryFile broken("ply\nformat ascii 1.0\nelement vertex 1\n", "broken.ply");
+  LiveSystem system(plane_config(), own_device());
+  LiveView view;
+  system.start({&view});
+  const auto before = system.felt();
+  for (const std::string& path : {broken.path(), std::string("/nowhere/scene.ply")}) {
+    system.open_scene(path);
+    EXPECT_TRUE(comes_true([&] { return testing::Value(system.message(), testing::HasSubstr(path)); }))
+        << path;
+    EXPECT_EQ(system.felt(), before);
+    EXPECT_EQ(system.settings(), plane_config());
+  }
+  system.stop();
+}
+
 TEST(LiveSystem, KeepsItsSettingsWhereAnEditFails) {
   LiveSystem system(plane_config(), own_device());
   LiveView view;

@@ -7,7 +7,9 @@
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <future>
+#include <iterator>
 #include <list>
 #include <map>
 #include <memory>
@@ -196,8 +198,12 @@ class WebServerTest : public testing::Test {
 
   void start(const std::string& token = "") {
     WebServerOptions options;
-    options.port = 0;
     options.token = token;
+    start(options);
+  }
+
+  void start(WebServerOptions options) {
+    options.port = 0;
     server = std::make_unique<WebServer>(
         hub, [this](const std::string& path) { return page(path); }, options);
     server->start();
@@ -325,6 +331,86 @@ TEST_F(WebServerTest, AnswersHeadWithTheHeadersOfGet) {
     EXPECT_EQ(head.headers, get.headers);
     EXPECT_EQ(connection.response().body, "you asked for /\n") << "nothing else was between them";
   }
+}
+
+/// Takes files at /up/NAME, up to a megabyte.
+class WebUploadTest : public WebServerTest {
+ protected:
+  WebServerOptions taking(const std::string& token = "") {
+    WebServerOptions options;
+    options.token = token;
+    options.uploads.folder = "/up/";
+    options.uploads.place = [this](const std::string& path, std::uint64_t bytes) {
+      EXPECT_THAT(path, testing::StartsWith("/up/"));
+      if (bytes > 1 << 20) throw Error("too large");
+      return (folder.folder() / std::to_string(++places)).string();
+    };
+    options.uploads.have = [this](const std::string& file) {
+      have.push_back(bytes_of(file));
+      if (have.back() == "bad") throw Error("it is bad");
+      return text_page(200, "thanks");
+    };
+    options.uploads.drop = [this](const std::string& file) {
+      std::filesystem::remove(file);
+      ++dropped;
+    };
+    return options;
+  }
+  static std::string bytes_of(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  Response put(const std::string& path, const std::string& body, const std::string& more = "") const {
+    return ask("PUT " + path, more + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  }
+
+  test::TemporaryFile folder{"", "x"};
+  std::vector<std::string> have;  ///< of the thread of pages
+  std::atomic<int> places = 0, dropped = 0;
+};
+
+TEST_F(WebUploadTest, TakesAFileWholeAndSaysSo) {
+  start(taking());
+  std::string body(700'000, 'a');
+  for (std::size_t i = 0; i < body.size(); ++i) body[i] = static_cast<char>(i * i % 251);
+  const Response response = put("/up/x%20y", body);
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.body, "thanks\n");
+  EXPECT_EQ(put("/up/none", "").status, 200);
+  server->stop();
+  EXPECT_THAT(have, testing::ElementsAre(body, ""));
+  EXPECT_EQ(dropped, 0);
+}
+
+TEST_F(WebUploadTest, RefusesWithAReasonBeforeAnythingIsRead) {
+  start(taking());
+  EXPECT_EQ(put("/elsewhere", "a").status, 405);
+  EXPECT_EQ(put("/up/a", std::string((1 << 20) + 1, 'a')).body, "too large\n");
+  EXPECT_EQ(put("/up/a", "bad").body, "it is bad\n");
+  EXPECT_EQ(ask("PUT /up/a", "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n").status, 411);
+  EXPECT_EQ(put("/up/a", "a", "Origin: http://elsewhere.example\r\n").status, 403);
+  EXPECT_EQ(ask("GET /").status, 200) << "and goes on";
+  server->stop();
+  EXPECT_THAT(have, testing::ElementsAre("bad"));
+  EXPECT_EQ(dropped, 1) << "the bad one";
+}
+
+TEST_F(WebUploadTest, WantsTheToken) {
+  start(taking("0123456789abcdef"));
+  EXPECT_EQ(put("/up/a", "a").status, 401);
+  EXPECT_EQ(put("/up/a", "a", "Authorization: Bearer 0123456789abcdef\r\n").status, 200);
+}
+
+TEST_F(WebUploadTest, LetsGoOfWhatBreaksOffAndTakesOneAtATime) {
+  start(taking());
+  {
+    Connection first(server->port());
+    first.send(request("PUT /up/a", "Content-Length: 1000\r\n") + "half of it");
+    ASSERT_TRUE(in_time([&] { return places == 1; }));
+    EXPECT_EQ(put("/up/b", "b").status, 503);
+  }
+  EXPECT_TRUE(in_time([&] { return dropped == 1; }));
+  EXPECT_EQ(put("/up/b", "b").status, 200);
 }
 
 TEST_F(WebServerTest, AnswersNoOtherMethod) {

@@ -7,8 +7,9 @@ namespace palpate {
 
 FeltScene::FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, const ForceConfig& force,
                      const Materials& materials, ContactSearch contacts, const LoopClock& clock,
-                     double worker_delay)
+                     double worker_delay, std::string path)
     : index_(std::move(index)),
+      path_(std::move(path)),
       tool_(tool),
       ahead_(contacts == ContactSearch::kWorker ? &lookahead_ : nullptr),
       contacts_(*index_, tool_, Precision::kDouble, ahead_) {

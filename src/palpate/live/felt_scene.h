@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 
 #include <palpate/haptics/held_force.h>
 #include <palpate/live/factories.h>
@@ -17,14 +18,17 @@ namespace palpate {
 /// of them. Nothing of it may go while a ServoTick uses it.
 class FeltScene {
  public:
-  /// \param contacts but kAuto \param clock the loop's \param worker_delay Unit: [s].
+  /// \param contacts but kAuto \param clock the loop's \param worker_delay Unit: [s]. \param path
+  /// SceneConfig::path of the scene
   FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, const ForceConfig& force,
-            const Materials& materials, ContactSearch contacts, const LoopClock& clock, double worker_delay);
+            const Materials& materials, ContactSearch contacts, const LoopClock& clock, double worker_delay,
+            std::string path = {});
 
   /// \pre one thread at a time
   FeltModel model(ForceModelKind kind);
   const std::shared_ptr<const SceneIndex>& index() const { return index_; }
   const Tool& tool() const { return tool_; }
+  const std::string& path() const { return path_; }
 
  private:
   /// Everything that a model needs.
@@ -35,6 +39,7 @@ class FeltScene {
   };
 
   std::shared_ptr<const SceneIndex> index_;
+  std::string path_;
   Tool tool_;
   Lookahead lookahead_;
   Lookahead* ahead_;                                   ///< that, or null where each looks for itself

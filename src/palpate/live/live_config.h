@@ -72,6 +72,9 @@ struct SceneConfig {
   UpAxis frame = UpAxis::kAsIs;
   Similarity registration;     ///< from the captured frame to the world; its rotation comes after `frame`
   bool no_index_file = false;  ///< neither read nor write SCENE.palpate, the index beside the scene
+  /// Whether somebody has said so. Where not, what is there is an assumption, for which a viewer may look for
+  /// a better one; nothing else depends on it.
+  bool scale_known = true, frame_known = true;
 
   bool operator==(const SceneConfig&) const = default;
 

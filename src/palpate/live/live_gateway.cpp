@@ -1,5 +1,6 @@
 #include <palpate/live/live_gateway.h>
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -20,10 +21,13 @@
 #include <palpate/live/config_toml.h>
 #include <palpate/live/recording_switch.h>
 #include <palpate/live/scene_file.h>
+#include <palpate/live/scene_library.h>
 #include <palpate/live/setup_json.h>
 #include <palpate/rosbridge/access.h>
 #include <palpate/rosbridge/web_server.h>
+#include <palpate/scene/load_scene.h>
 #include <palpate/scene/ply_writer.h>
+#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 namespace {
@@ -54,6 +58,22 @@ bool flag_of(const Json& arguments) {
   return data.get<bool>();
 }
 
+/// What of the registration nobody has said.
+Json assumed(const SceneConfig& scene) {
+  Json names = Json::array();
+  if (!scene.scale_known) names.emplace_back("scale");
+  if (!scene.frame_known) names.emplace_back("frame");
+  return names;
+}
+
+/// \param wanted parameters that somebody has set
+void know_registration(SceneConfig& scene, const Json& wanted) {
+  const auto at = wanted.find("registration");
+  if (at == wanted.end()) return;
+  scene.scale_known = scene.scale_known || at->contains("scale");
+  scene.frame_known = scene.frame_known || at->contains("frame");
+}
+
 /// std_srvs/Trigger, SetBool: what was refused is an answer, too.
 Json answer_of(const std::function<std::string()>& work) {
   try {
@@ -68,6 +88,24 @@ Json answer_of(const std::function<std::string()>& work) {
 }
 
 }  // namespace
+
+/// The scene that is drawn: its file, or the bytes of the built-in one. Immutable.
+struct ServedScene {
+  std::string path;                       ///< SceneConfig::path
+  std::unique_ptr<const SceneFile> file;  ///< null: the built-in scene
+  std::string bytes;                      ///< that
+
+  /// \throws Error if the file cannot be read.
+  explicit ServedScene(const SceneConfig& scene) : path(scene.path) {
+    if (path.empty()) {
+      bytes = ply_bytes(built_in_scene().scene, "palpate: " + scene.name());
+    } else {
+      file = std::make_unique<SceneFile>(path);
+    }
+  }
+  std::uint64_t size() const { return file ? file->bytes()->size() : bytes.size(); }
+  std::string tag() const { return file ? file->tag() : "built-in"; }
+};
 
 /// What says nothing else is done on the server's thread, which has poses to hand over and waits for nothing.
 class LiveGateway::Implementation {
@@ -100,6 +138,14 @@ class LiveGateway::Implementation {
   void add_recording();
   void add_parameters();
   void add_setup();
+  void add_library();
+  void serve(const FeltScene& felt);
+  std::string open_from_library(const std::string& id);
+  WebUploads uploads();
+  std::shared_ptr<const ServedScene> served() const {
+    const std::scoped_lock lock(mutex_);
+    return served_;
+  }
   void beat();
   void publish_lines();
   void look_at_recording();
@@ -132,18 +178,19 @@ class LiveGateway::Implementation {
   Topic &parameters_topic_, &lines_topic_;
   std::unique_ptr<LiveTopics> topics_;
   std::unique_ptr<WebServer> server_;
-  std::unique_ptr<SceneFile> scene_file_;  ///< null: the built-in scene
-  std::string scene_bytes_;                ///< that
-  std::string run_tag_;                    ///< of what this run makes, unlike that of all other runs
-  std::optional<Shown> told_;              ///< to clients
-  std::weak_ptr<const FeltScene> felt_;    ///< what the topics are of; not kept alive here
-  double looked_at_scene_ = 0.0;           ///< Unit: [s].
+  SceneLibrary library_;
+  std::atomic<bool> records_ = false;    ///< recording_.is_on(), for other threads
+  std::string run_tag_;                  ///< of what this run makes, unlike that of all other runs
+  std::optional<Shown> told_;            ///< to clients
+  std::weak_ptr<const FeltScene> felt_;  ///< what the topics are of; not kept alive here
+  double looked_at_scene_ = 0.0;         ///< Unit: [s].
   std::string recording_notice_, scene_notice_;
   std::uint64_t notices_ = 0;  ///< how often they have changed
-  std::mutex mutex_;           ///< of what follows
+  mutable std::mutex mutex_;   ///< of what follows
   std::vector<std::string> untold_;
-  std::vector<std::string> said_;  ///< on the terminal; the newest kMostLines
-  bool said_more_ = false;         ///< than clients know
+  std::vector<std::string> said_;              ///< on the terminal; the newest kMostLines
+  bool said_more_ = false;                     ///< than clients know
+  std::shared_ptr<const ServedScene> served_;  ///< never null
 };
 
 LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pages)
@@ -155,23 +202,21 @@ LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pag
       felt_list_(elsewhere()),
       parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)),
       lines_topic_(hub_.add_topic("/palpate/messages", "std_msgs/String", true)),
+      library_(pages_.scene_folders, system.settings().scene.path),
       run_tag_(random_text()) {
   const LiveConfig config = system.settings();
-  const SceneConfig& scene = config.scene;
   const GatewayConfig& options = config.gateway;
-  if (scene.path.empty()) {
-    scene_bytes_ = ply_bytes(load_or_make_scene(scene, {}).scene, "palpate: " + scene.name());
-  } else {
-    scene_file_ = std::make_unique<SceneFile>(scene.path);
-  }
+  served_ = std::make_shared<const ServedScene>(config.scene);
   add_rosapi(hub_);
   add_switches();
   add_recording();
   add_services();
   add_parameters();
   add_setup();
+  add_library();
 
   WebServerOptions server;
+  server.uploads = uploads();
   server.address = options.address;
   server.real_time = ThreadPriority{.priority = ThreadPriority().priority - 10, .cpu = {}};  // below the loop
   server.token = options.token.empty() && !is_loopback(options.address) ? random_text() : options.token;
@@ -212,12 +257,14 @@ void LiveGateway::Implementation::beat() {
     topics_->feel(felt->index(), felt->tool());
     felt_list_.follow(felt->index());
     felt_ = felt;
+    serve(*felt);
   }
   topics_->publish();
   tick_for_pages_.back() = feed_.newest();
   tick_for_pages_.publish();
   look_at_recording();
   look_at_scene();
+  records_ = recording_.is_on();
   const auto list = felt_list_.newest();
   const Shown shown{
       system_.version(), recording_.recorded().version, list ? list->number : 0, notices_, recording_.is_on(),
@@ -254,13 +301,14 @@ void LiveGateway::Implementation::end_recording(RecordingSwitch::Done done) {
 void LiveGateway::Implementation::look_at_scene() {
   constexpr double kEvery = 1.0;  // s
   const double now = monotonic_now();
-  if (!scene_file_ || now - looked_at_scene_ < kEvery) return;
+  const auto scene = served();
+  if (!scene->file || now - looked_at_scene_ < kEvery) return;
   looked_at_scene_ = std::numeric_limits<double>::infinity();  // not before it is known
   const auto change = std::make_shared<SceneFile::Change>();
-  server_->elsewhere([this, change] { *change = scene_file_->change(); },
-                     [this, change, now] {
+  server_->elsewhere([change, scene] { *change = scene->file->change(); },
+                     [this, change, now, scene] {
                        looked_at_scene_ = now;
-                       tell(scene_notice_, notice_of(*change));
+                       if (scene == served()) tell(scene_notice_, notice_of(*change));
                      });
 }
 
@@ -299,13 +347,16 @@ Json LiveGateway::Implementation::parameters() const {
   const LiveConfig settings = system_.settings();
   const DeviceCapabilities& device = system_.device();
   Json json = settings_json(settings);
-  const SceneConfig& scene = settings.scene;
-  const bool splat = std::filesystem::path(scene.path).extension() == ".splat";
-  const std::size_t bytes = scene_file_ ? scene_file_->bytes()->size() : scene_bytes_.size();
-  json["scene"] = {{"name", std::filesystem::path(scene.name()).filename().string()},
-                   {"format", splat ? "splat" : "ply"},
-                   {"bytes", bytes},
+  const auto scene = served();
+  SceneConfig named;
+  named.path = scene->path;
+  const std::filesystem::path name(named.name());
+  json["scene"] = {{"name", name.filename().string()},
+                   {"format", name.extension() == ".splat" ? "splat" : "ply"},
+                   {"bytes", scene->size()},
+                   {"tag", scene->tag()},
                    {"url", "/scene"}};
+  json["registration"]["assumed"] = assumed(settings.scene);
   if (const auto list = felt_list_.newest()) {
     json["felt"] = {
         {"count", list->bytes.size() / sizeof(FeltGaussian)}, {"url", "/felt"}, {"tag", felt_tag(*list)}};
@@ -379,7 +430,10 @@ void LiveGateway::Implementation::add_services() {
     });
   };
   const auto change = [this](const Json& wanted) {
-    system_.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+    system_.change([&](LiveConfig& settings) {
+      change_settings(settings, wanted);
+      know_registration(settings.scene, wanted);
+    });
     return std::string();
   };
   add("/palpate/get_parameters", "std_srvs/Trigger",
@@ -401,10 +455,10 @@ void LiveGateway::Implementation::add_services() {
 /// Reads the whole scene again, which takes long.
 void LiveGateway::Implementation::add_setup() {
   const auto work = [](const LiveConfig& settings) {
-    SceneConfig unfiltered;
-    unfiltered.path = settings.scene.path;
-    const LoadedScene loaded = load_or_make_scene(unfiltered, {});
-    return encode_json(setup_json<Json>(propose_setup(loaded.scene, settings.tool.thinnest())));
+    const std::string& path = settings.scene.path;
+    const double radius = settings.tool.thinnest();
+    return encode_json(setup_json<Json>(path.empty() ? propose_setup(built_in_scene().scene, radius)
+                                                     : propose_setup(load_scene(path), radius)));
   };
   hub_.add_slow_service(
       "/palpate/propose_setup", "std_srvs/Trigger", [=, this](const Json&, const Reply& reply) {
@@ -413,6 +467,81 @@ void LiveGateway::Implementation::add_setup() {
             [=, settings = system_.settings()] { *answer = answer_of([&] { return work(settings); }); },
             [=] { reply.give(*answer); });
       });
+}
+
+/// Draws what is felt, once it is another scene.
+void LiveGateway::Implementation::serve(const FeltScene& felt) {
+  if (felt.path() == served()->path) return;
+  SceneConfig scene;
+  scene.path = felt.path();
+  const auto made = std::make_shared<std::shared_ptr<const ServedScene>>();
+  const auto failure = std::make_shared<std::string>();
+  server_->elsewhere(
+      [=] {
+        try {
+          *made = std::make_shared<const ServedScene>(scene);
+        } catch (const std::exception& error) {
+          *failure = error.what();
+        }
+      },
+      [=, this] {
+        if (*made) {
+          const std::scoped_lock lock(mutex_);
+          served_ = *made;
+        }
+        tell(scene_notice_, *failure);
+        ++notices_;  // what the parameters say of it is another
+      });
+}
+
+std::string LiveGateway::Implementation::open_from_library(const std::string& id) {
+  if (!pages_.one_scene.empty()) throw Refusal(pages_.one_scene);
+  const std::string path = library_.path_of(id);
+  if (!path.empty()) open_scene(path);  // throws for what is no scene, before the one that is felt goes
+  system_.open_scene(path);
+  return {};
+}
+
+/// Reading a folder may take long.
+void LiveGateway::Implementation::add_library() {
+  const auto add = [this](const char* name, const char* type, std::function<std::string(const Json&)> work) {
+    hub_.add_slow_service(name, type,
+                          [work = std::move(work), this](const Json& arguments, const Reply& reply) {
+                            const auto answer = std::make_shared<Json>();
+                            server_->elsewhere([=] { *answer = answer_of([&] { return work(arguments); }); },
+                                               [=] { reply.give(*answer); });
+                          });
+  };
+  add("/palpate/list_scenes", "std_srvs/Trigger", [this](const Json&) {
+    Json list = Json::array();
+    for (const SceneLibrary::Entry& entry : library_.list())
+      list.push_back(
+          {{"id", entry.id}, {"name", entry.name}, {"bytes", entry.bytes}, {"refusal", entry.refusal}});
+    return encode_json(list);
+  });
+  add("/palpate/open_scene", "palpate/SetString", [this](const Json& arguments) {
+    if (records_) throw Refusal("a recording is of one scene: end it first");
+    return open_from_library(text_field(arguments, "data"));
+  });
+}
+
+/// PUT /scenes/NAME: a scene that is handed over is felt once it is there.
+WebUploads LiveGateway::Implementation::uploads() {
+  WebUploads uploads;
+  uploads.folder = "/scenes/";
+  uploads.place = [this, from = uploads.folder.size()](const std::string& path, std::uint64_t bytes) {
+    if (!pages_.one_scene.empty()) throw Error("{}", pages_.one_scene);
+    if (records_) throw Error("a recording is of one scene: end it first");
+    return library_.place_for(std::string_view(path).substr(from), bytes);
+  };
+  uploads.have = [this](const std::string& file) {
+    open_scene(file);  // throws for what is no scene
+    system_.open_scene(file);
+    library_.have(file, served()->path);
+    return text_page(200, "it is being opened");
+  };
+  uploads.drop = [this](const std::string& file) { library_.drop(file); };
+  return uploads;
 }
 
 /// ROS parameters: /palpate/NAME, one for each name at the top of parameters().
@@ -439,7 +568,10 @@ void LiveGateway::Implementation::add_parameters() {
   });
   hub_.add_service("/rosapi/set_param", "rosapi/SetParam", [=, this](const Json& arguments) {
     const Json wanted{{name_of(arguments), decode_json(text_field(arguments, "value"))}};
-    system_.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+    system_.change([&](LiveConfig& settings) {
+      change_settings(settings, wanted);
+      know_registration(settings.scene, wanted);
+    });
     return Json::object();
   });
 }
@@ -477,11 +609,12 @@ WebPage LiveGateway::Implementation::page(const std::string& path) {
 
 WebPage LiveGateway::Implementation::scene_page() const {
   constexpr const char* kType = "application/octet-stream";
-  if (!scene_file_) return page_of(kType, scene_bytes_, "built-in");
-  const SceneFile::Change change = scene_file_->change();
+  const auto scene = served();
+  if (!scene->file) return page_of(kType, scene->bytes, scene->tag(), scene);
+  const SceneFile::Change change = scene->file->change();
   if (change == SceneFile::Change::kOverwritten) return text_page(503, notice_of(change));
-  WebPage page = page_of(kType, {}, scene_file_->tag());
-  page.file = scene_file_->bytes();
+  WebPage page = page_of(kType, {}, scene->tag());
+  page.file = scene->file->bytes();
   return page;
 }
 

@@ -21,7 +21,8 @@ struct WebFile {
   std::string tag;  ///< of these bytes, for caches
 };
 
-/// Pages that a gateway serves besides the system's own. Those that are empty are not served.
+/// What a gateway serves besides the system's own, and what pages may open. Pages that are empty are not
+/// served.
 struct GatewayPages {
   /// The viewer's file of a path on the server; null if it has none. What it points to lives as long as the
   /// gateway. On the thread of pages.
@@ -29,6 +30,10 @@ struct GatewayPages {
   /// The report page of a finished recording, from the path of its file; must not throw. On a thread of its
   /// own.
   std::function<std::string(const std::string& csv)> report;
+  /// Folders whose scenes a page may open; see SceneLibrary.
+  std::vector<std::string> scene_folders = {};
+  /// Why no other scene may be opened; empty where one may.
+  std::string one_scene = {};
 };
 
 /// Serves a LiveSystem over HTTP and rosbridge: topics, parameters, services, the viewer, the scene's file

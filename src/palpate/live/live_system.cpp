@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <new>
 #include <optional>
@@ -173,18 +174,18 @@ void LiveSystem::go(const Trajectory& path) {
 }
 
 std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,
-                                                 const LiveConfig& settings) const {
+                                                 const LiveConfig& settings, Materials materials) const {
   ForceConfig force = settings.force;
   force.proxy.stiffness = stiffness_;  // the rest is gain
   force.proxy.hand_scale = settings.device.map.scale;
-  return std::make_shared<FeltScene>(std::move(index), settings.tool, force, materials_, contacts_, clock_,
-                                     settings.loop.worker_delay);
+  return std::make_shared<FeltScene>(std::move(index), settings.tool, force, std::move(materials), contacts_,
+                                     clock_, settings.loop.worker_delay, settings.scene.path);
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {
   device_->enable();
   clock_ = LoopClock();
-  felt_ = make_felt(index_, settings_);
+  felt_ = make_felt(index_, settings_, materials_);
   ServoTickOptions ticks;
   ticks.period = 1.0 / settings_.loop.rate;
   ticks.map = settings_.device.map;
@@ -249,7 +250,28 @@ std::shared_ptr<const FeltScene> LiveSystem::felt() const {
   return felt_;
 }
 
-void LiveSystem::change(const std::function<void(LiveConfig&)>& edit) {
+void LiveSystem::change(const std::function<void(LiveConfig&)>& edit) { become(edit, nullptr); }
+
+void LiveSystem::open_scene(const std::string& path) {
+  if (home_)
+    throw Error("a scene for a room-scale device is placed when it starts: start again with {}", path);
+  if (device_kind_ == to_string(DeviceKind::kPlayback))
+    throw Error("what is played back goes through the scene that is felt: start again with another");
+  become(
+      [](LiveConfig& settings) {
+        SceneConfig& scene = settings.scene;
+        scene.registration = {};
+        scene.frame = UpAxis::kAsIs;
+        scene.filter.max_scale.reset();
+        scene.filter.crop_box.reset();
+        scene.filter.crop_sphere.reset();
+        settings.room = {};
+      },
+      &path);
+}
+
+/// \param path of another scene; null: the same
+void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std::string* path) {
   {
     const std::scoped_lock lock(mutex_);
     LiveConfig next = settings_;
@@ -257,6 +279,11 @@ void LiveSystem::change(const std::function<void(LiveConfig&)>& edit) {
     next.scene.path = settings_.scene.path;
     next.scene.no_index_file = settings_.scene.no_index_file;
     next.force.materials = settings_.force.materials;
+    if (path != nullptr) {
+      next.scene.path = *path;
+      next.scene.scale_known = next.scene.frame_known = path->empty();
+      next.force.materials.clear();
+    }
     next.device = settings_.device;
     next.loop = settings_.loop;
     next.gateway = settings_.gateway;
@@ -271,6 +298,16 @@ void LiveSystem::say(const std::string& busy) {
   const std::scoped_lock lock(mutex_);
   busy_ = busy;
   ++version_;
+}
+
+/// Tells how far the reading of a scene is, in steps that a person can follow.
+Progress LiveSystem::progress_of(const std::string& name) {
+  return [this, name, told = -1](std::string_view stage, double fraction) mutable {
+    constexpr int kSteps = 50;
+    const int step = static_cast<int>(kSteps * fraction);
+    if (step == std::exchange(told, step)) return;
+    say(fmt::format("{}: {} {:.0f} %", name, stage, 100.0 * fraction));
+  };
 }
 
 /// \param done what is felt already
@@ -316,15 +353,25 @@ void LiveSystem::set_stiffness(const LiveConfig& settings) {
 void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
   set_stiffness(wanted);
   const SceneFilter& filter = wanted.scene.filter;
+  const bool other_file = wanted.scene.path != now.scene.path;
   const bool other_place = wanted.scene.world_from_scene() != now.scene.world_from_scene();
-  const bool other_gaussians = filter != now.scene.filter ||
+  const bool other_gaussians = other_file || filter != now.scene.filter ||
                                (other_place && (filter.max_scale || filter.crop_box || filter.crop_sphere));
   const bool other_tool = wanted.tool != now.tool;
   const ProxyParameters &proxy = wanted.force.proxy, &before = now.force.proxy;
   const bool other_feel = proxy.friction != before.friction || proxy.detail != before.detail ||
                           wanted.force.density != now.force.density;
   std::shared_ptr<const SceneIndex> index = index_;
-  if (other_gaussians) {
+  Materials materials = materials_;
+  if (other_file) {
+    const std::string name = std::filesystem::path(wanted.scene.name()).filename().string();
+    const Progress progress = progress_of("opening " + name);
+    const IndexFiles files = wanted.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
+    say("opening " + name);
+    index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, files, notify_, progress));
+    if (index->size() == 0) throw Error("{}: nothing of it can be touched; what was felt stays", name);
+    materials = load_materials(wanted.force, wanted.scene.path, progress);
+  } else if (other_gaussians) {
     say("looking which Gaussians can be felt");
     index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
   } else if (other_place) {
@@ -333,7 +380,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
   const bool other_scene = other_gaussians || other_place;
   if (other_scene || other_tool || other_feel) {
     if (!other_gaussians) say("making it ready");
-    next_ = make_felt(index, wanted);
+    next_ = make_felt(index, wanted, materials);
   } else if (wanted.force.model != now.force.model) {
     next_ = felt_;
   } else {
@@ -358,6 +405,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
     felt_.swap(next_);
     index_ = index;
   }
+  materials_ = std::move(materials);
   next_.reset();  // what was felt before, with its worker
 }
 

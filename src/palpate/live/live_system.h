@@ -63,6 +63,11 @@ class LiveSystem {
   /// returns at once. If it cannot be made, the settings become what they were, and message() says why. What
   /// `edit` throws is thrown, and nothing changed.
   void change(const std::function<void(LiveConfig&)>& edit);
+  /// Opens another scene in place of the one that is felt: as change(), with where it is, its crop and the
+  /// materials of a file forgotten, since they are of the old one. \param path empty: the built-in one
+  /// \throws Error where that cannot be: with a giant, whose scene is where its handle rests, and where poses
+  /// are played back.
+  void open_scene(const std::string& path);
   /// What is being made; empty if nothing is.
   std::string busy() const;
   /// Why the last change failed; empty if it did not.
@@ -117,18 +122,20 @@ class LiveSystem {
   Trajectory explore_room(const SceneIndex& index, const Tool& tool) const;
   void open(std::unique_ptr<HapticDevice> device);
   void go(const Trajectory& path);
-  std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index,
-                                       const LiveConfig& settings) const;
+  std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index, const LiveConfig& settings,
+                                       Materials materials) const;
   void change_until_stopped(LiveConfig done);
   void apply(const LiveConfig& wanted, const LiveConfig& now);
   void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);
+  Progress progress_of(const std::string& name);
+  void become(const std::function<void(LiveConfig&)>& edit, const std::string* path);
 
   Notify notify_;
   LoopClock clock_;
   ContactSearch contacts_;
-  Materials materials_;
-  double stiffness_;  ///< of gain 1. Unit: [N/m].
+  Materials materials_;  ///< once it has started, the changer's thread's
+  double stiffness_;     ///< of gain 1. Unit: [N/m].
   bool explores_ = false;
   std::shared_ptr<const SceneIndex> index_;
   Trajectory path_;  ///< in the world; once it is played back, of the device

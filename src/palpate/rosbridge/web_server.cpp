@@ -49,12 +49,15 @@ using Request = http::request<http::string_body>;
 
 constexpr auto kHttpTimeout = std::chrono::seconds(30);
 constexpr std::size_t kMostHeader = 16 << 10, kMostBody = 4 << 10;
+/// How long a peer may still send what is not read.
+constexpr auto kDrain = std::chrono::seconds(5);
 /// A peer that does not answer a ping for so long is gone.
 constexpr auto kIdle = std::chrono::seconds(30);
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-RequestHead head_of(const Request& request) {
+template <class Body>
+RequestHead head_of(const http::request<Body>& request) {
   RequestHead head;
   head.host = view(request[http::field::host]);
   head.origin = view(request[http::field::origin]);
@@ -309,7 +312,9 @@ struct Pages {
   /// Makes a WebSocket of a connection.
   std::function<void(tcp::socket&& socket, const Request& request)> upgrade;
   const std::atomic<std::size_t>& sockets;  ///< that there are
+  WebUploads uploads;
   Crowd strangers, guests;
+  bool receives = false;  ///< a file
 };
 
 /// One connection of HTTP, which may become a WebSocket.
@@ -317,7 +322,10 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(Pages& pages, tcp::socket&& socket)
       : pages_(pages), address_(address_of(socket)), stream_(std::move(socket)) {}
-  ~HttpSession() { leave(); }
+  ~HttpSession() {
+    leave();
+    drop_file();
+  }
   HttpSession(const HttpSession&) = delete;
   HttpSession& operator=(const HttpSession&) = delete;
 
@@ -329,6 +337,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
   void close() {
     leave();
     stream_.close();
+    drop_file();
   }
 
  private:
@@ -356,15 +365,89 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
   }
 
   void read() {
-    parser_.emplace();
-    parser_->header_limit(kMostHeader);
-    parser_->body_limit(kMostBody);
+    head_.emplace();
+    head_->header_limit(kMostHeader);
+    head_->body_limit(WebServer::kMostUpload);
     progress();
+    http::async_read_header(stream_, buffer_, *head_,
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              if (error) return self->close();
+                              self->read_body();
+                            });
+  }
+
+  void read_body() {
+    if (crowd_ == nullptr) return;  // closed meanwhile
+    if (head_->get().method() == http::verb::put) return begin_upload();
+    if (head_->content_length().value_or(0) > kMostBody) return close();
+    parser_.emplace(std::move(*head_));
+    parser_->body_limit(kMostBody);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
       if (error) return self->close();
       self->handle(self->parser_->release());
     });
   }
+
+  /// \name A file that is handed over: nothing of it is read before it is clear that it may be
+  /// @{
+  void begin_upload() {
+    RequestHead head = head_of(head_->get());
+    head.address = address_;
+    head.logged_in = !is_stranger();
+    request_ = {};
+    request_.version(head_->get().version());
+    request_.keep_alive(false);  // of what is refused, the rest is not read
+    if (const auto refused = pages_.access.refusal(head, monotonic_now()))
+      return send(request_, text_page(refused->status, refused->why));
+    if (is_stranger()) enter(pages_.guests, WebServer::kMostConnections);
+    const auto length = head_->content_length();
+    const auto path = path_of(head.target);
+    if (!pages_.uploads.place || !path || !path->starts_with(pages_.uploads.folder))
+      return send(request_, text_page(405, "only GET and HEAD are answered here"));
+    if (!length) return send(request_, text_page(411, "the length of the file is missing"));
+    if (pages_.receives) return send(request_, text_page(503, "another file is just being received"));
+    try {
+      file_ = pages_.uploads.place(*path, *length);
+    } catch (const std::exception& error) {
+      return send(request_, text_page(422, error.what()));
+    }
+    pages_.receives = true;
+    upload_.emplace(std::move(*head_));
+    upload_->body_limit(*length);
+    error_code error;
+    upload_->get().body().open(file_.c_str(), beast::file_mode::write_new, error);
+    if (error) return close();
+    receive();
+  }
+
+  void receive() {
+    progress();
+    http::async_read_some(stream_, buffer_, *upload_,
+                          [self = shared_from_this()](error_code error, std::size_t) {
+                            if (error) return self->close();
+                            self->upload_->is_done() ? self->end_upload() : self->receive();
+                          });
+  }
+
+  void end_upload() {
+    upload_.reset();  // closes the file
+    const std::string file = std::exchange(file_, {});
+    pages_.receives = false;
+    try {
+      send(request_, pages_.uploads.have(file));
+    } catch (const std::exception& error) {
+      pages_.uploads.drop(file);
+      send(request_, text_page(422, error.what()));
+    }
+  }
+
+  void drop_file() {
+    if (file_.empty()) return;
+    upload_.reset();
+    pages_.receives = false;
+    pages_.uploads.drop(std::exchange(file_, {}));
+  }
+  /// @}
 
   void handle(const Request& request) {
     if (crowd_ == nullptr) return;  // closed meanwhile
@@ -472,10 +555,29 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
 
   void done() {
     const bool goes_on = answer_.keep_alive();
+    const bool unread = !goes_on && head_ && head_->get().method() == http::verb::put;
     serializer_.reset();
     page_ = {};
     file_bytes_ = {};
+    if (unread) return drain();
     goes_on ? read() : close();
+  }
+
+  /// A peer that still sends a file which is refused would lose the answer if the connection were closed at
+  /// once.
+  void drain() {
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(kDrain);
+    drain_some();
+  }
+
+  void drain_some() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kMostHeader),
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              error ? self->close() : self->drain_some();
+                            });
   }
 
   std::uint64_t size() const { return page_.file ? page_.file->size() : page_.bytes.size(); }
@@ -524,7 +626,12 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
                                              std::chrono::duration<double>(WebServer::kStrangerTime));
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>>
+      head_;  ///< of a request, until it is clear what follows
   std::optional<http::request_parser<http::string_body>> parser_;
+  std::optional<http::request_parser<http::file_body>> upload_;
+  Request request_;   ///< what the answer to an upload needs of it
+  std::string file_;  ///< that is being received
   bool brings_token_ = false;
   WebPage page_;
   Answer answer_;
@@ -562,6 +669,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
               Access(options.address, port_, options.token, random_text()),
               [this](tcp::socket&& socket, const Request& request) { upgrade(std::move(socket), request); },
               sockets_,
+              options.uploads,
               {},
               {}});
   }

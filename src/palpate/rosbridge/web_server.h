@@ -33,16 +33,29 @@ struct WebPage {
 };
 WebPage text_page(int status, std::string text);
 
+/// What becomes of files that clients hand over (PUT). Called on the thread of pages; may throw Error, which
+/// the client is told.
+struct WebUploads {
+  std::string folder;  ///< of the server, as "/folder/": files are taken there alone
+  /// The place on the disk for the file at `path` of the server, of `bytes` bytes.
+  std::function<std::string(const std::string& path, std::uint64_t bytes)> place;
+  /// It is whole. Returns the answer.
+  std::function<WebPage(const std::string& file)> have;
+  /// It is not, and does not come any more.
+  std::function<void(const std::string& file)> drop;
+};
+
 struct WebServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 9090;  ///< 0: any that is free
   std::string token;          ///< that every request must bring; empty: none
   /// Of the server's thread, which hands over the hands of clients, where that is permitted; unset: ordinary.
   std::optional<ThreadPriority> real_time;
+  WebUploads uploads;  ///< without `place` none are taken
 };
 
-/// Serves HTTP/1.1 (GET and HEAD, ranges, validation) and, for requests to upgrade, rosbridge v2 over
-/// WebSocket. It has four threads from start() to stop():
+/// Serves HTTP/1.1 (GET and HEAD, ranges, validation; PUT of one file at a time) and, for requests to
+/// upgrade, rosbridge v2 over WebSocket. It has four threads from start() to stop():
 ///
 /// - the server's own, of real time where that is permitted, with the WebSockets, the timers and the Hub;
 /// - that of pages, with all other connections: what is read from a disk keeps no pose waiting;
@@ -91,6 +104,7 @@ class WebServer {
   static constexpr std::size_t kMostStrangers = 16;       ///< that have not, or may not
   static constexpr double kStrangerTime = 5.0;            ///< Unit: [s].
   static constexpr std::size_t kMostMessage = 256 << 10;  ///< bytes of a message
+  static constexpr std::uint64_t kMostUpload = std::uint64_t{16} << 30;  ///< bytes of a file
 
  private:
   class Implementation;

@@ -84,7 +84,10 @@ std::unique_ptr<SceneReader> open_scene(const std::string& path, const Progress&
   if (extension == ".splat") return open_splat(std::move(file), progress);
   for (const ForeignFormat& foreign : kForeignFormats) {
     if (start.starts_with(foreign.magic)) {
-      throw Error("{}: is {}, which cannot be read; convert it to .ply first", path, foreign.name);
+      throw Error(
+          "{}: is {}, which cannot be read; convert it to .ply first, say with npx "
+          "@playcanvas/splat-transform",
+          path, foreign.name);
     }
   }
   if (extension == ".ply") {

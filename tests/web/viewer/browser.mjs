@@ -13,13 +13,13 @@ const patience = Number(process.env.PATIENCE ?? 60000); // software rendering on
 
 export const launch = () => chromium.launch({ executablePath: browserPath, args: [...quiet, ...softwareGl] });
 
-const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall/; // a server that is gone is part of some tests
+const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall|status of 422/; // a server that is gone is part of some tests
 
 /// Opens the viewer that `url` serves. `problems` collects console errors, page errors and requests to elsewhere.
-export async function openViewer(browser, url, { context = {}, script } = {}) {
+export async function openViewer(browser, url, { context = {}, script, patience: wait = patience } = {}) {
   // A quarter of the pixels: drawing them in software would be most of the time.
   const page = await browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor: 0.5, ...context });
-  page.setDefaultTimeout(patience);
+  page.setDefaultTimeout(wait);
   const problems = [];
   page.on('console', (m) => { if (m.type() === 'error' && !expected.test(m.text())) problems.push(`console: ${m.text()}`); });
   page.on('pageerror', (error) => problems.push(`page: ${error.message}`));

@@ -76,7 +76,7 @@ describe('bringing the tool', () => {
   });
 
   test('a double click goes nearer and leaves the tool alone', async () => {
-    const middle = await middleOfView();
+    const middle = await ask(desk.page, (v) => v.project([0, 0, 0]));
     const size = async () => {
       const [a, b] = await ask(desk.page, (v, r) => [v.project([0, 0, 0]), v.project(v.axes().right.map((c) => r * c))], radius);
       return distance(a, b);

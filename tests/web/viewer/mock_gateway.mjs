@@ -24,7 +24,7 @@ const texts = (values) => Object.entries(values).map(([key, value]) => ({ key, v
 function initialParameters(ply) {
   return {
     scene: { name: 'scene.ply', format: 'ply', bytes: ply.length, url: '/scene' },
-    registration: { frame: 'as-is', mirrored: false, scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0], matrix: identity },
+    registration: { frame: 'as-is', mirrored: false, scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0], matrix: identity, assumed: [] },
     filter: { opacity_min: 0.1, sigma: 1 },
     model: 'proxy', models: ['proxy', 'field', 'density'], frames: ['as-is', 'x-up', 'x-down', 'y-up', 'y-down', 'z-up', 'z-down'],
     stiffness: 500, stiffness_max: 5000, friction: 0, detail: 0,
@@ -41,6 +41,7 @@ export class MockGateway {
   muted; // says nothing, but keeps the connections
   refusal; // of the next set_parameters
   refusePoses;
+  stalls; // half of the way through the scene
   fault;
   token; // wanted of every connection, if any
   tool;
@@ -48,6 +49,9 @@ export class MockGateway {
   velocity; // of the tool. Unit: [m/s].
   margin; // of the stiffness
   setup; // that is proposed
+  offered; // scenes: {id, name, bytes, refusal}
+  uploaded; // files that were handed over: {name, bytes}
+  uploadRefusal; // of the next, if any
   #named = new Map(); // scenes
   #shown = new Set(); // ids of the contacts in the last message
   #sockets = new Map(); // socket: Set of topics
@@ -62,7 +66,12 @@ export class MockGateway {
   reset(position, { gaussians, ply }, parameters = {}) {
     Object.assign(this, { gaussians, ply });
     Object.assign(this, {
-      requests: [], poses: [], muted: false, refusal: '', refusePoses: false, token: null,
+      requests: [], poses: [], muted: false, refusal: '', stalls: false, uploaded: [], uploadRefusal: '',
+      offered: [
+        { id: 'built-in', name: 'The built-in still life', bytes: 0, refusal: '' }, { id: '0/cup.ply', name: 'cup.ply', bytes: 5700042, refusal: '' },
+        { id: '0/cup.spz', name: 'cup.spz', bytes: 1600000, refusal: '.spz cannot be read; convert it first' },
+      ],
+      refusePoses: false, token: null,
       fault: { level: 0, state: 'active', fault: 'none', advice: '' }, parameters: initialParameters(this.ply),
       tool: { position, orientation: [0, 0, 0, 1] }, lines: ['omega (simulated), tool 20/20/40 mm'], velocity: [0, 0, 0], margin: 3.2,
       setup: {
@@ -116,8 +125,9 @@ export class MockGateway {
   async #respond(request, response) {
     const { pathname } = new URL(request.url, this.url);
     if (!this.#isAllowed(request)) return response.writeHead(401).end();
+    if (request.method === 'PUT') return this.#receiveFile(request, response, decodeURIComponent(pathname));
     if (pathname === '/felt') return response.writeHead(200).end(this.#feltList());
-    if (pathname === '/scene') return response.writeHead(200, { 'Content-Length': this.ply.length }).end(this.ply);
+    if (pathname === '/scene') return this.#sendScene(response);
     const name = pathname === '/' ? 'index.html' : path.basename(pathname);
     try {
       const body = await readFile(path.join(this.folder, name));
@@ -126,6 +136,28 @@ export class MockGateway {
     } catch {
       return response.writeHead(404).end();
     }
+  }
+
+  async #receiveFile(request, response, pathname) {
+    let bytes = 0;
+    for await (const chunk of request) bytes += chunk.length;
+    if (this.uploadRefusal) return response.writeHead(422).end(this.uploadRefusal);
+    this.uploaded.push({ name: pathname.replace('/scenes/', ''), bytes });
+    return response.writeHead(200).end('it is being opened');
+  }
+
+  // All of it, or half of it and the rest once `stalls` is called off.
+  #sendScene(response) {
+    const { ply } = this;
+    response.writeHead(200, { 'Content-Length': ply.length });
+    if (!this.stalls) return response.end(ply);
+    response.write(ply.subarray(0, ply.length / 2));
+    const goOn = setInterval(() => {
+      if (this.stalls && !response.destroyed) return;
+      clearInterval(goOn);
+      response.end(ply.subarray(ply.length / 2));
+    }, messagePeriod);
+    return undefined;
   }
 
   #connect(socket, request) {
@@ -177,6 +209,7 @@ export class MockGateway {
     else if (name === 'record') this.change({ recording: args.data ? 'run.csv' : '' });
     else if (name === 'demo') this.change({ demo: args.data });
     else if (name === 'propose_setup') return { success: true, message: JSON.stringify(this.setup) };
+    else if (name === 'list_scenes') return { success: true, message: JSON.stringify(this.offered) };
     else if (name === 'config') return { success: true, message: 'scene = "ball.ply"\n' };
     return good;
   }
@@ -187,7 +220,8 @@ export class MockGateway {
     Object.assign(this.parameters, rest);
     Object.assign(this.parameters.filter, filter);
     if (registration) {
-      Object.assign(this.parameters.registration, registration);
+      const assumed = registration.assumed ?? this.parameters.registration.assumed.filter((name) => !(name in registration));
+      Object.assign(this.parameters.registration, registration, { assumed });
       const { scale: s, mirrored, translation: [x, y, z] } = this.parameters.registration;
       this.parameters.registration.matrix = [mirrored ? -s : s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, x, y, z, 1];
     }

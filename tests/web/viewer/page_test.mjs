@@ -1,8 +1,10 @@
 // The viewer page against a stand-in for the program, which can fail on demand.
 
 import './seen.mjs';
+import './first_size.mjs';
 import './hold.mjs';
 import './panels.mjs';
+import './scenes.mjs';
 import './safety.mjs';
 import './mirror.mjs';
 import './headset.mjs';

@@ -20,8 +20,10 @@ describe('panels', () => {
 
   test('a stiffness that is typed changes the force', async () => {
     desk.gateway.tool.position = touching;
-    await until(desk.page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 1);
-    const before = await ask(desk.page, (v) => Math.hypot(...v.force()));
+    const before = await (await until(desk.page, () => {
+      const force = Math.hypot(...(window.palpateViewer.force() ?? [0]));
+      return force > 1 && force;
+    })).jsonValue();
     await enter('stiffness', '1000');
     await until(desk.page, (b) => Math.abs(Math.hypot(...(window.palpateViewer.force() ?? [0])) - 2 * b) < 0.01 * b, before);
     assert.equal(await field('stiffness').inputValue(), '1000');

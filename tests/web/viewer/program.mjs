@@ -46,7 +46,8 @@ export class Program {
   async start(waitingAt, options = []) {
     const trajectory = path.join(this.folder, 'waiting.csv');
     await writeFile(trajectory, `t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`);
-    this.process = spawn(binary, ['run', this.scene, '--port', String(this.port), '--trajectory', trajectory, ...options],
+    const size = options.includes('--scale') ? [] : ['--scale', '1']; // else the page would look for one
+    this.process = spawn(binary, ['run', this.scene, '--port', String(this.port), '--trajectory', trajectory, ...size, '--frame', 'as-is', ...options],
       { stdio: ['ignore', 'ignore', 'pipe'] });
     let said = '';
     this.process.stderr.on('data', (data) => { said += data; });

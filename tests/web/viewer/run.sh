@@ -11,6 +11,8 @@ if [ $# -gt 2 ]; then
   PALPATE_BINARY=$(realpath "$3")
   export PALPATE_BINARY
   tests+=(program_test.mjs)
+  # Real captures take minutes: where somebody names them.
+  [ -z "${PALPATE_SCENES:-}" ] || tests+=(captures_test.mjs)
 fi
 here=$(dirname "$(realpath "$0")")
 # shellcheck source=tests/web/packages.sh

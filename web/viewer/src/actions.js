@@ -20,6 +20,8 @@ export function createActions({ connection, parameters, statusBar, hold }) {
     },
     record: (on) => ask('record', 'std_srvs/SetBool', { data: on }),
     config: () => ask('config', 'std_srvs/Trigger'),
+    listScenes: () => ask('list_scenes', 'std_srvs/Trigger'),
+    openScene: (id) => ask('open_scene', 'palpate/SetString', { data: id }),
     proposeSetup: () => ask('propose_setup', 'std_srvs/Trigger'),
     setRoom: (changes) => parameters.set({ room: changes }),
     async loadTool(text, name) {

@@ -42,6 +42,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     felt: () => splats.feltCount,
     feltScale: (row) => splats.feltScale(row),
     axes: () => Object.fromEntries(Object.entries(view.axesOfCamera).map(([name, axis]) => [name, axis.toArray()])),
+    toolPixels: () => (2 * felt.size) / view.pixelAt(live.tool.position), // its diameter on the page
     project: (point) => view.project(point),
     pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,
   };

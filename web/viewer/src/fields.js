@@ -21,8 +21,8 @@ function typedNumber(input, label) {
 }
 
 /// A number, with a slider if `slide` says how: {min, max, log}. `scale` is how many of the shown unit are one of the
-/// program's. Returns {node, show(value)}.
-export function numberField({ label, unit, scale = 1, min, max, slide, name }, wanted) {
+/// program's. With `onRelease` the slider asks once it is let go. Returns {node, show(value)}.
+export function numberField({ label, unit, scale = 1, min, max, slide, name, onRelease = false }, wanted) {
   const id = newId(label);
   const input = element('input', { attributes: { type: 'number', id, step: 'any', 'data-field': name, inputmode: 'decimal' } });
   if (min !== undefined) input.min = min;
@@ -45,11 +45,16 @@ export function numberField({ label, unit, scale = 1, min, max, slide, name }, w
     if (typed === null) show(current);
     else wanted(typed / scale);
   });
+  const slid = () => Number(fromShare(slider.value / 1000).toPrecision(3));
   slider?.addEventListener('input', () => {
     sliding = true;
-    wanted(Number(fromShare(slider.value / 1000).toPrecision(3)) / scale);
+    if (onRelease) input.value = formatField(slid());
+    else wanted(slid() / scale);
   });
-  slider?.addEventListener('change', () => { sliding = false; });
+  slider?.addEventListener('change', () => {
+    sliding = false;
+    if (onRelease) wanted(slid() / scale);
+  });
 
   function show(value) {
     current = value;

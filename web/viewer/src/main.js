@@ -14,6 +14,7 @@ import { createMessagesPanel } from './messages_panel.js';
 import { notify } from './notices.js';
 import { Parameters } from './parameters.js';
 import { Plots } from './plots.js';
+import { createScenesDialog } from './scenes_dialog.js';
 import { followSheet } from './sheet.js';
 import { followShortcuts } from './shortcuts.js';
 import { StatusBar } from './status_bar.js';
@@ -50,7 +51,8 @@ byId('pause').addEventListener('click', actions.pauseOrResume);
 byId('resume').addEventListener('click', actions.resume);
 byId('demo').addEventListener('click', actions.toggleDemo);
 followEscape(actions.stop);
-followShortcuts({ '?': createKeysDialog(), p: actions.pauseOrResume, g: actions.toggleDemo });
+const openScenes = createScenesDialog({ list: actions.listScenes, open: actions.openScene, parameters });
+followShortcuts({ '?': createKeysDialog(), o: openScenes, p: actions.pauseOrResume, g: actions.toggleDemo });
 
 function updatePanels() {
   statusBar.update();

@@ -11,6 +11,7 @@ export class SceneLoader {
   #wantedList = '';
   #loading = new AbortController();
   #loaded = false; // the wanted one
+  #isLoading = false; // the wanted one
   #asking = new AbortController();
   #parameters = null;
 
@@ -21,6 +22,7 @@ export class SceneLoader {
 
   follow(parameters) {
     this.#parameters = parameters;
+    this.#showOpening(parameters.busy);
     this.splats.place(parameters.registration);
     const wanted = JSON.stringify(parameters.scene);
     if (wanted === this.#wanted) {
@@ -34,8 +36,20 @@ export class SceneLoader {
     this.#load(parameters.scene, this.#loading.signal);
   }
 
+  // What the program is still reading, before there is anything to load.
+  #showOpening(busy) {
+    if (this.#isLoading) return;
+    const [box, bar, text] = ['progress', 'progress-bar', 'progress-text'].map(byId);
+    const opens = busy.startsWith('opening ');
+    box.hidden = !opens;
+    if (!opens) return;
+    text.textContent = `${busy[0].toUpperCase()}${busy.slice(1)}`;
+    bar.value = Number(/(\d+) %/.exec(busy)?.[1] ?? 0) / 100;
+  }
+
   async #load(scene, signal) {
     const [box, bar, text] = ['progress', 'progress-bar', 'progress-text'].map(byId);
+    this.#isLoading = true;
     box.hidden = false;
     text.textContent = `Loading ${scene.name}`;
     bar.value = 0;
@@ -49,6 +63,7 @@ export class SceneLoader {
       notify(`The scene could not be loaded: ${error.message ?? error}`);
       setTimeout(() => { if (!signal.aborted) this.#load(scene, signal); }, retryAfter);
     }
+    this.#isLoading = false;
     box.hidden = true;
   }
 

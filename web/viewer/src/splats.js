@@ -21,18 +21,33 @@ async function request(url, signal) {
   return response;
 }
 
+// The scene's bytes as {stream, length, failure()}. What breaks off only ends the stream, and is kept as the failure: Spark
+// does not look at a stream that fails, and the worker that waits for its next piece would be lost.
 async function download(scene, onProgress, signal) {
   const response = await request(scene.url, signal);
   const length = Number(response.headers.get('Content-Length')) || scene.bytes;
+  const reader = response.body.getReader();
   let loaded = 0;
-  const count = new TransformStream({
-    transform(chunk, controller) {
-      loaded += chunk.byteLength;
-      onProgress(Math.min(loaded / length, 1));
-      controller.enqueue(chunk);
+  let failure = null;
+  const stream = new ReadableStream({
+    async pull(controller) {
+      try {
+        const { done, value } = await reader.read();
+        if (done) {
+          controller.close();
+          return;
+        }
+        loaded += value.byteLength;
+        onProgress(Math.min(loaded / length, 1));
+        controller.enqueue(value);
+      } catch (error) {
+        failure = error;
+        controller.close();
+      }
     },
+    cancel: (reason) => reader.cancel(reason),
   });
-  return { stream: response.body.pipeThrough(count), streamLength: length };
+  return { stream, length, failure: () => failure };
 }
 
 export class Splats {
@@ -55,10 +70,11 @@ export class Splats {
 
   /// Rejected if `signal` ends it: what has been loaded so far is let go.
   async load(scene, onProgress, signal) {
-    const source = await download(scene, onProgress, signal);
-    const mesh = new MirroredMesh({ ...source, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
+    const { stream, length, failure } = await download(scene, onProgress, signal);
+    const mesh = new MirroredMesh({ stream, streamLength: length, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
     try {
-      await mesh.initialized;
+      await mesh.initialized.catch((error) => { throw failure() ?? error; });
+      if (failure()) throw failure();
       signal.throwIfAborted();
     } catch (error) {
       mesh.dispose();

@@ -12,10 +12,24 @@ import { boxAround } from './view.js';
 
 const findShare = 0.12; // of the height of the view, that the tool fills once it is looked for
 const focusShare = 0.5; // of the way to what is double-clicked, that is left
-const mostTimes = 100; // that a scene is larger than the tool, where its unit is probably not the metre
+const mostTimes = 300; // that a scene is larger than the tool, where its unit is probably not the metre
 const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
 const nearest = 8; // a double click goes no nearer. In sizes of the tool.
+const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
+const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
 const stretched = 1.4; // a tool that makes the box of the scene larger than by this is left out of it
+
+// Points on rings about the middle, nearest first: [x, y] in pixels.
+function rings(farthest) {
+  const points = [[0, 0]];
+  for (let k = 1; k <= ringCount; k += 1) {
+    for (let i = 0; i < ringPoints; i += 1) {
+      const [r, angle] = [(farthest * k) / ringCount, (2 * Math.PI * (i + 0.5 * (k % 2))) / ringPoints];
+      points.push([r * Math.cos(angle), r * Math.sin(angle)]);
+    }
+  }
+  return points;
+}
 
 export class TakeHold {
   constructor({ view, splats, felt, live, hold, picker, approach, depth, parameters }) {
@@ -35,6 +49,7 @@ export class TakeHold {
   /// To be called once a scene is there.
   open() {
     this.frameAll();
+    if (this.parameters.current.registration.assumed?.includes('scale')) return; // it gets a size
     const times = this.splats.box.getSize(new Vector3()).length() / this.felt.size;
     if (times > mostTimes) notify(`The tool is ${formatCount(Number(times.toPrecision(2)))} times smaller than the scene. “Propose a setup” in Placement finds a scale.`, 'message');
   }
@@ -44,7 +59,20 @@ export class TakeHold {
     const box = this.splats.box;
     const size = (b) => b.getSize(new Vector3()).length();
     const both = this.live.tool ? box.clone().union(boxAround([this.live.tool.position], 2 * this.felt.size)) : box;
-    this.view.frameAll(box.isEmpty() || size(both) < stretched * size(box) ? both : box);
+    this.view.frameAll(box.isEmpty() || size(both) < stretched * size(box) ? both : box, this.#covered());
+  }
+
+  // What the parts of the page that lie on the view take of it from above and from below. Unit: [px].
+  #covered() {
+    const view = this.view.canvas.getBoundingClientRect();
+    const covered = { top: 0, bottom: 0 };
+    for (const part of document.querySelectorAll('.bar, #stop, #hint, .panels.closed')) {
+      const { top, bottom, left, right } = part.getBoundingClientRect();
+      if (right <= view.left || left >= view.right || bottom <= top) continue;
+      if (top + bottom < view.top + view.bottom) covered.top = Math.max(covered.top, Math.min(bottom - view.top, mostCovered.top * view.height));
+      else covered.bottom = Math.max(covered.bottom, Math.min(view.bottom - top, mostCovered.bottom * view.height));
+    }
+    return covered;
   }
 
   findTool() {
@@ -59,14 +87,17 @@ export class TakeHold {
     else if (!hold.begin('keys')) notify('The tool can be held as soon as the program says where it is.');
   }
 
-  /// Brings the tool to what is seen in the middle of the view.
+  /// Brings the tool to what can be felt in the middle of the view, or nearest to it.
   touchMiddle() {
     const { left, top, width, height } = this.view.canvas.getBoundingClientRect();
-    this.#click(this.view.rayAt({ clientX: left + 0.5 * width, clientY: top + 0.5 * height }));
+    const rayAt = ([x, y]) => this.view.rayAt({ clientX: left + 0.5 * width + x, clientY: top + 0.5 * height + y });
+    const found = rings(0.45 * Math.min(width, height)).find((off) => this.splats.pick(rayAt(off)));
+    this.#click(rayAt(found ?? [0, 0]), !found);
   }
 
-  #click(ray) {
+  #click(ray, told = false) {
     const seen = this.splats.look(ray);
+    if (!seen && told) notify('There is nothing to feel near the middle of the view.');
     if (this.picker.waits && seen?.felt) this.picker.give(seen.point);
     else if (this.picker.waits) notify('There is nothing to feel at that point.');
     else if (seen) this.#touch(seen, ray.direction);

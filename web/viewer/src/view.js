@@ -11,7 +11,7 @@ import { applyTheme, followTheme, themeValue } from '../../shared/theme.js';
 
 const fieldOfView = 45; // vertical. Unit: [deg].
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
-const fitMargin = 1.15;
+const fitMargin = 1.06;
 const keyTurn = Math.PI / 36; // a press of an arrow key. Unit: [rad].
 const keyZoom = 1.1;
 const axisReach = 22; // of the axes in the corner. Unit: [px].
@@ -81,23 +81,52 @@ export class View {
     this.invalidate();
   }
 
-  /// Moves the camera so that it sees all of a Box3 from where it looks now.
-  frameAll(box) {
+  /// Moves the camera so that it sees all of a Box3 from where it looks now, in the part of the view that `covered` leaves
+  /// free: {top, bottom} in pixels.
+  frameAll(box, covered = { top: 0, bottom: 0 }) {
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 1e-3);
-    const away = this.camera.position.clone().sub(this.orbit.target).normalize();
-    const narrow = Math.min(1, this.camera.aspect) * Math.tan((0.5 * fieldOfView * Math.PI) / 180);
-    const farthest = (fitMargin * radius) / Math.sin(Math.atan(narrow));
-    this.camera.position.copy(middle).addScaledVector(away, farthest);
+    this.camera.updateMatrixWorld();
+    const { distance, right, up } = this.#fit(box, covered);
+    const axes = this.axesOfCamera;
+    this.orbit.target.copy(middle).addScaledVector(axes.right, right).addScaledVector(axes.up, up);
+    this.camera.position.copy(this.orbit.target).addScaledVector(axes.forward, -distance);
     this.camera.near = 0.002 * radius;
     this.camera.far = 200 * radius;
     this.camera.updateProjectionMatrix();
-    this.orbit.target.copy(middle);
     this.orbit.minDistance = 0.02 * radius;
     this.orbit.maxDistance = 50 * radius;
     this.orbit.update();
     this.invalidate();
+  }
+
+  // From how far, and how far beside the middle of a box, a camera sees all of it. A corner at (x, y, z) of the camera's axes
+  // is in the view where x / (distance + z) and y / (distance + z) are within its sides.
+  #fit(box, { top, bottom }) {
+    const axes = this.axesOfCamera;
+    const middle = box.getCenter(new Vector3());
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => new Vector3(...['x', 'y', 'z'].map((axis, bit) => (k & (1 << bit) ? box.max : box.min)[axis])).sub(middle));
+    const along = (axis) => corners.map((corner) => corner.dot(axis));
+    const [xs, ys, zs] = [along(axes.right), along(axes.up), along(axes.forward)];
+    const half = Math.tan((0.5 * fieldOfView * Math.PI) / 180) / fitMargin;
+    const height = Math.max(this.canvas.clientHeight, 1);
+    const low = half * (-1 + (2 * bottom) / height);
+    const high = half * (1 - (2 * top) / height);
+    const side = half * this.camera.aspect;
+    const room = (values, from, to, distance) => [
+      Math.max(...values.map((v, i) => v - to * (distance + zs[i]))), Math.min(...values.map((v, i) => v - from * (distance + zs[i])))];
+    let [near, far] = [Math.max(...zs.map((z) => -z)), 1];
+    const sees = (distance) => [room(xs, -side, side, distance), room(ys, low, high, distance)].every(([least, most]) => least <= most);
+    far = Math.max(far, 2 * near) + 1e-3;
+    while (!sees(far) && far < 1e9) far *= 2;
+    for (let k = 0; k < 40; ++k) {
+      const between = 0.5 * (near + far);
+      if (sees(between)) far = between;
+      else near = between;
+    }
+    const middleOf = ([least, most]) => 0.5 * (least + most);
+    return { distance: far, right: middleOf(room(xs, -side, side, far)), up: middleOf(room(ys, low, high, far)) };
   }
 
   /// Turns to a point of the world and looks at it from `distance`, from the side that it is seen from now.

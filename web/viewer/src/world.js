@@ -6,6 +6,7 @@ import { Approach } from './approach.js';
 import { DepthCue } from './depth_cue.js';
 import { Drag } from './drag.js';
 import { FeltObjects } from './felt_objects.js';
+import { FirstSize } from './first_size.js';
 import { ForceCues } from './force_cues.js';
 import { Headset, supportedModes } from './headset.js';
 import { Keys } from './keys.js';
@@ -39,7 +40,11 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
   const { shown, update: updateShown } = createShownPanel({ splats, felt, changed: () => view.invalidate() });
   createPlacementPanel(parameters, { pickPoint: () => picker.point(), mark: (points) => picker.mark(points), propose: actions.proposeSetup });
   const legend = new Legend(view, felt);
-  const loader = new SceneLoader(splats, () => takeHold.open());
+  const size = new FirstSize({ parameters, splats, propose: actions.proposeSetup, onSized: () => takeHold.frameAll() });
+  const loader = new SceneLoader(splats, () => {
+    takeHold.open();
+    size.begin();
+  });
 
   view.add(splats.spark);
   view.world.add(splats.group, felt.group, depth.group, picker.marks);

@@ -1,0 +1,117 @@
+// What a page may open, and above all what it may not.
+#include <palpate/live/scene_library.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <palpate/base/error.h>
+#include <support/temporary_file.h>
+
+namespace palpate::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A folder with two scenes, one of them in a folder below, one of another format, and what is no scene.
+class SceneLibraryTest : public testing::Test {
+ protected:
+  SceneLibraryTest() {
+    write("a.ply");
+    write("below/b.splat");
+    write("below/too/deep.ply");
+    write("c.spz");
+    write("notes.txt");
+    std::ofstream(outside_.path()) << "ply";
+    fs::create_symlink(outside_.path(), folder() / "link.ply");
+    fs::create_symlink(folder() / "a.ply", folder() / "within.ply");
+    fs::create_directory_symlink(outside_.folder(), folder() / "out");
+  }
+  void write(const std::string& name) const {
+    fs::create_directories((folder() / name).parent_path());
+    std::ofstream(folder() / name) << "ply";
+  }
+  fs::path folder() const { return file_.folder() / "scenes"; }
+
+  TemporaryFile file_{"", "x"};
+  TemporaryFile outside_{"", "secret.ply"};
+};
+
+std::vector<std::string> names(const SceneLibrary& library) {
+  std::vector<std::string> result;
+  for (const auto& entry : library.list()) result.push_back(entry.name);
+  return result;
+}
+
+TEST_F(SceneLibraryTest, OffersTheScenesOfItsFoldersAndNoOtherFile) {
+  const SceneLibrary library({folder().string()}, "/elsewhere/first.ply");
+  EXPECT_THAT(names(library), testing::ElementsAre("The built-in still life", "first.ply", "a.ply",
+                                                   "below/b.splat", "c.spz", "within.ply"));
+  EXPECT_EQ(library.path_of("built-in"), "");
+  EXPECT_EQ(library.path_of("first"), "/elsewhere/first.ply");
+  EXPECT_EQ(library.path_of("0/below/b.splat"), fs::canonical(folder() / "below/b.splat").string());
+}
+
+TEST_F(SceneLibraryTest, OpensNothingThatIsNotOffered) {
+  const SceneLibrary library({folder().string()}, "");
+  for (const std::string id :
+       {"", "first", "0/link.ply", "0/out/secret.ply", "0/../x", "0/notes.txt", "1/a.ply", "/etc/passwd",
+        "0//etc/passwd", "0/below/../a.ply", "handed-over/a.ply"}) {
+    EXPECT_THAT(message_of<Error>([&] { library.path_of(id); }), HasSubstr("there is no scene")) << id;
+  }
+  EXPECT_THAT(message_of<Error>([&] { library.path_of("0/c.spz"); }),
+              AllOf(HasSubstr(".spz cannot be read"), HasSubstr("splat-transform")));
+}
+
+TEST_F(SceneLibraryTest, RefusesFoldersThatAreNone) {
+  EXPECT_THAT(message_of<Error>([&] { SceneLibrary({"/nowhere/at/all"}, ""); }),
+              HasSubstr("--scenes /nowhere/at/all"));
+  EXPECT_THAT(message_of<Error>([&] { SceneLibrary({(folder() / "a.ply").string()}, ""); }),
+              HasSubstr("is no folder"));
+}
+
+TEST_F(SceneLibraryTest, KeepsWhatIsHandedOverInAFolderOfItsOwnUntilItEnds) {
+  fs::path own;
+  {
+    SceneLibrary library({}, "");
+    const std::string place = library.place_for("../../my scene (1).ply", 100);
+    own = fs::path(place).parent_path().parent_path();
+    EXPECT_EQ(fs::path(place).filename(), "my_scene__1_.ply");
+    EXPECT_EQ(fs::status(own).permissions() & (fs::perms::group_all | fs::perms::others_all),
+              fs::perms::none);
+    EXPECT_THAT(names(library), testing::ElementsAre("The built-in still life")) << "it is not there yet";
+    std::ofstream(place) << "ply";
+    library.have(place, "");
+    EXPECT_EQ(library.path_of("handed-over/my_scene__1_.ply"), place);
+    const std::string second = library.place_for("second.ply", 100);
+    std::ofstream(second) << "ply";
+    library.have(second, place);  // the first is still felt
+    EXPECT_TRUE(fs::exists(place));
+    const std::string third = library.place_for("third.ply", 100);
+    library.have(third, second);
+    EXPECT_FALSE(fs::exists(place));
+    EXPECT_TRUE(fs::exists(second));
+    library.drop(third);
+    EXPECT_FALSE(fs::exists(fs::path(third).parent_path()));
+  }
+  EXPECT_FALSE(fs::exists(own));
+}
+
+TEST_F(SceneLibraryTest, TakesNoFileThatItCannotReadOrHasNoRoomFor) {
+  SceneLibrary library({}, "");
+  EXPECT_THAT(message_of<Error>([&] { library.place_for("a.sog", 100); }), HasSubstr("convert it first"));
+  EXPECT_THAT(message_of<Error>([&] { library.place_for("a.txt", 100); }), HasSubstr("is no scene"));
+  EXPECT_THAT(message_of<Error>([&] { library.place_for("a.ply", 0); }), HasSubstr("is empty"));
+  EXPECT_THAT(message_of<Error>([&] { library.place_for("a.ply", std::uint64_t{1} << 60U); }),
+              HasSubstr("no room"));
+}
+
+}  // namespace
+}  // namespace palpate::test
