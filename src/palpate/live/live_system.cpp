@@ -349,6 +349,19 @@ void LiveSystem::set_stiffness(const LiveConfig& settings) {
   if (stiffness_ > 0.0) tick_->set_gain(stiffness / stiffness_);
 }
 
+/// To the beginning of its new way, without a force: else it would come out of what was put around it through
+/// its walls.
+void LiveSystem::let_hand_move() {
+  constexpr double kTakes = 1.5, kAgain = 5e-3;  // s
+  const double until = monotonic_now() + kTakes;
+  while (moves_itself() && monotonic_now() < until) {
+    tick_->governor().stop(Fault::kChanging);
+    sleep_until(monotonic_now() + kAgain);
+    const std::scoped_lock lock(mutex_);
+    if (ends_) return;
+  }
+}
+
 /// Makes what is new in `wanted`, has the loop feel it, and waits until it does.
 void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
   set_stiffness(wanted);
@@ -393,6 +406,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
       // There is no place to touch by itself: it goes on where it went, and a client may lead it elsewhere.
     }
   }
+  if (explores_ && (other_scene || other_tool)) let_hand_move();
   tick_->use(next_->model(wanted.force.model));
   constexpr double kLook = 5e-3;  // s
   while (!tick_->is_used()) {

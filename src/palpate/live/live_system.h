@@ -126,6 +126,7 @@ class LiveSystem {
                                        Materials materials) const;
   void change_until_stopped(LiveConfig done);
   void apply(const LiveConfig& wanted, const LiveConfig& now);
+  void let_hand_move();
   void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);
   Progress progress_of(const std::string& name);

@@ -57,6 +57,8 @@ test('of many that are as near, no more are chosen than were asked for', () => {
 test('the box leaves out the few that are far away', () => {
   const scene = kept(...Array.from({ length: 200 }, (_, i) => gaussian([i / 199, 0, 0])), gaussian([1000, 0, 0]));
   assert.ok(scene.box.max[0] < 1.1 && scene.box.min[0] < 0.05);
+  const tail = kept(...Array.from({ length: 200 }, (_, i) => gaussian([i / 199, 0, 0])), ...Array.from({ length: 12 }, (_, i) => gaussian([20 * i, 0, 0])));
+  assert.ok(tail.box.max[0] < 1.6 && tail.box.max[0] > 1, `${tail.box.max}`);
   assert.equal(kept().box, null);
 });
 
