@@ -12,7 +12,9 @@
 #include <ros/callback_queue.h>
 #include <ros/master.h>
 #include <ros/network.h>
+#include <ros/publication.h>
 #include <ros/ros.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
 #include <std_msgs/Header.h>
 
@@ -173,9 +175,11 @@ class Link::Implementation {
                                                                        : "std_msgs/Header";
       update(topic, register_as("registerSubscriber", topic, type));
     }
-    register_as("registerPublisher", spatial_.getTopic(), "geometry_msgs/WrenchStamped");
-    register_as("registerPublisher", body_.getTopic(), "geometry_msgs/WrenchStamped");
-    register_as("registerPublisher", echo_.getTopic(), "std_msgs/Header");
+    std::vector<std::string> topics;
+    ros::this_node::getAdvertisedTopics(topics);
+    for (const std::string& topic : topics)
+      if (const auto publication = ros::TopicManager::instance()->lookupPublication(topic))
+        register_as("registerPublisher", topic, publication->getDataType());
   }
 
   /// \returns what the master answers: for a subscriber the publishers that it knows.

@@ -18,6 +18,7 @@
 #include <palpate/haptics/tool_query.h>
 #include <palpate/rosbridge/elsewhere.h>
 #include <palpate/rosbridge/hub.h>
+#include <palpate/rosbridge/ros_message.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
