@@ -34,6 +34,7 @@ Command declare_make_path(CLI::App& parent);
 Command declare_bench(CLI::App& parent);
 Command declare_evaluate(CLI::App& parent);
 Command declare_stability(CLI::App& parent);
+Command declare_reproduce(CLI::App& parent);
 Command declare_completion(CLI::App& parent);
 
 /// Adds --quiet and --config, and --json with `json_help` if that is not empty.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
+#include <palpate/live/setup_json.h>
 #include <palpate/scene/lint.h>
 
 #include "command.h"
@@ -140,7 +141,7 @@ Command declare_info(CLI::App& parent) {
             if (report.defects[0] != 0) setup = propose_setup(loaded.scene, live->tool);
             if (common->json) {
               Json json = to_json(loaded, report, live->scene);
-              json["proposed"] = setup ? setup_json(*setup) : Json();
+              json["proposed"] = setup ? setup_json<Json>(*setup) : Json();
               print_json(json);
             } else {
               print_text(loaded, report, live->scene);

@@ -62,10 +62,11 @@ int run(const std::vector<std::string>& given) {
   CLI::App app("Feel captured 3D Gaussian Splatting scenes.", "palpate");
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
-  const std::vector<Command> commands{
-      declare_info(app),   declare_setup(app),    declare_query(app),      declare_run(app),
-      declare_replay(app), declare_report(app),   declare_make_scene(app), declare_make_path(app),
-      declare_bench(app),  declare_evaluate(app), declare_stability(app),  declare_completion(app)};
+  const std::vector<Command> commands{declare_info(app),       declare_setup(app),     declare_query(app),
+                                      declare_run(app),        declare_replay(app),    declare_report(app),
+                                      declare_make_scene(app), declare_make_path(app), declare_bench(app),
+                                      declare_evaluate(app),   declare_stability(app), declare_reproduce(app),
+                                      declare_completion(app)};
   if (given.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kExitUsage;

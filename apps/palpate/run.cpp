@@ -6,8 +6,10 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -50,11 +52,11 @@ struct Options {
 /// device before.
 /// @{
 std::atomic<bool> ends = false;
-std::atomic<ServoTick*> stoppable = nullptr;
-static_assert(std::atomic<ServoTick*>::is_always_lock_free);
+std::atomic<LiveSystem*> stoppable = nullptr;
+static_assert(std::atomic<LiveSystem*>::is_always_lock_free);
 
 void stop_for(Fault why) {
-  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->governor().stop(why);
+  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->stop_force(why);
 }
 extern "C" void end_run(int) {
   ends.store(true, std::memory_order_relaxed);
@@ -63,7 +65,7 @@ extern "C" void end_run(int) {
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
 /// The last thing that is done.
 extern "C" void die(int signal) {
-  if (ServoTick* tick = stoppable.load(std::memory_order_acquire)) tick->stall();
+  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->tick().stall();
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -74,8 +76,8 @@ constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 /// Has the handlers in place as long as it lives.
 class Signals {
  public:
-  explicit Signals(ServoTick& tick) {
-    stoppable.store(&tick, std::memory_order_release);
+  explicit Signals(LiveSystem& system) {
+    stoppable.store(&system, std::memory_order_release);
     for (const int signal : kEnding) std::signal(signal, end_run);
     for (const int signal : kDeadly) std::signal(signal, die);
     std::signal(SIGUSR1, stop_motors);
@@ -104,12 +106,31 @@ class LoopEnd {
   LiveSystem& system_;
 };
 
+/// What the terminal has shown and pages are still to show. Any thread.
+class Lines {
+ public:
+  void add(const std::string& line) {
+    const std::scoped_lock lock(mutex_);
+    lines_.push_back(line);
+  }
+  std::vector<std::string> take() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(lines_, {});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
 /// What a person at the terminal sees and does.
 class Console {
  public:
-  Console(LiveSystem& system, LiveView& view, bool quiet)
+  /// \param gateway whose pages show what is told, too; may be null
+  Console(LiveSystem& system, LiveView& view, LiveGateway* gateway, bool quiet)
       : system_(system),
         view_(view),
+        gateway_(gateway),
         quiet_(quiet),
         stiffness_(system.settings().force.proxy.stiffness),
         draws_(!quiet && ::isatty(STDERR_FILENO) != 0) {}
@@ -129,6 +150,7 @@ class Console {
   void tell_transitions();
   void tell(const std::string& message) const {
     clear();
+    if (gateway_ != nullptr) gateway_->say(message);
     if (!quiet_) stderr_.write(notice(message));
   }
 
@@ -153,6 +175,7 @@ class Console {
 
   LiveSystem& system_;
   LiveView& view_;
+  LiveGateway* gateway_;
   bool quiet_;
   double stiffness_;  ///< at the beginning. Unit: [N/m].
   bool draws_;
@@ -166,7 +189,7 @@ void Console::tell_transitions() {
   const auto transitions = view_.transitions();
   for (; told_ < transitions.size(); ++told_) {
     const GovernorTransition& change = transitions[told_];
-    if (quiet_ || change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
+    if (change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
     const std::string_view device = system_.device_fault();
     tell(fmt::format("{:.3f} s: no force: {}: {}{}{}", change.t, traits(change.fault).name,
                      traits(change.fault).advice, device.empty() ? "" : "; it says: ", device));
@@ -181,12 +204,14 @@ void Console::draw() const {
   const std::string margin = now.margin <= 0.0  ? "-"
                              : now.margin < 1.0 ? fmt::format("{:.1f}x: softer, since it is late", now.margin)
                                                 : fmt::format("{:.1f}x", now.margin);
+  const std::string_view held_by = system_.device_held_by();
+  const std::string held = held_by.empty() ? "" : fmt::format("  held: {}", held_by);
   stderr_.write(fmt::format(
       "\r\033[K{:7.1f} s  {}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
-      "margin {}",
+      "margin {}{}",
       now.t, to_string(now.state), why, to_string(settings.force.model), settings.force.proxy.stiffness,
       now.sent.force.norm(), now.contacts, kMicro * statistics.whole.quantile(0.5),
-      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin));
+      kMicro * statistics.whole.quantile(0.99), statistics.overruns.load(), margin, held));
 }
 
 bool Console::act(char key) {
@@ -195,8 +220,8 @@ bool Console::act(char key) {
     case ' ':
       view_.newest().fault == Fault::kPaused ? governor.unpause() : governor.stop(Fault::kPaused);
       break;
-    case 'r': governor.resume(); break;
-    case 'e': governor.stop(); break;
+    case 'r': system_.resume(); break;
+    case 'e': system_.stop_force(); break;
     case 'm':
       system_.change([](LiveConfig& settings) {
         const auto next = static_cast<std::size_t>(settings.force.model) + 1;
@@ -296,24 +321,29 @@ void print_text(const Outcome& outcome, LiveSystem& system) {
 }
 
 /// What a user should know before a hand is near.
-void warn(const LiveSystem& system) {
+void warn(const LiveSystem& system, const Notify& tell) {
   const DeviceCapabilities& device = system.device();
   const double stiffness = system.settings().force.proxy.stiffness;
   if (device.stiffness_max > 0.0 && stiffness > device.stiffness_max) {
-    notify(fmt::format("warning: --stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
-                       stiffness, device.name, device.stiffness_max));
+    tell(fmt::format("warning: --stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
+                     stiffness, device.name, device.stiffness_max));
   }
 }
 
 void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
-  LiveSystem system(options.live, nullptr, notify, progress);
+  Lines lines;
+  const auto tell = [&lines](const std::string& line) {
+    notify(line);
+    lines.add(line);
+  };
+  LiveSystem system(options.live, nullptr, tell, progress);
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<RecordingObserver> recording;
   const auto view = std::make_unique<LiveView>();
   std::vector<TickObserver*> observers{view.get()};
   if (!options.record.empty()) {
-    recorder = std::make_unique<Recorder>(options.record);
+    recorder = std::make_unique<Recorder>(options.record, recorder_options(system.device()));
     recording = std::make_unique<RecordingObserver>(*recorder);
     observers.push_back(recording.get());
   }
@@ -323,20 +353,20 @@ void run(const Options& options) {
     gateway = std::make_unique<LiveGateway>(system, GatewayPages{viewer_file, recording_page});
     for (TickObserver* observer : gateway->observers()) observers.push_back(observer);
   }
-  warn(system);
-  if (const auto refused = lock_memory(); refused && talks) notify("note: " + *refused);
+  warn(system, tell);
+  if (const auto refused = lock_memory(); refused && talks) tell("note: " + *refused);
   system.start(observers);
   const LoopEnd end(system);
   if (gateway) gateway->start();
-  std::optional<Signals> signals(std::in_place, system.tick());
+  std::optional<Signals> signals(std::in_place, system);
   if (talks) {
-    for (const std::string& line : system.loop().refused()) notify("note: " + line);
-    notify(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
-                       system.device_kind(), tool_text(options.live.tool),
-                       to_string(system.settings().force.model), to_string(system.contacts()),
-                       options.live.scene.name()));
+    for (const std::string& line : system.loop().refused()) tell("note: " + line);
+    tell(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,
+                     system.device_kind(), tool_text(options.live.tool),
+                     to_string(system.settings().force.model), to_string(system.contacts()),
+                     options.live.scene.name()));
     if (system.device().watchdog == 0.0)
-      notify("note: no watchdog of this device is known; it must show no force once none has come for 50 ms");
+      tell("note: no watchdog of this device is known; it must show no force once none has come for 50 ms");
     if (gateway) notify(fmt::format("see and take part: {}", gateway->url()));
   }
 
@@ -344,11 +374,12 @@ void run(const Options& options) {
   if (until == 0.0) until = std::numeric_limits<double>::infinity();
   std::optional<std::string> failure;
   {
-    Console console(system, *view, !talks);
+    Console console(system, *view, gateway.get(), !talks);
     if (talks && ::isatty(STDIN_FILENO) != 0) notify(Console::kHelp);
     while (system.clock().now() < until && !failure && console.look()) {
       if (recorder) failure = recorder->failure();
       if (!gateway) continue;
+      for (const std::string& line : lines.take()) gateway->say(line);
       for (const std::string& message : gateway->take_notices()) console.tell(message);
     }
     if (failure) {

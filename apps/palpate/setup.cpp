@@ -12,6 +12,7 @@
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
 #include <palpate/live/config_toml.h>
+#include <palpate/live/setup_json.h>
 #include <palpate/scene/load_scene.h>
 
 #include "command.h"
@@ -25,12 +26,6 @@ namespace {
 struct Line {
   std::string option, reason;
 };
-
-std::vector<double> corners(const Eigen::AlignedBox3d& box) {
-  std::vector<double> all(box.min().begin(), box.min().end());
-  all.insert(all.end(), box.max().begin(), box.max().end());
-  return all;
-}
 
 std::vector<Line> lines_of(const SceneSetup& setup) {
   const bool turned = setup.frame.value != UpAxis::kAsIs;
@@ -70,7 +65,7 @@ void run(const Options& options) {
     file.commit();
   }
   if (options.common.json) {
-    print_json(setup_json(setup));
+    print_json(setup_json<Json>(setup));
   } else if (!options.common.quiet) {
     print_setup(setup);
     if (!options.out.empty())
@@ -94,19 +89,6 @@ void print_setup(const SceneSetup& setup) {
     const std::string name = option.substr(0, option.find(' '));
     fmt::print("  {:<15} {}\n", name.empty() ? "-" : name, reason);
   }
-}
-
-Json setup_json(const SceneSetup& setup) {
-  const auto entry = [](const Json& value, const std::string& reason) {
-    return Json{{"value", value}, {"reason", reason}};
-  };
-  const auto& longest = setup.max_scale.value;
-  const auto& crop = setup.crop_box.value;
-  return {{"frame", entry(to_string(setup.frame.value), setup.frame.reason)},
-          {"scale", entry(setup.scale.value, setup.scale.reason)},
-          {"opacity_min", entry(setup.opacity_min.value, setup.opacity_min.reason)},
-          {"max_scale", entry(longest ? Json(*longest) : Json(), setup.max_scale.reason)},
-          {"crop_box", entry(crop ? Json(corners(*crop)) : Json(), setup.crop_box.reason)}};
 }
 
 Command declare_setup(CLI::App& parent) {

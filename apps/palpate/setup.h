@@ -14,6 +14,5 @@ SceneSetup propose_setup(const GaussianScene& scene, const Tool& tool);
 
 /// On stdout: the proposals as options to paste, then each with its reason.
 void print_setup(const SceneSetup& setup);
-Json setup_json(const SceneSetup& setup);
 
 }  // namespace palpate::cli

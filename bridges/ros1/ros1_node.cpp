@@ -82,12 +82,8 @@ class Show {
 
  private:
   void publish_status(const TickRecord& tick, double now) {
-    const std::uint64_t ticks = system_.loop().statistics().ticks.load(std::memory_order_relaxed);
-    const double rate = now > at_ ? static_cast<double>(ticks - ticks_) / (now - at_) : 0.0;
-    ticks_ = ticks;
-    at_ = now;
-    const LiveDiagnostics found =
-        diagnose(tick, view_.times(), system_.loop().statistics(), {false, rate, 0});
+    watch_.look(now);
+    const LiveDiagnostics found = diagnose(tick, view_.times(), watch_, {});
     ros1::SinkStatus status{found.level, std::string(found.message), {}};
     for (const auto& [key, value] : found.values) status.values.emplace_back(key, value);
     status.values.emplace_back("device", system_.device_fault());
@@ -102,8 +98,7 @@ class Show {
   ContactSet found_;
   ContactMarkers contacts_;
   int count_ = 0;
-  std::uint64_t ticks_ = 0;
-  double at_ = 0.0;  ///< Unit: [s].
+  RateWatch watch_{system_.loop().statistics()};
 };
 
 void say(const std::string& line) { std::fprintf(stderr, "palpate_ros1: %s\n", line.c_str()); }

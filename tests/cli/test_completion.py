@@ -35,7 +35,7 @@ class Completion(Case):
 
     def test_bash_completes_commands(self):
         self.assertEqual(self.complete("que"), ["query"])
-        self.assertEqual(self.complete("rep"), ["replay", "report"])
+        self.assertEqual(self.complete("rep"), ["replay", "report", "reproduce"])
         self.assertEqual(self.complete("make-"), ["make-scene", "make-path"])
         self.assertLessEqual(set(COMMANDS), set(self.complete("")))
         self.assertEqual(self.complete("--ver"), ["--version"])

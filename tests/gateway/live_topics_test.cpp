@@ -433,13 +433,13 @@ TEST_F(LiveTopicsTest, DiagnosticsHaveWhatIsDocumented) {
   EXPECT_EQ(status["level"], 0);
   std::map<std::string, std::string> values;
   for (const Json& pair : status["values"]) values[pair["key"]] = pair["value"];
-  for (const char* key :
-       {"state",       "fault",  "advice",    "held_by",   "rate_hz",    "tick_us", "tick_p50_us",
-        "tick_p99_us", "age_us", "overruns",  "contacts",  "candidates", "k_max",   "force_n",
-        "torque_nm",   "margin", "energy_mj", "stored_mj", "put_out_mj", "damping", "clients"}) {
+  for (const char* key : {"state",        "fault",       "advice",      "held_by",   "rate_hz",  "tick_us",
+                          "tick_mean_us", "tick_p50_us", "tick_p99_us", "age_us",    "overruns", "contacts",
+                          "candidates",   "k_max",       "force_n",     "torque_nm", "margin",   "energy_mj",
+                          "stored_mj",    "put_out_mj",  "damping",     "clients"}) {
     EXPECT_EQ(values.count(key), 1U) << key;
   }
-  EXPECT_EQ(values.size(), 21U);
+  EXPECT_EQ(values.size(), 22U);
   EXPECT_EQ(values["force_n"], "5");
   EXPECT_EQ(values["clients"], "2");
   EXPECT_EQ(values["fault"], "");

@@ -19,10 +19,10 @@ GRAPH = {
     "servo": EVERYONES | {"scene", "collision", "haptics"},
     "record": EVERYONES | {"scene", "collision", "haptics", "servo"},
     "device": EVERYONES | {"kinematics", "haptics", "servo", "record"},
-    "study": EVERYONES | {"scene", "collision", "haptics", "servo", "record", "device"},
+    "study": EVERYONES | {"kinematics", "scene", "collision", "haptics", "servo", "record", "device"},
     "report": EVERYONES | {"scene", "collision", "haptics", "servo", "record", "device", "study"},
     "gateway": EVERYONES | {"collision", "haptics", "servo", "device", "rosbridge"},
-    "live": EVERYONES | {"scene", "collision", "haptics", "servo", "record", "device", "study", "rosbridge", "gateway"},
+    "live": EVERYONES | {"kinematics", "scene", "collision", "haptics", "servo", "record", "device", "study", "rosbridge", "gateway"},
 }
 INCLUDE = re.compile(r'#\s*include [<"](.*?)[>"]')
 

@@ -40,5 +40,26 @@ TEST(TimeHistogram, TimesOutsideTheClassesCount) {
   EXPECT_EQ(times.max(), 1e6);
 }
 
+TEST(TimeWindow, HasWhatCameSinceTheLastLook) {
+  TimeHistogram times;
+  TimeWindow window(times);
+  window.next();
+  EXPECT_EQ(window.count(), 0U);
+  EXPECT_EQ(window.mean(), 0.0);
+  EXPECT_EQ(window.quantile(0.99), 0.0);
+  for (int k = 0; k < 1000; ++k) times.add(5e-3);
+  window.next();
+  EXPECT_EQ(window.count(), 1000U);
+  EXPECT_NEAR(window.mean(), 5e-3, kClass * 5e-3);
+  for (int k = 1; k <= 1000; ++k) times.add(1e-6 * k);
+  window.next();
+  EXPECT_EQ(window.count(), 1000U) << "not what came before";
+  EXPECT_NEAR(window.mean(), 500e-6, kClass * 500e-6);
+  EXPECT_NEAR(window.quantile(0.5), 500e-6, kClass * 500e-6);
+  EXPECT_NEAR(window.quantile(0.99), 990e-6, kClass * 990e-6);
+  window.next();
+  EXPECT_EQ(window.count(), 0U);
+}
+
 }  // namespace
 }  // namespace palpate

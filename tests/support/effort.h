@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef PALPATE_UNDER_SANITIZER
 inline constexpr std::size_t kSlowdown = 10;
 #else
 inline constexpr std::size_t kSlowdown = 1;

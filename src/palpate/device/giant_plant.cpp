@@ -22,11 +22,12 @@ JointPlantFigures::JointPlantFigures(const SerialChain& chain, const JointPlantP
 
 GiantPlant::GiantPlant(const SerialChain& chain, const JointPlantProperties& properties,
                        const GripProperties& grip, HandPath path)
-    : bandwidth_(properties.bandwidth),
+    : chain_(chain),
+      bandwidth_(properties.bandwidth),
       figures_(chain, properties),
       grip_(grip),
       path_(std::move(path)),
-      kinematics_(chain) {
+      kinematics_(chain_) {
   start(ChainLimits(chain).rest, 0.0);
 }
 

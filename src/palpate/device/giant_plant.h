@@ -16,7 +16,7 @@ namespace palpate {
 /// Takes nothing from the heap after its construction.
 class GiantPlant final : public JointPlant {
  public:
-  /// \param chain checked; must outlive the object, as what `path` needs.
+  /// \param chain checked \param path what it needs must outlive the object
   GiantPlant(const SerialChain& chain, const JointPlantProperties& properties, const GripProperties& grip,
              HandPath path);
 
@@ -31,6 +31,7 @@ class GiantPlant final : public JointPlant {
  private:
   void step(double h, const JointVector& command);
 
+  SerialChain chain_;
   double bandwidth_;
   JointPlantFigures figures_;
   GripProperties grip_;

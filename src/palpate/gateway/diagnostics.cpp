@@ -17,7 +17,17 @@ int level_of(const TickRecord& tick) {
 
 }  // namespace
 
-LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const LoopStatistics& statistics,
+void RateWatch::look(double now) {
+  constexpr double kLeast = 1.0;  // s
+  if (now - at_ < kLeast && rate_ > 0.0) return;
+  times_.next();
+  const std::uint64_t ticks = statistics_.ticks.load(std::memory_order_relaxed);
+  rate_ = static_cast<double>(ticks - ticks_) / (now - at_);
+  ticks_ = ticks;
+  at_ = now;
+}
+
+LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const RateWatch& watch,
                          const DiagnosticContext& context) {
   LiveDiagnostics result;
   result.level = level_of(tick);
@@ -30,10 +40,11 @@ LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const L
   text("fault", tick.fault == Fault::kNone ? "" : traits(tick.fault).name);
   text("advice", tick.fault == Fault::kNone ? "" : traits(tick.fault).advice);
   text("held_by", context.held ? "client" : "");
-  number("rate_hz", context.rate);
+  number("rate_hz", watch.rate());
   number("tick_us", kMicro * times.whole);
-  number("tick_p50_us", kMicro * statistics.whole.quantile(0.5));
-  number("tick_p99_us", kMicro * statistics.whole.quantile(0.99));
+  number("tick_mean_us", kMicro * watch.times().mean());
+  number("tick_p50_us", kMicro * watch.times().quantile(0.5));
+  number("tick_p99_us", kMicro * watch.times().quantile(0.99));
   number("age_us", kMicro * times.age);
   number("overruns", static_cast<double>(times.overruns));
   number("contacts", static_cast<double>(tick.contacts));

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <palpate/servo/servo_loop.h>
+#include <palpate/servo/time_histogram.h>
 
 namespace palpate {
 
@@ -19,14 +21,33 @@ struct LiveDiagnostics {
   std::vector<std::pair<std::string_view, std::string>> values;
 };
 
-/// Who looks on, and how fast the loop is.
+/// How fast a loop is, and how long its ticks take: over about a second. One thread.
+class RateWatch {
+ public:
+  /// `statistics` must outlive it.
+  explicit RateWatch(const LoopStatistics& statistics) : statistics_(statistics) {}
+
+  /// Begins a new second if one has passed. \param now of the loop's clock. Unit: [s].
+  void look(double now);
+  /// Of the last second; 0 before the first look. Unit: [Hz].
+  double rate() const { return rate_; }
+  /// Of the same ticks.
+  const TimeWindow& times() const { return times_; }
+
+ private:
+  const LoopStatistics& statistics_;
+  TimeWindow times_{statistics_.whole};
+  std::uint64_t ticks_ = 0;
+  double at_ = 0.0, rate_ = 0.0;
+};
+
+/// Who looks on.
 struct DiagnosticContext {
   bool held = false;  ///< by a client
-  double rate = 0.0;  ///< Unit: [Hz].
   std::size_t clients = 0;
 };
 
-LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const LoopStatistics& statistics,
+LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const RateWatch& watch,
                          const DiagnosticContext& context);
 
 }  // namespace palpate

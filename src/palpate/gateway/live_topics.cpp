@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <palpate/gateway/diagnostics.h>
-
 namespace palpate {
 namespace {
 
@@ -23,7 +21,7 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
       feed_(feed),
       hand_(hand),
       clock_(clock),
-      statistics_(statistics),
+      watch_(statistics),
       map_(map),
       client_is_device_(client_is_device),
       pose_(hub.add_topic("/palpate/measured_cp", "geometry_msgs/PoseStamped")),
@@ -185,7 +183,7 @@ void LiveTopics::publish() {
   if (tool_topic_.is_watched()) publish_tool(stamp);
   if (count_ % kContactsEvery == 0 && contacts_.is_watched()) publish_contacts(stamp);
   if (count_ % kDiagnosticsEvery == 0) {
-    watch_rate();
+    watch_.look(clock_.now());
     if (diagnostics_.is_watched()) publish_diagnostics(stamp);
   }
   ++count_;
@@ -224,19 +222,9 @@ void LiveTopics::publish_tool(const Stamp& stamp) {
       marker_array(header(stamp, kWorld, count_), tool_markers(tool_, feed_.newest().record.tool)));
 }
 
-void LiveTopics::watch_rate() {
-  constexpr double kLeast = 0.5;  // s
-  const double now = clock_.now();
-  if (now - ticks_at_ < kLeast) return;
-  const std::uint64_t ticks = statistics_.ticks.load(std::memory_order_relaxed);
-  rate_ = static_cast<double>(ticks - ticks_) / (now - ticks_at_);
-  ticks_ = ticks;
-  ticks_at_ = now;
-}
-
 void LiveTopics::publish_diagnostics(const Stamp& stamp) {
   const auto& [tick, times, answers] = feed_.newest();
-  const LiveDiagnostics found = diagnose(tick, times, statistics_, {is_held(), rate_, hub_.client_count()});
+  const LiveDiagnostics found = diagnose(tick, times, watch_, {is_held(), hub_.client_count()});
   Json values = Json::array();
   for (const auto& [key, value] : found.values) values.push_back({{"key", key}, {"value", value}});
   Json status{{"level", found.level},

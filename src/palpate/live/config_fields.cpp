@@ -178,7 +178,7 @@ std::vector<ConfigField> make_fields() {
     {"tool", "tool", kTool, "a,b,c|FILE.toml", "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools, or its text",
      ToolField{[](auto& c) -> auto& { return c.tool; }}, {.saved = true}},
 
-    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; a client of the gateway; or a driver, plugin:PATH.so[:ARGUMENTS] or NAME:ARGUMENTS (ros1:/omni)",
+    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; a client of the gateway; a room-scale one of the admittance type in a simulated hand, on the project's own mechanics or on MuJoCo's; or a driver, plugin:PATH.so[:ARGUMENTS] or NAME:ARGUMENTS (ros1:/omni)",
      device()},
     {"profile", "", kDevice, "", "whose forces and mechanics it has", profile()},
     {"trajectory", "", kDevice, "T.csv", "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)",
@@ -192,6 +192,13 @@ std::vector<ConfigField> make_fields() {
      rotation([](auto& c) -> auto& { return c.device.map.rotation; })},
     {"workspace-offset", "", kDevice, "x,y,z", "where the device's origin is in the world, m",
      vector([](auto& c) -> auto& { return c.device.map.offset; })},
+
+    {"chain", "", kDevice, "FILE.toml|FILE.urdf", "of giant: its links and joints (default: a gantry of 4.7 m x 5.5 m with an arm)",
+     TextField{[](auto& c) -> auto& { return c.device.chain; }}},
+    {"virtual-mass", "", kDevice, "kg", "of giant: what a hand moves in free space",
+     NumberField{[](auto& c) -> auto& { return c.device.virtual_mass; }, 0.1, 100.0}},
+    {"virtual-damping", "", kDevice, "N.s/m", "of giant: likewise (default: 15, or what stable contact needs)",
+     OptionalField{.member = [](auto& c) -> auto& { return c.device.virtual_damping; }, .most_parameter = 1e4}},
 
     {"rate", "", kLoop, "Hz", "ticks a second", NumberField{[](auto& c) -> auto& { return c.loop.rate; }, 10.0, 1e4}},
     {"contacts", "", kLoop, "", "who looks for contacts: the loop, a thread that looks ahead of it, or one whose force is held (the paper's)",

@@ -3,12 +3,49 @@
 #include <utility>
 
 #include <palpate/base/error.h>
+#ifdef PALPATE_HAS_MUJOCO
+#include <palpate/device/giant_mujoco.h>
+#endif
+#include <palpate/device/giant_plant.h>
 #include <palpate/device/playback_device.h>
 #include <palpate/device/profiles.h>
 #include <palpate/haptics/field_force.h>
 #include <palpate/haptics/material_file.h>
+#include <palpate/kinematics/chain_file.h>
 
 namespace palpate {
+namespace {
+
+std::unique_ptr<HapticDevice> make_giant(const DeviceConfig& config, double loop_rate,
+                                         DeviceConnections connections) {
+  const GiantSetup setup = giant_setup(config, loop_rate, connections.contact_stiffness);
+  return make_giant_loop(setup, make_giant_plant(config.kind, setup, std::move(connections.hand)));
+}
+
+}  // namespace
+
+GiantSetup giant_setup(const DeviceConfig& config, double loop_rate, double contact_stiffness) {
+  GiantSetup setup;
+  setup.chain = driven_chain(config.chain.empty() ? giant_chain() : read_chain(config.chain), config.hand);
+  setup.hand = config.hand;
+  setup.virtual_mass = config.virtual_mass;
+  setup.virtual_damping = config.virtual_damping;
+  setup.contact_stiffness = contact_stiffness;
+  setup.period = 1.0 / loop_rate;
+  return setup;
+}
+
+std::unique_ptr<JointPlant> make_giant_plant(DeviceKind kind, const GiantSetup& setup, HandPath hand) {
+  const JointPlantProperties drives = GiantProperties().drives;
+  const GripProperties grip{.hand = setup.hand, .gyration = 0.05};
+  if (kind == DeviceKind::kGiant)
+    return std::make_unique<GiantPlant>(setup.chain, drives, grip, std::move(hand));
+#ifdef PALPATE_HAS_MUJOCO
+  return std::make_unique<GiantMujoco>(setup.chain, drives, grip, std::move(hand));
+#else
+  throw Error("giant-mujoco: built without MuJoCo (libmujoco-dev); take giant");
+#endif
+}
 
 Materials load_materials(const ForceConfig& config, const std::string& scene, const Progress& progress) {
   return std::make_shared<MaterialMap>(
@@ -40,6 +77,7 @@ std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceCon
 
 std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loop_rate,
                                           DeviceConnections connections) {
+  if (is_giant(config.kind)) return make_giant(config, loop_rate, std::move(connections));
   DeviceProfile profile = device_profile(config.profile);
   DeviceCapabilities& capabilities = profile.capabilities;
   if (config.kind == DeviceKind::kClient) {

@@ -8,6 +8,7 @@
 #include <palpate/base/progress.h>
 #include <palpate/collision/lookahead.h>
 #include <palpate/collision/scene_index.h>
+#include <palpate/device/giant_setup.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/material.h>
@@ -37,14 +38,25 @@ std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceCon
 
 /// What a device of DeviceConfig is connected with.
 struct DeviceConnections {
-  HandPath hand;                      ///< of kSimulated, in the device's frame
+  HandPath hand;                      ///< of kSimulated and a giant, in the device's frame
   Trajectory playback;                ///< of kPlayback, in the device's frame
   ClientHand* client_hand = nullptr;  ///< of kClient; must outlive the device
+  double contact_stiffness = 0.0;     ///< of a giant: what it is to be stable with. Unit: [N/m].
 };
 
 /// The device of `config`, not open yet. \param loop_rate LoopConfig::rate, at which what is simulated is
-/// read. Unit: [Hz]. \pre the connection of its kind is there \throws Error for a profile that there is not.
+/// read. Unit: [Hz]. \pre the connection of its kind is there \throws Error for a profile that there is not;
+/// for a chain that cannot be read; for an admittance that is not stable with `contact_stiffness`, with the
+/// bound that it breaks; for MuJoCo where the library was built without it.
 std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loop_rate,
                                           DeviceConnections connections);
+
+/// A giant as `config` has it. \param loop_rate LoopConfig::rate. Unit: [Hz]. \param contact_stiffness Unit:
+/// [N/m]. \throws Error for a chain that cannot be read.
+GiantSetup giant_setup(const DeviceConfig& config, double loop_rate, double contact_stiffness);
+
+/// Its mechanics, with a hand on that path in the base's frame. \param kind a giant's \throws Error for
+/// MuJoCo where the library was built without it.
+std::unique_ptr<JointPlant> make_giant_plant(DeviceKind kind, const GiantSetup& setup, HandPath hand);
 
 }  // namespace palpate

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include <palpate/device/giant_setup.h>
 #include <palpate/device/simulated_device.h>
 #include <palpate/geometry/similarity.h>
 #include <palpate/haptics/density_force.h>
@@ -26,11 +28,19 @@ enum class ForceModelKind : std::uint8_t { kProxy, kField, kDensity };
 inline constexpr std::array<std::string_view, 3> kForceModelNames{"proxy", "field", "density"};
 
 enum class DeviceKind : std::uint8_t {
-  kSimulated,  ///< SimulatedDevice in a simulated hand
-  kPlayback,   ///< PlaybackDevice: poses of DeviceConfig::trajectory that no force moves
-  kClient,     ///< ClientDevice: whoever holds the tool through the gateway
+  kSimulated,    ///< SimulatedDevice in a simulated hand
+  kPlayback,     ///< PlaybackDevice: poses of DeviceConfig::trajectory that no force moves
+  kClient,       ///< ClientDevice: whoever holds the tool through the gateway
+  kGiant,        ///< GiantDevice, of the admittance type, in a simulated hand, on GiantPlant
+  kGiantMujoco,  ///< the same on GiantMujoco
 };
-inline constexpr std::array<std::string_view, 3> kDeviceKindNames{"simulated", "playback", "client"};
+inline constexpr std::array<std::string_view, 5> kDeviceKindNames{"simulated", "playback", "client", "giant",
+                                                                  "giant-mujoco"};
+
+/// GiantDevice on either plant.
+constexpr bool is_giant(DeviceKind kind) {
+  return kind == DeviceKind::kGiant || kind == DeviceKind::kGiantMujoco;
+}
 
 /// Who looks for contacts.
 enum class ContactSearch : std::uint8_t {
@@ -95,7 +105,15 @@ struct DeviceConfig {
   /// Poses a second that a client sends at least; without three of them there is no force. Unit: [Hz].
   double client_rate = 60.0;
   HandProperties hand;  ///< that holds a simulated device
-  WorkspaceMap map;     ///< from the device to the world; without WorkspaceMap::tool
+  /// From the device to the world; without WorkspaceMap::tool. Of a giant whose map is left at its default,
+  /// LiveSystem puts the scene below where the handle rests.
+  WorkspaceMap map;
+  /// \name Of a giant; see GiantSetup
+  /// @{
+  std::string chain;                               ///< file of read_chain(); empty: giant_chain()
+  double virtual_mass = GiantSetup::kVirtualMass;  ///< Unit: [kg].
+  std::optional<double> virtual_damping = {};      ///< Unit: [N s/m].
+  /// @}
 
   bool operator==(const DeviceConfig&) const = default;
 };

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -19,6 +20,7 @@
 #include <palpate/live/config_toml.h>
 #include <palpate/live/recording_switch.h>
 #include <palpate/live/scene_file.h>
+#include <palpate/live/setup_json.h>
 #include <palpate/rosbridge/access.h>
 #include <palpate/rosbridge/web_server.h>
 #include <palpate/scene/ply_writer.h>
@@ -60,6 +62,8 @@ Json answer_of(const std::function<std::string()>& work) {
     return {{"success", false}, {"message", refusal.what()}};
   } catch (const Error& error) {
     return {{"success", false}, {"message", error.what()}};
+  } catch (const std::bad_alloc&) {
+    return {{"success", false}, {"message", "not enough memory for that"}};
   }
 }
 
@@ -80,12 +84,13 @@ class LiveGateway::Implementation {
   std::string url() const { return server_->url(); }
   /// Any thread.
   std::vector<std::string> take_notices();
+  void say(const std::string& line);
 
  private:
   /// What parameters() depends on.
   struct Shown {
     std::uint64_t system = 0, recorded = 0, felt = 0, notices = 0;  ///< numbers of their versions
-    bool records = false, paused = false;
+    bool records = false, paused = false, moves_itself = false;
     bool operator==(const Shown&) const = default;
   };
 
@@ -94,7 +99,9 @@ class LiveGateway::Implementation {
   void add_switches();
   void add_recording();
   void add_parameters();
+  void add_setup();
   void beat();
+  void publish_lines();
   void look_at_recording();
   void look_at_scene();
   void end_recording(RecordingSwitch::Done done);
@@ -122,7 +129,7 @@ class LiveGateway::Implementation {
   LatestValue<TickFeed::Tick> tick_for_pages_;
   RecordingSwitch recording_;
   FeltListMaker felt_list_;
-  Topic& parameters_topic_;
+  Topic &parameters_topic_, &lines_topic_;
   std::unique_ptr<LiveTopics> topics_;
   std::unique_ptr<WebServer> server_;
   std::unique_ptr<SceneFile> scene_file_;  ///< null: the built-in scene
@@ -135,6 +142,8 @@ class LiveGateway::Implementation {
   std::uint64_t notices_ = 0;  ///< how often they have changed
   std::mutex mutex_;           ///< of what follows
   std::vector<std::string> untold_;
+  std::vector<std::string> said_;  ///< on the terminal; the newest kMostLines
+  bool said_more_ = false;         ///< than clients know
 };
 
 LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pages)
@@ -142,9 +151,10 @@ LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pag
       pages_(std::move(pages)),
       map_(system.settings().device.map),
       feed_(system.client_hand()),
-      recording_(elsewhere(), pages_.report),
+      recording_(elsewhere(), pages_.report, recorder_options(system.device())),
       felt_list_(elsewhere()),
       parameters_topic_(hub_.add_topic("/palpate/parameters", "std_msgs/String", true)),
+      lines_topic_(hub_.add_topic("/palpate/messages", "std_msgs/String", true)),
       run_tag_(random_text()) {
   const LiveConfig config = system.settings();
   const SceneConfig& scene = config.scene;
@@ -159,6 +169,7 @@ LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pag
   add_recording();
   add_services();
   add_parameters();
+  add_setup();
 
   WebServerOptions server;
   server.address = options.address;
@@ -208,11 +219,22 @@ void LiveGateway::Implementation::beat() {
   look_at_recording();
   look_at_scene();
   const auto list = felt_list_.newest();
-  const Shown shown{system_.version(),       recording_.recorded().version,
-                    list ? list->number : 0, notices_,
-                    recording_.is_on(),      is_paused()};
+  const Shown shown{
+      system_.version(), recording_.recorded().version, list ? list->number : 0, notices_, recording_.is_on(),
+      is_paused(),       system_.moves_itself()};
   if (shown != told_) parameters_topic_.publish({{"data", encode_json(parameters())}});
   told_ = shown;
+  publish_lines();
+}
+
+void LiveGateway::Implementation::publish_lines() {
+  Json lines;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!std::exchange(said_more_, false)) return;
+    lines = said_;
+  }
+  lines_topic_.publish({{"data", encode_json(lines)}});
 }
 
 /// A disk that is full ends a recording. All else goes on.
@@ -256,6 +278,14 @@ std::vector<std::string> LiveGateway::Implementation::take_notices() {
   return std::exchange(untold_, {});
 }
 
+void LiveGateway::Implementation::say(const std::string& line) {
+  constexpr std::size_t kMostLines = 50;
+  const std::scoped_lock lock(mutex_);
+  said_.push_back(line);
+  if (said_.size() > kMostLines) said_.erase(said_.begin());
+  said_more_ = true;
+}
+
 /// What was refused last, and what still holds.
 std::string LiveGateway::Implementation::message() const {
   std::string all = system_.message();
@@ -289,6 +319,7 @@ Json LiveGateway::Implementation::parameters() const {
                     {"torque_max", device.torque_max},
                     {"workspace", device.workspace}};
   json["paused"] = is_paused();
+  if (system_.has_hand()) json["demo"] = system_.moves_itself();
   json["recording"] = recording_.is_on();
   json["recorded"] = recording_.recorded().page != nullptr;
   json["busy"] = system_.busy();
@@ -305,12 +336,17 @@ void LiveGateway::Implementation::add_switches() {
       });
     });
   };
-  add("/palpate/emergency_stop", "std_srvs/Trigger",
-      [this](const Json&) { system_.tick().governor().stop(); });
-  add("/palpate/resume", "std_srvs/Trigger", [this](const Json&) { system_.tick().governor().resume(); });
+  add("/palpate/emergency_stop", "std_srvs/Trigger", [this](const Json&) { system_.stop_force(); });
+  add("/palpate/resume", "std_srvs/Trigger", [this](const Json&) { system_.resume(); });
   add("/palpate/pause", "std_srvs/SetBool", [this](const Json& arguments) {
     SafetyGovernor& governor = system_.tick().governor();
     flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.unpause();
+  });
+  add("/palpate/demo", "std_srvs/SetBool", [this](const Json& arguments) {
+    if (!system_.has_hand()) throw Refusal("only a simulated hand moves by itself");
+    const bool on = flag_of(arguments);
+    if (on) topics_->let_go();
+    system_.set_moves_itself(on);
   });
   add("/palpate/clutch", "std_srvs/SetBool",
       [this](const Json& arguments) { system_.tick().press_clutch(flag_of(arguments)); });
@@ -360,6 +396,23 @@ void LiveGateway::Implementation::add_services() {
     system_.change([&](LiveConfig& settings) { settings.tool = tool; });
     return std::string();
   });
+}
+
+/// Reads the whole scene again, which takes long.
+void LiveGateway::Implementation::add_setup() {
+  const auto work = [](const LiveConfig& settings) {
+    SceneConfig unfiltered;
+    unfiltered.path = settings.scene.path;
+    const LoadedScene loaded = load_or_make_scene(unfiltered, {});
+    return encode_json(setup_json<Json>(propose_setup(loaded.scene, settings.tool.thinnest())));
+  };
+  hub_.add_slow_service(
+      "/palpate/propose_setup", "std_srvs/Trigger", [=, this](const Json&, const Reply& reply) {
+        const auto answer = std::make_shared<Json>();
+        server_->elsewhere(
+            [=, settings = system_.settings()] { *answer = answer_of([&] { return work(settings); }); },
+            [=] { reply.give(*answer); });
+      });
 }
 
 /// ROS parameters: /palpate/NAME, one for each name at the top of parameters().
@@ -480,5 +533,6 @@ void LiveGateway::start() { implementation_->start(); }
 void LiveGateway::stop() { implementation_->stop(); }
 std::string LiveGateway::url() const { return implementation_->url(); }
 std::vector<std::string> LiveGateway::take_notices() { return implementation_->take_notices(); }
+void LiveGateway::say(const std::string& line) { implementation_->say(line); }
 
 }  // namespace palpate

@@ -60,6 +60,8 @@ class LiveGateway {
   std::string url() const;
   /// What a person at the terminal should know, since the last call. Any thread.
   std::vector<std::string> take_notices();
+  /// A line that the terminal has shown, for those who look at a page. Any thread.
+  void say(const std::string& line);
 
  private:
   class Implementation;

@@ -17,13 +17,16 @@
 #include <palpate/device/plugin_device.h>
 #include <palpate/device/simulated_device.h>
 #include <palpate/live/factories.h>
+#include <palpate/live/simulated_hand.h>
+#include <palpate/study/room_path.h>
 #include <palpate/study/touch_path.h>
 
 namespace palpate {
 namespace {
 
-/// Of the hand that explores. Unit: [m].
-constexpr double kTremor = 2e-5;
+/// What a force sensor says before that is taken for its bias: until then a hand stays where the handle
+/// rests. Unit: [s].
+constexpr double kTares = 1.5;
 /// Gaussians across a tool from which on a search takes so long that another thread had better do it.
 constexpr double kManyContacts = 200.0;
 
@@ -45,6 +48,10 @@ Pose waiting_place(const SceneIndex& index, const Tool& tool) {
   pose.position = box.center();
   pose.position.z() = box.max().z() + 2.0 * tool.radius();
   return pose;
+}
+
+LedHand::Lead waits_at(const Pose& home) {
+  return [home](double t) { return t < kTares ? std::optional(home) : std::nullopt; };
 }
 
 }  // namespace
@@ -82,8 +89,20 @@ void LiveSystem::read_scene(const Progress& progress) {
     throw Error("--device playback has nothing to play; give --trajectory T.csv");
   const IndexFiles files = scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
   index_ = std::make_shared<SceneIndex>(open_or_make_index(scene, files, notify_, progress));
-  explores_ = owns_device_ && path_.empty() && kind == DeviceKind::kSimulated;
+  if (owns_device_ && is_giant(kind)) place_giant();
+  explores_ = owns_device_ && path_.empty() && (kind == DeviceKind::kSimulated || is_giant(kind));
   if (explores_) find_way();
+}
+
+/// Where its handle rests, and the scene where that is in reach.
+void LiveSystem::place_giant() {
+  home_ = rest_of_handle(giant_setup(settings_.device, settings_.loop.rate, stiffness_).chain);
+  WorkspaceMap& map = settings_.device.map;
+  if (map != WorkspaceMap() || index_->size() == 0) return;
+  map.offset = waiting_place(*index_, settings_.tool).position - home_->position;
+  notify_(fmt::format(
+      "note: the scene is put below where the handle rests: --workspace-offset {:.3f},{:.3f},{:.3f}",
+      map.offset.x(), map.offset.y(), map.offset.z()));
 }
 
 /// Of a hand that explores.
@@ -99,10 +118,25 @@ void LiveSystem::find_way() {
 }
 
 Trajectory LiveSystem::explore(const SceneIndex& index, const Tool& tool) const {
+  if (home_) return explore_room(index, tool);
   TouchPathOptions options;  // of a hand, whose way is that much longer in the world
   options.speed *= settings_.device.map.scale;
   options.acceleration *= settings_.device.map.scale;
   return touch_path(index, EllipsoidLookup(index).all(), tool, options);
+}
+
+/// As far as a giant reaches.
+Trajectory LiveSystem::explore_room(const SceneIndex& index, const Tool& tool) const {
+  if (!settings_.device.chain.empty()) throw Error("nobody knows how far {} reaches", settings_.device.chain);
+  const WorkspaceMap& map = settings_.device.map;
+  const Eigen::AlignedBox3d reach = giant_reach();
+  RoomPathOptions options;
+  options.home = map.to_world(*home_);
+  options.wait = kTares;
+  for (int corner = 0; corner < 8; ++corner)
+    options.reach.extend(
+        map.to_world(Pose{reach.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)), {}}).position);
+  return room_path(index, EllipsoidLookup(index).all(), tool, options).path;
 }
 
 /// Opens `device`, or the one that the configuration asks for.
@@ -115,13 +149,20 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
       for (TimedPose& p : path_) p.pose = config.map.to_device(p.pose);
       length_ = path_.back().t - path_.front().t;
       connections.playback = path_;
-    } else if (config.kind == DeviceKind::kSimulated) {
+    } else if (config.kind == DeviceKind::kSimulated || home_) {
       go(path_);
-      connections.hand = simulated_hand();
+      const HandPath own = [this](double t) {
+        way_.update();
+        return tick_->map().to_device((*way_.front())(t));
+      };
+      connections.hand = simulated_hand(own, client_hand_, moves_itself_);
+      if (home_) connections.hand = LedHand(connections.hand, waits_at(*home_));
     }
+    connections.contact_stiffness = stiffness_;
     device = make_device(config, settings_.loop.rate, std::move(connections));
   }
   device_ = std::move(device);
+  admittance_ = dynamic_cast<AdmittanceLoop*>(device_.get());
   open_device(*device_, [this](const std::string& line) { notify_("note: " + line); });
 }
 
@@ -129,20 +170,6 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
 void LiveSystem::go(const Trajectory& path) {
   way_.back() = std::make_shared<const HandPath>(to_and_fro(path));
   way_.publish();
-}
-
-/// On its own way, which may change, or where a client leads it; in the device's frame. The servo thread's.
-HandPath LiveSystem::simulated_hand() {
-  const HandPath own = [this](double t) {
-    way_.update();
-    return tick_->map().to_device((*way_.front())(t));
-  };
-  const LedHand::Lead lead = [this](double) -> std::optional<Pose> {
-    const ClientHand::Sample& client = client_hand_.newest();
-    if (!client_hand_.is_held()) return std::nullopt;
-    return client.pose;
-  };
-  return with_tremor(LedHand(own, lead), kTremor);
 }
 
 std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,
@@ -161,7 +188,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   ServoTickOptions ticks;
   ticks.period = 1.0 / settings_.loop.rate;
   ticks.map = settings_.device.map;
-  if (dynamic_cast<const SimulatedDevice*>(device_.get()) != nullptr) {
+  if (dynamic_cast<const SimulatedDevice*>(device_.get()) != nullptr || home_) {
     // It cannot freeze, but a client that leads its hand may hold perfectly still.
     ticks.limits = SafetyLimits::of(device_->capabilities(), ticks.period);
     ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
@@ -184,6 +211,17 @@ void LiveSystem::stop() {
   if (loop_) loop_->stop();
   device_->close();
   if (changer_.joinable()) changer_.join();
+}
+
+void LiveSystem::stop_force(Fault why) {
+  tick_->governor().stop(why);
+  if (admittance_ != nullptr && traits(why).latched && why != Fault::kPaused)
+    admittance_->governor().stop(why);
+}
+
+void LiveSystem::resume() {
+  if (admittance_ != nullptr) admittance_->governor().resume();
+  tick_->governor().resume();
 }
 
 LiveConfig LiveSystem::settings() const {
@@ -258,20 +296,25 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     lock.lock();
     // What has been asked for meanwhile is not lost: it is tried next.
     if (!failure.empty() && settings_version_ == seen) settings_ = done;
-    if (!failure.empty()) set_gain(done);
+    if (!failure.empty()) set_stiffness(done);
     message_ = failure;
     busy_.clear();
     ++version_;
   }
 }
 
-void LiveSystem::set_gain(const LiveConfig& settings) {
-  if (stiffness_ > 0.0) tick_->set_gain(settings.force.proxy.stiffness / stiffness_);
+void LiveSystem::set_stiffness(const LiveConfig& settings) {
+  const double stiffness = settings.force.proxy.stiffness;
+  if (home_) {
+    const GiantSetup setup = giant_setup(settings_.device, settings_.loop.rate, stiffness);
+    admittance_->change(admittance_of(setup), stiffness);
+  }
+  if (stiffness_ > 0.0) tick_->set_gain(stiffness / stiffness_);
 }
 
 /// Makes what is new in `wanted`, has the loop feel it, and waits until it does.
 void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
-  set_gain(wanted);
+  set_stiffness(wanted);
   const SceneFilter& filter = wanted.scene.filter;
   const bool other_place = wanted.scene.world_from_scene() != now.scene.world_from_scene();
   const bool other_gaussians = filter != now.scene.filter ||

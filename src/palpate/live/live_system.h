@@ -2,10 +2,12 @@
 /// A live system: a scene, a device, and the servo loop between them.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +19,7 @@
 #include <palpate/live/live_config.h>
 #include <palpate/live/live_scene.h>
 #include <palpate/record/trajectory.h>
+#include <palpate/servo/admittance_loop.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
@@ -69,20 +72,37 @@ class LiveSystem {
   /// The scene that is felt, which is kept as long as it is held.
   std::shared_ptr<const FeltScene> felt() const;
 
+  /// No force, and a device of the admittance type is at rest where that takes resume() to end. Signal
+  /// handlers too.
+  void stop_force(Fault why = Fault::kEmergencyStop);
+  /// Ends all that stop_force() began but for pauses, and faults that latch.
+  void resume();
   /// The loop's tick: its governor stops and resumes the force. What may be called when, it says itself.
   ServoTick& tick() { return *tick_; }
   ServoLoop& loop() { return *loop_; }
   /// The loop's, on which all times of ticks are.
   const LoopClock& clock() const { return clock_; }
   const DeviceCapabilities& device() const { return device_->capabilities(); }
-  /// "simulated", "playback" or "client"; "external" for the caller's own and for drivers.
+  /// A name of kDeviceKindNames; "external" for the caller's own and for drivers.
   std::string_view device_kind() const { return device_kind_; }
   /// What the device says of itself in a fault; else empty.
   std::string_view device_fault() const {
     return device_->status() == DeviceStatus::kFault ? device_->status_text() : std::string_view();
   }
+  /// What keeps it from its motion, of the admittance type; empty where nothing does.
+  std::string_view device_held_by() const {
+    return device_->status() == DeviceStatus::kEnabled ? device_->status_text() : std::string_view();
+  }
   /// Where a client's hand is, which leads the simulated one, or is the device.
   ClientHand& client_hand() { return client_hand_; }
+  /// Whether the simulated hand moves by itself. A client that leads it ends that: afterwards the hand stays
+  /// where it was left, until it is set to move again.
+  bool moves_itself() const { return moves_itself_.load(std::memory_order_relaxed); }
+  void set_moves_itself(bool on) { moves_itself_.store(on, std::memory_order_relaxed); }
+  /// Whether there is a simulated hand.
+  bool has_hand() const {
+    return owns_device_ && (home_ || device_kind_ == to_string(DeviceKind::kSimulated));
+  }
   /// Who looks for contacts; never kAuto.
   ContactSearch contacts() const { return contacts_; }
   /// Length of the recorded motion that is played back; 0 if there is none. Unit: [s].
@@ -91,16 +111,17 @@ class LiveSystem {
 
  private:
   void read_scene(const Progress& progress);
+  void place_giant();
   void find_way();
   Trajectory explore(const SceneIndex& index, const Tool& tool) const;
+  Trajectory explore_room(const SceneIndex& index, const Tool& tool) const;
   void open(std::unique_ptr<HapticDevice> device);
   void go(const Trajectory& path);
-  HandPath simulated_hand();
   std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index,
                                        const LiveConfig& settings) const;
   void change_until_stopped(LiveConfig done);
   void apply(const LiveConfig& wanted, const LiveConfig& now);
-  void set_gain(const LiveConfig& settings);
+  void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);
 
   Notify notify_;
@@ -114,10 +135,13 @@ class LiveSystem {
   /// Where the simulated hand goes: in the world; written by one thread at a time.
   LatestValue<std::shared_ptr<const HandPath>> way_;
   ClientHand client_hand_;
+  std::atomic<bool> moves_itself_ = true;
   double length_ = 0.0;
-  bool owns_device_;  ///< it is none of the caller's
+  std::optional<Pose> home_;  ///< of a giant's handle, device's frame
+  bool owns_device_;          ///< it is none of the caller's
   std::string_view device_kind_;
   std::unique_ptr<HapticDevice> device_;
+  AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
   std::unique_ptr<ServoTick> tick_;
   std::unique_ptr<ServoLoop> loop_;
 

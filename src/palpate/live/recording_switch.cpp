@@ -49,7 +49,7 @@ void RecordingSwitch::make(Job& job) {
       folder_ = pattern;
     }
     job.path = fmt::format("{}/recording-{}.csv", folder_, ++count_);
-    job.recorder = std::make_unique<Recorder>(job.path);
+    job.recorder = std::make_unique<Recorder>(job.path, rows_);
   } catch (const Error& error) {
     job.failure = error.what();
   } catch (const std::exception& error) {  // there is no such folder, no thread, or no memory

@@ -26,9 +26,9 @@ class RecordingSwitch final : public TickObserver {
   /// Makes the report page of a recording from the path of its file; must not throw. On a thread of its own.
   using PageMaker = std::function<std::string(const std::string& csv)>;
 
-  /// \param page empty: there are no report pages
-  RecordingSwitch(Elsewhere elsewhere, PageMaker page)
-      : elsewhere_(std::move(elsewhere)), page_(std::move(page)) {}
+  /// \param page empty: there are no report pages \param rows what those of the loop have
+  RecordingSwitch(Elsewhere elsewhere, PageMaker page, RecorderOptions rows)
+      : elsewhere_(std::move(elsewhere)), page_(std::move(page)), rows_(rows) {}
   /// Once the loop has stopped, and nothing more is done elsewhere.
   ~RecordingSwitch() override;
 
@@ -72,6 +72,7 @@ class RecordingSwitch final : public TickObserver {
 
   Elsewhere elsewhere_;
   PageMaker page_;
+  RecorderOptions rows_;
   State state_ = State::kOff;
   std::shared_ptr<Job> job_;               ///< of what is on, or about to be
   std::atomic<Recorder*> used_ = nullptr;  ///< by the servo thread from its next tick on

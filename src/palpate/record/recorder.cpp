@@ -24,6 +24,12 @@ RunRow finite(const RunRow& row, const std::vector<RunColumn>& columns) {
 
 }  // namespace
 
+RecorderOptions recorder_options(const DeviceCapabilities& device) {
+  RecorderOptions options;
+  options.user_force = device.kind == Causality::kAdmittance;
+  return options;
+}
+
 Recorder::Recorder(const std::string& path, const RecorderOptions& options)
     : columns_(run_columns({.user_force = options.user_force, .live = true})),
       file_(path, run_header(columns_)),

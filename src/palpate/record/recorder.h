@@ -17,6 +17,7 @@
 #include <palpate/record/run_columns.h>
 #include <palpate/record/run_row.h>
 #include <palpate/record/spsc_ring.h>
+#include <palpate/servo/device_capabilities.h>
 
 namespace palpate {
 
@@ -24,6 +25,9 @@ struct RecorderOptions {
   bool user_force = false;                  ///< the rows have one
   std::size_t room = std::size_t{1} << 15;  ///< rows that may wait for the writer: three seconds at 10 kHz
 };
+
+/// Of a loop with this device.
+RecorderOptions recorder_options(const DeviceCapabilities& device);
 
 /// Records a live loop as a run (`run_log.h`) with live columns. The loop's thread pushes a row a tick; a
 /// thread of the recorder writes them, every kInterval, in whole lines.

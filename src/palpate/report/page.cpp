@@ -18,25 +18,27 @@ p{margin:0 0 10px;color:var(--muted);max-width:80ch}
 figure,.table{margin:0;background:var(--card);border:1px solid var(--border);border-radius:10px;overflow:hidden}
 .figures{display:grid;gap:12px;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));margin:16px 0}
 figure svg{display:block;width:100%;height:auto}
+.pairs{grid-template-columns:repeat(auto-fill,minmax(min(100%,520px),1fr))}
 .table{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;white-space:nowrap;width:100%}
 th,td{padding:4px 10px;text-align:right}th{color:var(--muted);font-weight:600}
 th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:var(--card)}
 th:nth-child(3),td:nth-child(3){text-align:left}
+td.text,th.text{white-space:normal;text-align:left;min-width:22ch}
 tr.new td{border-top:1px solid var(--border)}
 )";
 
 }  // namespace
 
 std::string page_document(const std::string& title, const std::string& intro,
-                          const std::vector<Plot>& figures, const std::string& body) {
+                          const std::vector<Plot>& figures, const std::string& body, bool pairs) {
   std::string html =
       "<!doctype html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
       "<meta name='viewport' content='width=device-width, initial-scale=1'>\n";
   html += fmt::format("<title>{}</title>\n<style>{}{}</style>\n</head>\n<body>\n", markup_escaped(title),
                       kPageStyle, plot_style());
-  html += fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class='figures'>\n", markup_escaped(title),
-                      markup_escaped(intro));
+  html += fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class='figures{}'>\n", markup_escaped(title),
+                      markup_escaped(intro), pairs ? " pairs" : "");
   for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
   return html + "</div>\n" + body + "</body>\n</html>\n";
 }

@@ -28,6 +28,7 @@ constexpr const char* kStyle = R"(
 .plot .title{font-size:15px;font-weight:650;fill:var(--ink)}.plot .name{fill:var(--ink)}
 .plot .back{fill:var(--back)}.plot .grid{stroke:var(--grid);fill:none}.plot .axis{stroke:var(--muted);fill:none}
 .plot .line{stroke:var(--c);stroke-width:2;fill:none;stroke-linejoin:round}.plot .band{fill:var(--c);opacity:.16}
+.plot .mark{stroke:var(--muted);stroke-dasharray:2 3;fill:none}.plot .cloud{fill:var(--muted);opacity:.35}
 .plot .dot{fill:var(--c)}.plot .bar{stroke:var(--c);stroke-width:2;opacity:.6}
 .plot .truth .line{stroke:var(--muted);stroke-dasharray:6 4;stroke-width:1.5}
 )";
@@ -150,7 +151,9 @@ class Picture {
         top_, kRight - kLeft, kBottom - top_);
     put("<g clip-path='url(#clip-{})'>", plot_.name);
     for (const PlotSeries& s : plot_.series) draw_series(s);
-    put("</g>\n</svg>");
+    put("</g>");
+    draw_marks();
+    put("</svg>");
     return std::move(svg_);
   }
 
@@ -239,6 +242,16 @@ class Picture {
         markup_escaped(plot_.x.title));
   }
 
+  void draw_marks() {
+    for (const PlotMark& mark : plot_.marks) {
+      if (!x_.can_show(mark.x)) continue;
+      const double at = x_(mark.x);
+      put("<path class='mark' d='M{:.1f} {:.1f}V{}'/>", at, top_, kBottom);
+      put("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{}</text>", at, top_ - 1.0,
+          markup_escaped(mark.name));
+    }
+  }
+
   bool can_show(const PlotPoint& p) const {
     return x_.can_show(p.x) && y_.can_show(p.y) && y_.can_show(p.low) && y_.can_show(p.high);
   }
@@ -249,10 +262,10 @@ class Picture {
                  [this](const PlotPoint& p) { return can_show(p); });
     if (points.empty()) return;
     svg_ += opened(s);
-    if (s.style == PlotSeries::Style::kDots) {
-      draw_dots(points);
-    } else {
-      draw_line(points);
+    switch (s.style) {
+      case PlotSeries::Style::kDots: draw_dots(points); break;
+      case PlotSeries::Style::kCloud: draw_cloud(points); break;
+      default: draw_line(points);
     }
     put("</g>");
   }
@@ -263,6 +276,11 @@ class Picture {
       if (p.low < p.high) put("<path class='bar' d='M{:.1f} {:.1f}V{:.1f}'/>", x, y_(p.low), y_(p.high));
       put("<circle class='dot' cx='{:.1f}' cy='{:.1f}' r='4.5'/>", x, y_(p.y));
     }
+  }
+
+  void draw_cloud(const std::vector<PlotPoint>& points) {
+    for (const PlotPoint& p : points)
+      put("<circle class='cloud' cx='{:.1f}' cy='{:.1f}' r='0.9'/>", x_(p.x), y_(p.y));
   }
 
   void draw_line(const std::vector<PlotPoint>& points) {

@@ -25,7 +25,11 @@ struct PlotPoint {
 };
 
 struct PlotSeries {
-  enum class Style { kLine, kDots };
+  enum class Style {
+    kLine,
+    kDots,
+    kCloud,  ///< dots so small that thousands make a shape
+  };
   static constexpr int kTruth = -1;  ///< a colour: neutral, and dashed
   static constexpr int kColors = 4;
 
@@ -35,12 +39,19 @@ struct PlotSeries {
   std::vector<PlotPoint> points = {};
 };
 
+/// A line across the picture, with a name at its top.
+struct PlotMark {
+  double x;
+  std::string name;
+};
+
 struct Plot {
   std::string name;  ///< a word, unique in a page
   std::string title;
   std::string subtitle;
   PlotAxis x, y;
   std::vector<PlotSeries> series;
+  std::vector<PlotMark> marks = {};
 };
 
 /// Between the tags of <style>, once a page: plots are light or dark as the reader likes it.

@@ -5,10 +5,12 @@
 #include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <tbb/parallel_for.h>
 
 #include <palpate/base/append.h>
+#include <palpate/base/quantile.h>
 
 namespace palpate {
 namespace {
@@ -133,6 +135,19 @@ Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
 bool keeps(const GaussianScene& scene, std::size_t i, const Gaussian& activated, const SceneFilter& filter,
            const Similarity& world_from_scene, FilterReport& report) {
   return kept_ellipsoid(scene, i, activated, filter, world_from_scene, report).has_value();
+}
+
+Eigen::AlignedBox3d central_box(const EllipsoidScene& scene) {
+  constexpr double kTail = 0.01;  // of the centres, on each side
+  Eigen::Vector3d low, high;
+  std::vector<double> values(scene.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(scene.ellipsoids, values.begin(),
+                           [&](const Ellipsoid& e) { return e.center[axis]; });
+    low[axis] = quantile(values, kTail);
+    high[axis] = quantile(values, 1.0 - kTail);
+  }
+  return {low, high};
 }
 
 EllipsoidScene filter_scene(const GaussianScene& scene, const SceneFilter& filter,

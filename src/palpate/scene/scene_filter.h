@@ -74,6 +74,9 @@ struct EllipsoidScene {
   std::size_t size() const { return ellipsoids.size(); }
 };
 
+/// Box of the central 98 % of the centres, in each coordinate. \pre not empty. Unit: [m].
+Eigen::AlignedBox3d central_box(const EllipsoidScene& scene);
+
 /// k of the ellipsoid of a Gaussian: the standard deviations out to which it is solid.
 /// \pre with iso set, opacity > *iso.
 double sigma_multiple(double opacity, const SceneFilter& filter);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -33,6 +34,11 @@ DeviceCapabilities AdmittanceLoop::told(const MotionDevice& device, const Admitt
   can.damping_source = DampingSource::kSimulated;  // by the controller, whatever the device
   can.delay = options.along.delay + options.along.lag + options.along.sensor_lag;
   return can;
+}
+
+AdmittanceLoop::AdmittanceLoop(std::unique_ptr<MotionDevice> device, const AdmittanceLoopOptions& options)
+    : AdmittanceLoop(*device, options) {
+  owned_ = std::move(device);
 }
 
 AdmittanceLoop::AdmittanceLoop(MotionDevice& device, const AdmittanceLoopOptions& options)
@@ -90,8 +96,21 @@ bool AdmittanceLoop::read(double t, DeviceReading& reading) {
     written_at_ = t;
     started_ = true;
   }
-  if (fresh) reading = {said_.t, said_.pose, said_.velocity, said_.hand, said_.buttons};
-  return fresh;
+  tell_status();
+  if (!fresh || status() == DeviceStatus::kFault) return false;
+  reading = {said_.t, said_.pose, said_.velocity, said_.hand, said_.buttons, governor_.user()};
+  return true;
+}
+
+/// What MotionGovernor has stopped for, or what holds the device.
+void AdmittanceLoop::tell_status() noexcept {
+  const GovernorState state = governor_.state();
+  const bool stopped = state == GovernorState::kFalling || state == GovernorState::kStopped;
+  if (stopped && governor_.fault() != Fault::kNone) {
+    set_status(DeviceStatus::kFault, traits(governor_.fault()).name.data());
+  } else if (status() == DeviceStatus::kFault || status() == DeviceStatus::kEnabled) {
+    set_status(DeviceStatus::kEnabled, held_by());
+  }
 }
 
 void AdmittanceLoop::write(const Wrench& wrench) {

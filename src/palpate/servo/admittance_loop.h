@@ -2,6 +2,7 @@
 /// A device of the admittance type behind the interface of one that takes wrenches.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include <palpate/base/latest_value.h>
@@ -37,12 +38,16 @@ struct AdmittanceLoopOptions {
 /// these.
 ///
 /// Where the device cannot follow, the controller's motion is put to what it does instead: nothing is wound
-/// up, and nothing jumps when it is free again.
+/// up, and nothing jumps when it is free again. status_text() then tells what holds it.
+///
+/// While MotionGovernor brakes for a fault, read() has nothing, and the status is DeviceStatus::kFault.
 class AdmittanceLoop final : public HapticDevice {
  public:
   /// \param device must outlive it. \throws Error, which names the axis and the bound, if the admittance is
   /// not stable with the loop's margin.
   AdmittanceLoop(MotionDevice& device, const AdmittanceLoopOptions& options);
+  /// The same, with a device of its own.
+  AdmittanceLoop(std::unique_ptr<MotionDevice> device, const AdmittanceLoopOptions& options);
 
   /// \throws Error as the constructor: an admittance that is not stable in `options`.
   static void check(const AdmittanceLoopOptions& options);
@@ -79,8 +84,10 @@ class AdmittanceLoop final : public HapticDevice {
   /// @}
 
  private:
+  void tell_status() noexcept;
   static DeviceCapabilities told(const MotionDevice& device, const AdmittanceLoopOptions& options);
 
+  std::unique_ptr<MotionDevice> owned_;  ///< null where it is another's
   MotionDevice& device_;
   AdmittanceLoopOptions options_;
   DeviceCapabilities capabilities_;

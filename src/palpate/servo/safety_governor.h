@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -24,6 +25,8 @@ struct DeviceReading {
   /// Another number: another hand has the handle, or the device was away, and the handle may be anywhere.
   std::uint32_t hand = 0;
   std::uint32_t buttons = 0;  ///< a bit each, set while it is pressed; the lowest is the first
+  /// Of the hand on the handle, where the device measures it; along the axes of the device's frame.
+  std::optional<Wrench> user = {};
 };
 
 /// What is allowed. The defaults fit a hand on any of the devices that are sold for hands.

@@ -19,9 +19,40 @@ double TimeHistogram::quantile(double q) const {
   std::uint64_t below = 0;
   for (std::size_t k = 0; k < kClasses; ++k) {
     below += classes_[k].load(std::memory_order_relaxed);
-    if (below > rank) return std::min(max(), kFirst * std::exp2((static_cast<double>(k) + 0.5) / kPerOctave));
+    if (below > rank) return std::min(max(), middle(k));
   }
   return max();
+}
+
+double TimeHistogram::middle(std::size_t k) {
+  return kFirst * std::exp2((static_cast<double>(k) + 0.5) / kPerOctave);
+}
+
+void TimeWindow::next() {
+  count_ = 0;
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    const std::uint64_t now = of_.classes_[k].load(std::memory_order_relaxed);
+    counts_[k] = now - seen_[k];
+    seen_[k] = now;
+    count_ += counts_[k];
+  }
+}
+
+double TimeWindow::mean() const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < counts_.size(); ++k)
+    sum += static_cast<double>(counts_[k]) * TimeHistogram::middle(k);
+  return count_ > 0 ? sum / static_cast<double>(count_) : 0.0;
+}
+
+double TimeWindow::quantile(double q) const {
+  const double rank = q * static_cast<double>(count_);
+  std::uint64_t below = 0;
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    below += counts_[k];
+    if (counts_[k] > 0 && static_cast<double>(below) >= rank) return TimeHistogram::middle(k);
+  }
+  return 0.0;
 }
 
 }  // namespace palpate

@@ -22,13 +22,39 @@ class TimeHistogram {
   double max() const { return max_.load(std::memory_order_relaxed); }
 
  private:
+  friend class TimeWindow;
   static constexpr int kPerOctave = 16;
   static constexpr double kFirst = 1e-8;  ///< Unit: [s].
   static constexpr std::size_t kClasses = std::size_t{kPerOctave} * 33;
 
+  /// The middle of a class. Unit: [s].
+  static double middle(std::size_t k);
+
   std::array<std::atomic<std::uint64_t>, kClasses> classes_{};
   std::atomic<std::uint64_t> count_ = 0;
   std::atomic<double> max_ = 0.0;
+};
+
+/// The times that a TimeHistogram got between two looks at it. One thread, while another adds.
+class TimeWindow {
+ public:
+  /// `of` must outlive it.
+  explicit TimeWindow(const TimeHistogram& of) : of_(of) {}
+
+  /// What follows is of the times since the last call, or since the beginning.
+  void next();
+  std::uint64_t count() const { return count_; }
+  /// To the width of a class; 0 of nothing. Unit: [s].
+  double mean() const;
+  double quantile(double q) const;
+
+ private:
+  using Counts = std::array<std::uint64_t, TimeHistogram::kClasses>;
+
+  const TimeHistogram& of_;
+  Counts seen_{};    ///< since the beginning
+  Counts counts_{};  ///< in the window
+  std::uint64_t count_ = 0;
 };
 
 }  // namespace palpate

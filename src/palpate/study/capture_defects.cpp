@@ -19,7 +19,8 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr std::array<std::string_view, 6> kNames{"tails", "floaters", "double", "haze", "holes", "density"};
+constexpr std::array<std::string_view, 7> kNames{"tails", "floaters", "double", "haze",
+                                                 "holes", "density",  "faint"};
 
 constexpr double kTailSd = 0.7, kLargeShare = 0.01, kLarge = 5.0, kNeedleShare = 0.02, kNeedle = 10.0;
 constexpr double kAir = 0.1;  // that floaters and haze are in. [m]
@@ -28,7 +29,10 @@ constexpr double kFloaterFaint = 0.05, kFloaterOpaque = 0.4;
 constexpr double kLayerNear = 0.002, kLayerFar = 0.004, kLayerOpacity = 0.5;  // [m]
 constexpr double kHazeSmall = 0.005, kHazeLarge = 0.03;                       // [m]
 constexpr double kHazeFaint = 0.02, kHazeOpaque = 0.12;
-constexpr double kHazeTakes = 0.2, kHazeOver = 0.05;  // of the light; [m]
+constexpr double kHazeTakes = 0.2, kHazeOver = 0.05;    // of the light; [m]
+constexpr double kFaintShare = 1.5, kFaintOff = 0.02;   // of all others; [m]
+constexpr double kFaintSmall = 0.5, kFaintLarge = 2.0;  // in spacings
+constexpr double kFaintest = 0.005, kLeastFaint = 0.1;
 constexpr double kHoleShare = 0.1, kHoleLeast = 1.0, kHoleMost = 2.0;
 constexpr double kSparsest = 10.0;  // in spacings
 constexpr int kDensities = 8;       // from the densest to the sparsest
@@ -216,6 +220,18 @@ void add_haze(const AnalyticSurface& surface, const Eigen::AlignedBox3d& box, Ra
   }
 }
 
+void add_faint(const AnalyticSurface& surface, double spacing, Random& random, GaussianScene& scene) {
+  const std::vector<PartSample> places = surface.samples(spacing, random);
+  const auto wanted = static_cast<std::size_t>(kFaintShare * static_cast<double>(scene.size()));
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const SurfaceSample& place = places[random.index(places.size())].sample;
+    const auto sigma = [&] { return log_uniform(kFaintSmall * spacing, kFaintLarge * spacing, random); };
+    const double a = sigma(), b = sigma(), c = sigma();
+    const Vector3d off = random.uniform(-kFaintOff, kFaintOff) * place.normal;
+    append_in_air(place.point + off, {a, b, c}, log_uniform(kFaintest, kLeastFaint, random), random, scene);
+  }
+}
+
 }  // namespace
 
 std::span<const std::string_view> capture_defects() { return kNames; }
@@ -223,7 +239,8 @@ std::span<const std::string_view> capture_defects() { return kNames; }
 void set_defect(CaptureDefects& defects, std::string_view name) {
   constexpr std::array<bool CaptureDefects::*, kNames.size()> kFlags{
       &CaptureDefects::tails, &CaptureDefects::floaters, &CaptureDefects::double_layers,
-      &CaptureDefects::haze,  &CaptureDefects::holes,    &CaptureDefects::density};
+      &CaptureDefects::haze,  &CaptureDefects::holes,    &CaptureDefects::density,
+      &CaptureDefects::faint};
   const auto found = std::ranges::find(kNames, name);
   if (found == kNames.end())
     throw Error("there is no defect '{}'; use one of: {}", name, fmt::join(kNames, ", "));
@@ -248,6 +265,7 @@ GaussianScene make_capture(const AnalyticSurface& surface, const ProceduralOptio
   if (defects.holes) scene = with_holes(surface, scene, spacing, random);
   if (defects.floaters) add_floaters(surface, air, spacing, random, scene);
   if (defects.haze) add_haze(surface, air, random, scene);
+  if (defects.faint) add_faint(surface, spacing, random, scene);
   return scene;
 }
 

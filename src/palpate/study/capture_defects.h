@@ -27,9 +27,12 @@ struct CaptureDefects {
   bool holes = false;
   /// The spacing varies smoothly over the surface, from h to 10 h, and with it the sizes.
   bool density = false;
+  /// Three Gaussians for every two others besides, within 20 mm of the surface, of 0.5 to 2 h and opacity
+  /// 0.005 to 0.1: what training leaves behind, and opacity filters are for.
+  bool faint = false;
 };
 
-/// The names of the single defects: tails, floaters, double, haze, holes, density.
+/// The names of the single defects: tails, floaters, double, haze, holes, density, faint.
 std::span<const std::string_view> capture_defects();
 
 /// Sets the defect of that name. \throws Error if it is not among capture_defects().

@@ -94,6 +94,9 @@ inline constexpr std::size_t kMaxProceduralGaussians = 20'000'000;
 ///   shell     the upper half of a sphere of R 0.15, a sheet: both sides can be touched
 ///   table     a top of 0.8 x 0.6 with its upper face in z = 0, on four legs, and on it a ball, a
 ///             crate, a can, a ring, a bowl (a sheet, open upwards) and a stack of two books
+///   truck     a pick-up truck of 5.3 m on its wheels, front towards +x, with lamps, and a barrel, a ball and
+///   a
+///             spare wheel in its bed
 std::span<const std::string_view> procedural_shapes();
 
 /// \throws Error if `name` is not among procedural_shapes().

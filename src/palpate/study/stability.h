@@ -11,15 +11,9 @@
 #include <palpate/haptics/tool_query.h>
 #include <palpate/scene/scene_filter.h>
 #include <palpate/servo/servo_tick.h>
+#include <palpate/study/touch_path.h>
 
 namespace palpate {
-
-/// Where a surface is pressed and slid along.
-struct PressPlace {
-  Pose touch;              ///< of the tool at first contact, world frame
-  Eigen::Vector3d inward;  ///< unit vector, along which the hand comes
-  Eigen::Vector3d along;   ///< unit vector across it, along which the hand slides
-};
 
 /// At most `count` places of a scene that differ, as touch_path() finds them. \throws Error as that does.
 std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool,

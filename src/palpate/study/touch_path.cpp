@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <palpate/base/error.h>
-#include <palpate/base/quantile.h>
 #include <palpate/geometry/rotation.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/scene/lint.h>
@@ -53,7 +52,6 @@ constexpr double kMaxTiltCosine = 0.766;     // 40 deg between mean contact norm
 constexpr std::size_t kTriesPerTouch = 300;  // Gaussians looked at, at most
 constexpr std::size_t kPlacesPerTouch = 20;  // places to choose from
 constexpr double kColorWeight = 3.0;         // of colour against place: another thing before a far place
-constexpr double kTail = 0.01;               // of the centres on each side of the robust bounds
 constexpr int kSlideDirections = 8;
 
 // Of motion with the least jerk over a length L in a time T: the highest speed, in L / T, and acceleration,
@@ -161,19 +159,6 @@ class Prober {
   double unit_;
   ContactSet found_;
 };
-
-/// The box of the central 98 % of the centres, in each coordinate.
-Eigen::AlignedBox3d robust_bounds(const EllipsoidScene& scene) {
-  Vector3d low, high;
-  std::vector<double> values(scene.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::ranges::transform(scene.ellipsoids, values.begin(),
-                           [&](const Ellipsoid& e) { return e.center[axis]; });
-    low[axis] = quantile(values, kTail);
-    high[axis] = quantile(values, 1.0 - kTail);
-  }
-  return {low, high};
-}
 
 /// The tool's z axis along `direction`, with no more turn about it than that needs, starting from a
 /// tool that points down: touches from above then hardly turn it.
@@ -529,14 +514,32 @@ Script best_script(Prober& prober, const std::vector<Touch>& touches, const Sphe
   return *best;
 }
 
+/// Around the scene, with room for the tool.
+Sphere travel_sphere(const Eigen::AlignedBox3d& bounds, const Tool& tool) {
+  return {bounds.center(), 0.5 * bounds.diagonal().norm() + kTravelClearance * tool.longest()};
+}
+
 }  // namespace
+
+std::vector<PressPlace> touch_places(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
+                                     const TouchPathOptions& options) {
+  check(scene, tool, options);
+  const Eigen::AlignedBox3d bounds = central_box(scene);
+  Prober prober(query, tool);
+  std::vector<PressPlace> places;
+  for (const Touch& touch : Search(prober, scene, travel_sphere(bounds, tool), bounds, options).touches()) {
+    const Vector3d& inward = touch.approach.direction;
+    places.push_back({touch.approach.at(0.0), inward,
+                      touch.tangent.isZero(0.0) ? Vector3d(inward.unitOrthogonal()) : touch.tangent});
+  }
+  return places;
+}
 
 Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
                       const TouchPathOptions& options) {
   check(scene, tool, options);
-  const Eigen::AlignedBox3d bounds = robust_bounds(scene);
-  const double clearance = kTravelClearance * tool.longest();
-  const Sphere sphere{bounds.center(), 0.5 * bounds.diagonal().norm() + clearance};
+  const Eigen::AlignedBox3d bounds = central_box(scene);
+  const Sphere sphere = travel_sphere(bounds, tool);
   Prober prober(query, tool);
   const std::vector<Touch> touches = Search(prober, scene, sphere, bounds, options).touches();
   return best_script(prober, touches, sphere, options).sampled();

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <palpate/collision/contact.h>
 #include <palpate/haptics/tool.h>
@@ -30,6 +31,13 @@ struct TouchPathOptions {
 /// A surface begins where the tool meets this many Gaussians: a stray floater is not a surface.
 inline constexpr std::size_t kSolidContacts = 3;
 
+/// Where a surface is pressed and slid along.
+struct PressPlace {
+  Pose touch;              ///< of the tool at first contact, world frame
+  Eigen::Vector3d inward;  ///< unit vector, along which the hand comes
+  Eigen::Vector3d along;   ///< unit vector across it, along which the hand slides
+};
+
 /// A path that touches up to `options.touches` places of the scene one after the other. At each it
 /// comes in from free space along a straight line, presses in, slides at the same depth below first
 /// contact (less far where the surface ends or a wall begins), lifts off, and goes out again;
@@ -47,5 +55,9 @@ inline constexpr std::size_t kSolidContacts = 3;
 /// scene is so large that a hand takes too long around it; the last two name a scale that suits the tool.
 Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
                       const TouchPathOptions& options);
+
+/// The places that it touches, in its order. \throws Error as touch_path(), but for a large scene.
+std::vector<PressPlace> touch_places(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
+                                     const TouchPathOptions& options);
 
 }  // namespace palpate

@@ -8,12 +8,10 @@ import { chromium } from 'playwright-core';
 const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const quiet = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync'];
-const noGl = ['--disable-gpu', '--disable-3d-apis'];
 const softwareGl = ['--enable-unsafe-swiftshader', '--use-gl=angle', '--use-angle=swiftshader'];
-const patience = 60000; // software rendering on a small machine is slow. Unit: [ms].
+const patience = Number(process.env.PATIENCE ?? 60000); // software rendering on a small machine is slow. Unit: [ms].
 
-export const launch = ({ webgl = true } = {}) =>
-  chromium.launch({ executablePath: browserPath, args: [...quiet, ...(webgl ? softwareGl : noGl)] });
+export const launch = () => chromium.launch({ executablePath: browserPath, args: [...quiet, ...softwareGl] });
 
 const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall/; // a server that is gone is part of some tests
 
@@ -55,24 +53,46 @@ export const ask = (page, look, argument) => page.evaluate(
   ([source, value]) => new Function('viewer', 'value', `return (${source})(viewer, value)`)(window.palpateViewer, value),
   [look.toString(), argument]);
 
+/// Waits until `condition`, which looks at what the test itself has, is true.
+export async function waitFor(condition, what) {
+  for (const end = Date.now() + patience; Date.now() < end;) {
+    if (condition()) return;
+    await new Promise((done) => { setTimeout(done, 5); });
+  }
+  throw new Error(`did not come: ${what}`);
+}
+
 /// Waits until `look` is true of window.palpateViewer.
 export const until = (page, look, argument) => page.waitForFunction(look, argument);
 
-/// What is seen of a part of the page, {x, y, width, height}, as r, g, b, a, r, ..., 0 to 255.
+/// What is seen of the page or of a part of it, {x, y, width, height}: {width, data}, r, g, b, a, r, ..., 0 to 255.
 export async function picture(page, clip) {
-  const shot = await page.screenshot({ clip });
-  return page.evaluate(async (base64) => {
+  const shot = await page.screenshot(clip ? { clip } : {});
+  const { width, text } = await page.evaluate(async (base64) => {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
     const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
     const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
     context.drawImage(image, 0, 0);
-    return [...context.getImageData(0, 0, image.width, image.height).data];
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    const texts = Array.from({ length: Math.ceil(data.length / 8192) }, (_, i) => String.fromCharCode(...data.subarray(8192 * i, 8192 * (i + 1))));
+    return { width: image.width, text: btoa(texts.join('')) }; // numbers one by one would take seconds
   }, shot.toString('base64'));
+  return { width, data: [...Buffer.from(text, 'base64')] };
 }
 
-/// The colour of a pixel of the page as [r, g, b], 0 to 255.
-export async function pixel(page, [x, y]) {
-  return (await picture(page, { x: Math.round(x), y: Math.round(y), width: 1, height: 1 })).slice(0, 3);
+/// The colours of the page at some points, as [r, g, b] each, 0 to 255: of one picture, since taking one takes long.
+export async function colorsAt(page, points) {
+  const { width, data } = await picture(page);
+  const scale = width / page.viewportSize().width;
+  return points.map(([x, y]) => {
+    const at = 4 * (Math.floor(y * scale) * width + Math.floor(x * scale));
+    return data.slice(at, at + 3);
+  });
+}
+
+/// The colours where points of the world are seen.
+export async function colorsOf(page, points) {
+  return colorsAt(page, await ask(page, (v, list) => list.map((p) => v.project(p)), points));
 }
 
 /// A headset for addInitScript: window.headset is iwer's XRDevice, installed before the page runs.

@@ -5,9 +5,10 @@ import { test } from 'node:test';
 
 import { Haptics, intensity, slidingSpeed } from './haptics.js';
 import { Kept } from './kept.js';
+import { Neighbourhood } from './neighbourhood.js';
 import { Parameters } from './parameters.js';
 
-const gaussian = (center, { deviations = [0.1, 0.1, 0.1], turn = [0, 0, 0, 1] } = {}) => [...center, ...deviations, ...turn];
+const gaussian = (center, { deviations = [0.1, 0.1, 0.1], turn = [0, 0, 0, 1], opacity = 1 } = {}) => [...center, ...deviations, ...turn, opacity];
 
 // As the program says what can be felt: [row, semi-axes].
 function listOf(entries) {
@@ -32,7 +33,7 @@ test('what is kept is what the program says, in any order, and as large', () => 
   assert.equal(scene.count, 2);
   assert.deepEqual([...scene.nearest([1, 0, 0], 3)].sort(), [0, 2]);
   assert.deepEqual([...scene.at(2).semiAxes], [0.375, 0.75, 1.5]);
-  assert.equal(scene.hit([1, 0, -1], [0, 0, 1]), null);
+  assert.deepEqual(scene.hit([1, 0, -1], [0, 0, 1]), { distance: 1, felt: false });
   scene.keep(listOf([[1, [1, 1, 1]], [3, [1, 1, 1]]])); // the scene has no row 3
   assert.deepEqual([...scene.nearest([0, 0, 0], 3)], [1]);
   scene.keep(new ArrayBuffer(0));
@@ -59,20 +60,58 @@ test('the box leaves out the few that are far away', () => {
   assert.equal(kept().box, null);
 });
 
-test('a ray meets the middle of the first Gaussian in its way', () => {
+test('a ray sees the first solid Gaussian in its way', () => {
   const scene = kept(gaussian([0, 0, 5]), gaussian([0, 0, 2]), gaussian([0, 0, -1]));
-  assert.ok(Math.abs(scene.hit([0, 0, 0], [0, 0, 1]) - 2) < 1e-6);
-  assert.ok(Math.abs(scene.hit([0.1, 0, 0], [0, 0, 2]) - 1) < 1e-6); // in units of the direction
+  const seen = scene.hit([0, 0, 0], [0, 0, 1]);
+  assert.ok(Math.abs(seen.distance - 2) < 1e-6 && seen.felt);
+  assert.ok(Math.abs(scene.hit([0.1, 0, 0], [0, 0, 2]).distance - 1) < 1e-6); // in units of the direction
   assert.equal(scene.hit([0.5, 0, 0], [0, 0, 1]), null);
   assert.equal(scene.hit([0, 0, 9], [0, 0, 1]), null);
 });
 
-test('a ray meets a turned, flat Gaussian on its plane', () => {
+test('a ray goes through haze, and stops where most of what is seen is', () => {
+  const haze = gaussian([0, 0, 1], { opacity: 0.15 });
+  const scene = kept(haze, gaussian([0, 0, 3], { opacity: 0.95 }));
+  assert.ok(Math.abs(scene.hit([0, 0, 0], [0, 0, 1]).distance - 3) < 1e-6);
+  assert.equal(kept(haze).hit([0, 0, 0], [0, 0, 1]), null, 'what is hardly seen is nothing');
+  const veils = kept(...[1, 2, 3, 4].map((z) => gaussian([0, 0, z], { opacity: 0.4 })));
+  assert.ok(Math.abs(veils.hit([0, 0, 0], [0, 0, 1]).distance - 2) < 1e-6, 'half of the opacity is before');
+});
+
+test('what is seen and cut off is not felt, nor is what it hides', () => {
+  const scene = kept(gaussian([0, 0, 1]), gaussian([0, 0, 2]));
+  scene.keep(listOf([[1, [0.1, 0.1, 0.1]]]));
+  const seen = scene.hit([0, 0, 0], [0, 0, 1]);
+  assert.ok(Math.abs(seen.distance - 1) < 1e-6 && !seen.felt);
+});
+
+test('a ray sees a turned, flat Gaussian on its plane', () => {
   // Flat along z, then turned by 90 degrees about y: flat along x.
   const turn = [0, Math.SQRT1_2, 0, Math.SQRT1_2];
   const scene = kept(gaussian([3, 0, 0], { deviations: [0.5, 0.5, 0.01], turn }));
-  assert.ok(Math.abs(scene.hit([0, 0.3, 0.4], [1, 0, 0]) - 3) < 1e-3);
+  assert.ok(Math.abs(scene.hit([0, 0.3, 0.4], [1, 0, 0]).distance - 3) < 1e-3);
   assert.equal(scene.hit([0, 0, 0.9], [0, 1, 0]), null);
+});
+
+test('the surface is nearest where a flat Gaussian is, not at its centre', () => {
+  const scene = kept(gaussian([0, 0, 0]), gaussian([0, 0, 5]));
+  scene.keep(listOf([[0, [1, 1, 0.01]], [1, [1, 1, 0.01]]]));
+  const { point, distance } = scene.closest([0, 1], [0.8, -0.5, 0.4]);
+  assert.ok(Math.abs(distance - 0.39) < 1e-6, `${distance}`);
+  [0.8, -0.5, 0.01].forEach((c, k) => assert.ok(Math.abs(point[k] - c) < 1e-6));
+  assert.equal(scene.closest([], [0, 0, 0]), null);
+});
+
+test('neighbours are chosen anew after a while, and then are the nearest', () => {
+  const scene = kept(...Array.from({ length: 100 }, (_, x) => gaussian([x, 0, 0])));
+  const around = new Neighbourhood();
+  const at = (x) => Object.assign([x, 0, 0], { x, y: 0, z: 0, toArray: () => [x, 0, 0], clone: () => at(x), distanceTo: (p) => Math.abs(p.x - x) });
+  assert.equal(around.follow(scene, at(0), 10), true);
+  assert.equal(around.follow(scene, at(1), 10), false);
+  assert.equal(around.follow(scene, at(50), 10), true);
+  assert.deepEqual([...around.rows].sort((a, b) => a - b).slice(1, 9), [46, 47, 48, 49, 50, 51, 52, 53]);
+  around.forget();
+  assert.equal(around.follow(scene, at(50), 10), true);
 });
 
 test('the strength of a vibration grows with the force, between nothing and all', () => {

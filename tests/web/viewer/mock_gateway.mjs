@@ -23,15 +23,15 @@ const texts = (values) => Object.entries(values).map(([key, value]) => ({ key, v
 
 function initialParameters(ply) {
   return {
-    scene: { name: 'ball.ply', format: 'ply', bytes: ply.length, url: '/scene' },
+    scene: { name: 'scene.ply', format: 'ply', bytes: ply.length, url: '/scene' },
     registration: { frame: 'as-is', mirrored: false, scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0], matrix: identity },
     filter: { opacity_min: 0.1, sigma: 1 },
     model: 'proxy', models: ['proxy', 'field', 'density'], frames: ['as-is', 'x-up', 'x-down', 'y-up', 'y-down', 'z-up', 'z-down'],
     stiffness: 500, stiffness_max: 5000, friction: 0, detail: 0,
-    tool: [{ name: 'tool', semi_axes: [0.02, 0.02, 0.04], position: [0, 0, 0], orientation: [1, 0, 0, 0] }],
+    tool: [{ name: 'tool', semi_axes: [0.02, 0.02, 0.02], position: [0, 0, 0], orientation: [1, 0, 0, 0] }],
     device: { name: 'omega', kind: 'simulated', force_max: 12, torque_max: 0, workspace: 0.08 },
     room: { scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0] },
-    paused: false, recording: '', busy: '', message: '',
+    paused: false, recording: '', busy: '', message: '', demo: true,
   };
 }
 
@@ -44,24 +44,41 @@ export class MockGateway {
   fault;
   token; // wanted of every connection, if any
   tool;
+  lines; // of the terminal
+  velocity; // of the tool. Unit: [m/s].
+  margin; // of the stiffness
+  setup; // that is proposed
+  #named = new Map(); // scenes
   #shown = new Set(); // ids of the contacts in the last message
   #sockets = new Map(); // socket: Set of topics
   #lastPose;
 
-  constructor(folder, { gaussians, ply } = ballScene(600)) {
-    Object.assign(this, { folder, gaussians, ply });
-    this.reset([0, 0, 0.2]);
+  constructor(folder, scene = ballScene(600)) {
+    this.folder = folder;
+    this.reset([0, 0, 0.2], scene);
   }
 
-  /// As it was in the beginning, with the tool at `position`. Who is connected stays so.
-  reset(position) {
+  /// As it was in the beginning, with the tool at `position`, a scene, and other parameters. Who is connected stays so.
+  reset(position, { gaussians, ply }, parameters = {}) {
+    Object.assign(this, { gaussians, ply });
     Object.assign(this, {
       requests: [], poses: [], muted: false, refusal: '', refusePoses: false, token: null,
       fault: { level: 0, state: 'active', fault: 'none', advice: '' }, parameters: initialParameters(this.ply),
-      tool: { position, orientation: [0, 0, 0, 1] },
+      tool: { position, orientation: [0, 0, 0, 1] }, lines: ['omega (simulated), tool 20/20/40 mm'], velocity: [0, 0, 0], margin: 3.2,
+      setup: {
+        frame: { value: 'y-down', reason: 'most of the surface is parallel to it' }, scale: { value: 0.25, reason: 'the usual Gaussian is 7 times smaller than the tool' },
+        opacity_min: { value: 0.2, reason: 'it keeps 96 % of what is seen' }, max_scale: { value: null, reason: 'none is an outlier' },
+        crop_box: { value: [-1, -1, -1, 1, 1, 1], reason: '3 centres are far outside' },
+      },
     });
     this.#lastPose = -Infinity;
-    this.#broadcast(this.#parametersMessage());
+    this.change({ ...parameters, scene: { ...this.parameters.scene, name: this.#nameOf(ply) } });
+  }
+
+  // Another scene, another name: else a page would not load it.
+  #nameOf(ply) {
+    if (!this.#named.has(ply)) this.#named.set(ply, `scene-${this.#named.size + 1}.ply`);
+    return this.#named.get(ply);
   }
 
   async start(port = 0) {
@@ -125,6 +142,7 @@ export class MockGateway {
     if (message.op === 'subscribe') {
       this.#sockets.get(socket)?.add(message.topic);
       if (message.topic === '/palpate/parameters') send(this.#parametersMessage());
+      if (message.topic === '/palpate/messages') send(this.#linesMessage());
     } else if (message.op === 'publish' && message.topic === '/palpate/client/measured_cp') {
       if (this.refusePoses) send({ op: 'status', level: 'error', msg: 'another client holds the tool', id: message.id });
       else this.#pose(message.msg);
@@ -137,6 +155,7 @@ export class MockGateway {
 
   #pose(message) {
     this.poses.push(message);
+    if (this.parameters.demo) this.change({ demo: false });
     const { position: { x, y, z }, orientation: q } = message.pose;
     this.tool = { position: [x, y, z], orientation: [q.x, q.y, q.z, q.w] };
     this.#lastPose = performance.now();
@@ -156,14 +175,17 @@ export class MockGateway {
     } else if (name === 'resume') this.fault = { level: 0, state: 'active', fault: 'none', advice: '' };
     else if (name === 'pause') this.change({ paused: args.data });
     else if (name === 'record') this.change({ recording: args.data ? 'run.csv' : '' });
+    else if (name === 'demo') this.change({ demo: args.data });
+    else if (name === 'propose_setup') return { success: true, message: JSON.stringify(this.setup) };
     else if (name === 'config') return { success: true, message: 'scene = "ball.ply"\n' };
     return good;
   }
 
   /// Changes parameters and tells everyone.
   change(changes) {
-    const { registration, ...rest } = changes;
+    const { registration, filter, ...rest } = changes;
     Object.assign(this.parameters, rest);
+    Object.assign(this.parameters.filter, filter);
     if (registration) {
       Object.assign(this.parameters.registration, registration);
       const { scale: s, mirrored, translation: [x, y, z] } = this.parameters.registration;
@@ -172,17 +194,17 @@ export class MockGateway {
     this.#broadcast(this.#parametersMessage());
   }
 
-  get #kept() {
+  get kept() {
     return this.gaussians.filter((g) => g.opacity > this.parameters.filter.opacity_min);
   }
 
   get #felt() {
-    return { url: '/felt', tag: JSON.stringify(this.parameters.filter) };
+    return { url: '/felt', tag: JSON.stringify(this.parameters.filter), count: this.kept.length };
   }
 
   #feltList() {
-    const list = Buffer.alloc(16 * this.#kept.length);
-    this.#kept.forEach(({ row, deviations }, i) => {
+    const list = Buffer.alloc(16 * this.kept.length);
+    this.kept.forEach(({ row, deviations }, i) => {
       list.writeUInt32LE(row, 16 * i);
       deviations.forEach((d, k) => list.writeFloatLE(d * this.parameters.filter.sigma, 16 * i + 4 * (k + 1)));
     });
@@ -191,6 +213,16 @@ export class MockGateway {
 
   #parametersMessage() {
     return { op: 'publish', topic: '/palpate/parameters', msg: { data: JSON.stringify({ ...this.parameters, felt: this.#felt }) } };
+  }
+
+  /// Another line of the terminal.
+  say(line) {
+    this.lines.push(line);
+    this.#broadcast(this.#linesMessage());
+  }
+
+  #linesMessage() {
+    return { op: 'publish', topic: '/palpate/messages', msg: { data: JSON.stringify(this.lines) } };
   }
 
   #broadcast(message) {
@@ -211,7 +243,7 @@ export class MockGateway {
   /// The Gaussians that the tool touches: {row, center, scale (the diameters), depth}. In the world.
   get contacts() {
     const { scale, translation } = this.parameters.registration;
-    return this.#kept.map((g) => {
+    return this.kept.map((g) => {
       const center = g.center.map((c, k) => scale * c + translation[k]);
       const depth = toolRadius - Math.hypot(...center.map((c, k) => c - this.tool.position[k]));
       return { ...g, center, scale: g.deviations.map((d) => 2 * scale * d * this.parameters.filter.sigma), depth };
@@ -229,7 +261,7 @@ export class MockGateway {
     const [{ semi_axes: semiAxes }] = this.parameters.tool;
     say('measured_cp', { header, pose });
     say('proxy_cp', { header, pose });
-    say('measured_cv', { header, twist: { linear: xyz([0, 0, 0]), angular: xyz([0, 0, 0]) } });
+    say('measured_cv', { header, twist: { linear: xyz(this.velocity), angular: xyz([0, 0, 0]) } });
     say('spatial/servo_cf', { header, wrench: { force: xyz(force), torque: xyz([0, 0, 0]) } });
     say('tool', { markers: [{ header, ns: 'tool', id: 0, type: 2, action: 0, pose, scale: xyz(semiAxes.map((a) => 2 * a)), color: { r: 0, g: 0, b: 1, a: 1 } }] });
     say('contacts', { markers: this.#contactMarkers(header) });
@@ -240,9 +272,9 @@ export class MockGateway {
     const { state, fault, advice } = this.parameters.paused
       ? { state: 'stopped', fault: 'paused', advice: 'resume when you like' } : this.fault;
     return {
-      state, fault, advice, rate_hz: 1000, tick_us: 21 + 5 * Math.sin(Date.now() / 900), tick_p50_us: 20, tick_p99_us: 41, age_us: 12, overruns: 0,
+      state, fault, advice, rate_hz: 1000, tick_us: 21 + 5 * Math.sin(Date.now() / 900), tick_mean_us: 22, tick_p50_us: 20, tick_p99_us: 41, age_us: 12, overruns: 0,
       contacts: this.contacts.length, candidates: 2 * this.contacts.length, k_max: 0.5, force_n: Math.hypot(...force), torque_nm: 0,
-      margin: 0.8, energy_mj: 0.1, stored_mj: 0.2, put_out_mj: 0, damping: 0, clients: this.clients,
+      margin: this.margin, energy_mj: 0.1, stored_mj: 0.2, put_out_mj: 0, damping: 0, clients: this.clients,
     };
   }
 

@@ -1,15 +1,14 @@
-// The viewer page against the program itself. Needs PALPATE_BINARY; the scene is a ball at the origin.
+// The viewer page against the program itself. Needs PALPATE_BINARY; the scene is a ball at the origin. One page sees one
+// program after another: it connects again by itself.
 
 import assert from 'node:assert/strict';
-import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
+import { after, before, describe, test } from 'node:test';
 
-import { ask, headsetScript, launch, openViewer, pixel, settle, until } from './browser.mjs';
+import { ask, colorsOf, headsetScript, launch, openViewer, settle, until } from './browser.mjs';
 import { Program } from './program.mjs';
 
 const radius = 0.15; // of the ball of make-scene. Unit: [m].
 const above = [0, 0, 0.3]; // where the tool waits
-const view = [0.62, -0.78, 0.5].map((c) => c / Math.hypot(0.62, 0.78, 0.5)); // from the scene to the camera at first
-const right = [0.78, 0.62, 0].map((c) => c / Math.hypot(0.78, 0.62));
 
 let browser;
 let program;
@@ -20,35 +19,45 @@ const scaled = (v, by) => v.map((c) => c * by);
 const dot = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
 const distance = (a, b) => Math.hypot(...a.map((c, k) => c - b[k]));
 const project = (point) => ask(page, (v, p) => v.project(p), point);
+const axes = () => ask(page, (v) => v.axes());
+const isFelt = () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.1;
 
-async function open(options) {
-  ({ page, problems } = await openViewer(browser, program.url, options));
-  await until(page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 0.01, above);
+// With the tool at `at`, and on the page.
+async function start(at, options = []) {
+  await program.start(at, options);
+  await until(page, (p) => {
+    const viewer = window.palpateViewer;
+    return viewer.ready && Math.hypot(...viewer.tool().map((c, k) => c - p[k])) < 0.01;
+  }, at);
+}
+
+async function restart(at, options) {
+  await program.stop();
+  await page.waitForFunction(() => document.getElementById('state').textContent === 'disconnected');
+  await start(at, options);
+}
+
+// The demo takes the tool back to where it waits.
+async function goBack() {
+  await page.getByRole('button', { name: 'Start demo' }).click();
+  await until(page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 0.002 && window.palpateViewer.parameters().demo, above);
 }
 
 before(async () => {
   browser = await launch();
   program = await Program.create();
+  await program.start(above);
+  ({ page, problems } = await openViewer(browser, program.url, { script: await headsetScript() }));
+  await until(page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 0.01, above);
 });
 after(async () => {
   await browser.close();
+  await program.stop();
   await program.remove();
+  assert.deepEqual(problems, []);
 });
 
 describe('at a desk', () => {
-  beforeEach(async () => {
-    await program.start(above);
-    await open();
-  });
-  afterEach(async () => {
-    await page.close();
-    await program.stop();
-    assert.deepEqual(problems, []);
-  });
-
-  // The point of the plane of the screen through the tool that is nearest to the middle of the ball: 0.13 m from it.
-  const inside = scaled(view, dot(above, view));
-
   async function drag(to) {
     const [from, target] = [await project(await ask(page, (v) => v.tool())), await project(to)];
     await page.mouse.move(...from);
@@ -57,27 +66,55 @@ describe('at a desk', () => {
     return target;
   }
 
+  // The point of the plane of the screen through the tool that is nearest to the middle of the ball: 0.13 m from it.
+  const inside = async () => {
+    const toCamera = scaled((await axes()).forward, -1);
+    return scaled(toCamera, dot(above, toCamera));
+  };
+
   test('the scene is where the program says', async () => {
-    const colorAt = async (share) => pixel(page, await project(scaled(right, share * radius)));
-    const background = await pixel(page, await project(scaled(right, 1.25 * radius)));
-    assert.ok(distance(await colorAt(0.9), background) > 30);
-    assert.ok(distance(await colorAt(-0.9), background) > 30);
-    assert.ok(distance(await colorAt(-1.25), background) < 5);
+    const { right } = await axes();
+    const [background, ...colors] = await colorsOf(page, [1.25, 0.9, -0.9, -1.25].map((share) => scaled(right, share * radius)));
+    assert.ok(distance(colors[0], background) > 30);
+    assert.ok(distance(colors[1], background) > 30);
+    assert.ok(distance(colors[2], background) < 5);
     assert.ok(await ask(page, (v) => v.kept()) > 600);
   });
 
+  test('a click brings the tool to the surface, where it is felt and stays', async () => {
+    const { forward, right } = await axes();
+    const point = [0, 1, 2].map((k) => radius * (-0.9 * forward[k] - Math.sqrt(1 - 0.81) * right[k]));
+    await page.mouse.click(...await project(point));
+    await until(page, () => !window.palpateViewer.approaching && window.palpateViewer.parameters().demo === false);
+    await until(page, isFelt);
+    await page.waitForFunction(() => /stays where it is/.test(document.getElementById('holder').textContent));
+    const left = await ask(page, (v) => v.tool());
+    assert.ok(distance(left, point) < 0.06, `${distance(left, point)} m from where it was clicked`);
+    await settle(page, 10);
+    assert.ok(distance(await ask(page, (v) => v.tool()), left) < 1e-3);
+    await goBack();
+  });
+
+  test('one key brings it to the middle of the view, where it is felt', async () => {
+    await page.keyboard.press('c');
+    await until(page, isFelt);
+    await goBack();
+  });
+
   test('the tool follows a drag through the air', async () => {
+    const { right } = await axes();
     const target = await drag([above[0] + 0.05 * right[0], above[1] + 0.05 * right[1], above[2]]);
     await until(page, ([x, y]) => {
       const at = window.palpateViewer.project(window.palpateViewer.tool());
       return Math.hypot(at[0] - x, at[1] - y) < 6;
     }, target);
     await page.mouse.up();
+    await goBack();
   });
 
   test('contacts light up where the tool touches, the arrow points outward, and both go out', async () => {
     assert.equal(await ask(page, (v) => v.drawnContacts()), 0);
-    await drag(inside);
+    await drag(await inside());
     await until(page, () => window.palpateViewer.drawnContacts() > 0 && window.palpateViewer.arrow() !== null);
     const seen = await ask(page, (v) => ({ tool: v.tool(), arrow: v.arrow(), force: v.force() }));
     const outward = scaled(seen.tool, 1 / Math.hypot(...seen.tool));
@@ -90,43 +127,52 @@ describe('at a desk', () => {
     await page.mouse.move(x, y, { steps: 10 });
     await until(page, () => window.palpateViewer.drawnContacts() === 0 && window.palpateViewer.arrow() === null);
     await page.mouse.up();
+    await goBack();
   });
 
   test('a stiffness that is set in the panel changes the force', async () => {
-    const set = (value) => page.locator('[data-field=stiffness]').first().evaluate((node, v) => {
-      node.value = v;
-      node.dispatchEvent(new Event('change'));
-    }, value);
     const settled = () => page.waitForFunction(() => {
       const [force, past] = [window.palpateViewer.force(), window.pastForce];
       window.pastForce = force;
       return force && past && Math.hypot(...force) > 0.2 && Math.hypot(...force.map((c, k) => c - past[k])) < 0.01;
-    }, null, { polling: 400, timeout: 20000 });
-    // The force while the tool is pressed in. Where the machine stands still for a moment there is none until the tool
-    // is free again: then once more.
-    const pressed = async (stiffness) => {
-      await set(String(stiffness));
+    }, null, { polling: 100 });
+    const forceAt = async (stiffness) => {
+      await page.locator('[data-field=stiffness]').first().fill(String(stiffness));
+      await page.keyboard.press('Enter');
       await until(page, (value) => window.palpateViewer.parameters().stiffness === value, stiffness);
-      for (let k = 0; ; k += 1) {
-        await drag(inside);
-        const felt = await settled().then(() => true, () => false);
-        const force = felt ? await ask(page, (v) => Math.hypot(...(v.force() ?? [0]))) : 0;
-        await page.mouse.up();
-        await until(page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, i) => c - p[i])) < 0.01, above);
-        if (force > 0.2) return force;
-        assert.ok(k < 3, 'no force came');
-      }
+      await settled();
+      return ask(page, (v) => Math.hypot(...v.force()));
     };
-    const soft = await pressed(100);
-    const firm = await pressed(1000);
+    await drag(await inside());
+    const soft = await forceAt(100);
+    const firm = await forceAt(1000);
+    await page.mouse.up();
     assert.ok(firm > 1.3 * soft, `${soft} and ${firm}`);
+    await goBack();
+  });
+
+  test('an emergency stop takes the force away until it is resumed, and the terminal’s line is on the page', async () => {
+    await page.keyboard.press('Escape');
+    await page.waitForFunction(() => /emergency-stop/.test(document.getElementById('state').textContent));
+    await page.evaluate(() => document.querySelectorAll('details').forEach((d) => { d.open = true; }));
+    await page.locator('#messages li', { hasText: 'no force: emergency-stop' }).waitFor();
+    await page.locator('#messages li', { hasText: 'omega (simulated)' }).waitFor();
+    await page.locator('#resume').click();
+    await page.waitForFunction(() => !/emergency-stop/.test(document.getElementById('state').textContent));
+  });
+
+  test('a setup is proposed', async () => {
+    await page.getByRole('button', { name: 'Propose a setup' }).click();
+    await page.getByText(/^Scale: \d/).waitFor();
+    assert.ok(await page.locator('.setup dd').count() === 5);
+    await page.getByRole('button', { name: 'Leave it as it is' }).click();
   });
 
   test('what is set in the panels is what the program has', async () => {
-    const field = (name) => page.locator(`[data-field=${name}]`).first();
     const enter = async (name, value) => {
-      await field(name).fill(value);
-      await field(name).press('Enter');
+      const field = page.locator(`[data-field=${name}]`).first();
+      await field.fill(value);
+      await field.press('Enter');
     };
     await enter('opacity_min', '0.25');
     await enter('sigma', '1.5');
@@ -134,27 +180,12 @@ describe('at a desk', () => {
       const { filter } = window.palpateViewer.parameters();
       return filter.opacity_min === 0.25 && filter.sigma === 1.5;
     });
-    await page.evaluate(() => document.querySelectorAll('details').forEach((d) => { d.open = true; }));
     await enter('translation-0', '0.1');
     await page.getByRole('button', { name: 'Mirrored' }).click();
     await until(page, () => {
       const { matrix, mirrored } = window.palpateViewer.parameters().registration;
       return mirrored && matrix[0] === -1 && matrix[12] === 0.1;
     });
-  });
-
-  test('it comes back after a restart', async () => {
-    await program.stop();
-    await page.waitForFunction(() => document.getElementById('state').textContent === 'disconnected');
-    await program.start(above);
-    await until(page, () => window.palpateViewer.connected && window.palpateViewer.force() !== null);
-  });
-
-  test('an emergency stop takes the force away until it is resumed', async () => {
-    await page.keyboard.press('Escape');
-    await page.waitForFunction(() => /emergency-stop/.test(document.getElementById('state').textContent));
-    await page.getByRole('button', { name: 'Resume' }).click();
-    await page.waitForFunction(() => !/emergency-stop/.test(document.getElementById('state').textContent));
   });
 });
 
@@ -176,27 +207,21 @@ describe('contacts and what can be felt are drawn where and as large as the prog
   };
   for (const [name, { options, at }] of Object.entries(scenes)) {
     test(name, async () => {
-      await program.start(at, [...options, '--model', 'density']);
-      ({ page, problems } = await openViewer(browser, program.url));
-      await until(page, () => window.palpateViewer.drawnContacts() > 0);
+      await restart(at, [...options, '--model', 'density']);
+      await until(page, (kept) => window.palpateViewer.drawnContacts() > 0 && window.palpateViewer.kept() === kept, await program.kept(options));
       const tool = await ask(page, (v) => v.tool());
       const found = new Map((await program.query(tool, options)).contacts.map((c) => [c.id, c.center]));
-      assert.equal(await ask(page, (v) => v.kept()), await program.kept(options));
       assert.equal(await page.getByText('opacity of 0.7').count(), options.includes('--iso') ? 1 : 0);
+      const drawn = await ask(page, (v) => v.contacts().map((c) => ({ ...c, drawn: v.centreOfDrawnContact(c.id), felt: v.feltScale(c.id) })));
       let compared = 0;
-      for (const { id, center, scale } of await ask(page, (v) => v.contacts())) {
-        const drawn = await ask(page, (v, i) => v.centreOfDrawnContact(i), id);
-        if (!drawn || !found.has(id)) continue; // touched at one of the two instants only
-        assert.ok(distance(drawn, center) < 1e-4);
-        assert.ok(distance(drawn, found.get(id)) < 1e-4, `${id}: ${drawn}, not ${found.get(id)}`);
-        const felt = await ask(page, (v, i) => v.feltScale(i), id);
+      for (const { id, center, scale, drawn: where, felt } of drawn) {
+        if (!where || !found.has(id)) continue; // touched at one of the two instants only
+        assert.ok(distance(where, center) < 1e-4);
+        assert.ok(distance(where, found.get(id)) < 1e-4, `${id}: ${where}, not ${found.get(id)}`);
         felt.forEach((size, k) => assert.ok(Math.abs(size / scale[k] - 1) < 1e-3, `${id}: ${felt}, not ${scale}`));
         ++compared;
       }
       assert.ok(compared > 0);
-      await page.close();
-      await program.stop();
-      assert.deepEqual(problems, []);
     });
   }
 });
@@ -207,14 +232,15 @@ describe('in a headset', () => {
   const trigger = (value) => page.evaluate((v) => window.headset.controllers.right.updateButtonValue('trigger', v), value);
 
   test('the controller feels the surface, the more the deeper, and nothing after it has left', async () => {
-    await program.start(above);
-    await open({ script: await headsetScript(), context: { viewport: { width: 480, height: 360 } } });
+    await restart(above);
+    await page.setViewportSize({ width: 480, height: 360 });
     await page.getByRole('button', { name: 'VR', exact: true }).click();
     await until(page, () => window.palpateViewer.presenting);
     await settle(page); // until then the session has no controllers
     await put(above);
     await trigger(1);
     await until(page, () => window.palpateViewer.held);
+    const first = (await ask(page, (v) => v.pulses)).length;
     const meanAt = async (height) => {
       const before = (await ask(page, (v) => v.pulses)).length;
       await put([0, 0, height]);
@@ -229,7 +255,7 @@ describe('in a headset', () => {
     };
     const [light, firm] = [await meanAt(0.18), await meanAt(0.14)];
     assert.ok(firm.force > 1.2 * light.force && firm.intensity > light.intensity, JSON.stringify([light, firm]));
-    assert.equal((await ask(page, (v) => v.pulses))[0].kind, 'click');
+    assert.equal((await ask(page, (v) => v.pulses))[first].kind, 'click');
     assert.ok(await ask(page, (v) => v.drawnContacts()) > 0);
     await put(above);
     await until(page, () => window.palpateViewer.drawnContacts() === 0 && Math.hypot(...(window.palpateViewer.force() ?? [1])) < 0.05);
@@ -237,11 +263,5 @@ describe('in a headset', () => {
     await settle(page, 5);
     assert.equal((await ask(page, (v) => v.pulses)).length, count);
     await trigger(0);
-    assert.deepEqual(problems, []);
-  });
-
-  afterEach(async () => {
-    await page.close();
-    await program.stop();
   });
 });

@@ -6,7 +6,7 @@ usage="usage: run.sh WORK_FOLDER VIEWER_FOLDER [PALPATE_BINARY]"
 work=$(realpath -m "${1:?$usage}")
 VIEWER_FOLDER=$(realpath "${2:?$usage}")
 export VIEWER_FOLDER
-tests=(viewer_test.mjs mirror_test.mjs kept_test.mjs headset_test.mjs)
+tests=(kept_test.mjs page_test.mjs phone_test.mjs)
 if [ $# -gt 2 ]; then
   PALPATE_BINARY=$(realpath "$3")
   export PALPATE_BINARY
@@ -16,6 +16,6 @@ here=$(dirname "$(realpath "$0")")
 # shellcheck source=tests/web/packages.sh
 source "$here/../packages.sh"
 enter "$work" "$here"
-cp "$here"/../../../web/viewer/src/{kept,haptics,parameters}.js .
-# One after the other: each has a browser that draws in software.
-node --test --test-concurrency=1 "${tests[@]}"
+cp "$here"/../../../web/viewer/src/{kept,haptics,neighbourhood,parameters}.js .
+# Two at a time: each has a browser that draws in software, and mostly waits for one core.
+node --test --test-concurrency=2 "${tests[@]}"

@@ -1,6 +1,6 @@
 // A look at the page from outside, for tests and the console. Nothing can be changed through it.
 
-export function exposeApi({ connection, live, view, splats, felt, haptics, hold, parameters }) {
+export function exposeApi({ connection, live, view, splats, felt, cues, hold, parameters, depth, headset, plots }) {
   const api = {
     get ready() { return parameters.current !== null && live.isFresh('measured_cp') && splats.knowsFelt; },
     get connected() { return connection.connected; },
@@ -8,12 +8,29 @@ export function exposeApi({ connection, live, view, splats, felt, haptics, hold,
     get idle() { return splats.isSorting ? 0 : view.idle; },
     get sceneLoaded() { return splats.knowsFelt; },
     get held() { return hold.active; },
-    get pulses() { return haptics.pulses.map((pulse) => ({ ...pulse })); },
+    get pulses() { return cues.haptics.pulses.map((pulse) => ({ ...pulse })); },
+    get sound() { return { on: cues.sound.on, level: cues.sound.level, texture: cues.sound.texture, knocks: cues.sound.knocks }; },
+    get approaching() { return hold.holds('approach'); },
+    get gap() { return depth.gap?.length ?? null; },
+    vr: () => ({
+      lines: headset.panel.lines, hovered: headset.panel.hovered, stopFrame: headset.signs.frame.visible, dark: headset.signs.dark.visible,
+      marker: headset.signs.arrow.visible, aiming: headset.teleport.group.visible, floor: headset.surroundings.group.visible,
+      drawn: headset.hands.map(({ grip, joints, isTracked }) => (isTracked ? Object.values(joints.joints).filter((j) => j.children.length > 0) : grip.children).length),
+      frameTime: headset.frames.mean,
+    }),
+    pointing: () => {
+      const { origin, direction } = headset.hands.find((hand) => hand.source?.handedness === 'right').pointing;
+      return { origin: origin.toArray(), direction: direction.toArray() };
+    },
+    panelButton: (name) => headset.panel.placeOf(name).toArray(),
+    plotTops: () => plots.tops,
+    cue: () => (depth.contact.visible ? 'contact' : depth.line.visible ? 'gap' : ''),
     get presenting() { return view.renderer.xr.isPresenting; },
     parameters: () => structuredClone(parameters.current),
     fresh: (topic) => live.isFresh(topic),
     tool: () => live.tool?.position ?? null,
     proxy: () => live.proxy?.position ?? null,
+    turn: () => live.tool?.orientation ?? null,
     hand: () => hold.hand.toArray(),
     force: () => live.force,
     contacts: () => live.contacts.map(({ id, position, semiAxes, normal, depth }) =>
@@ -24,6 +41,7 @@ export function exposeApi({ connection, live, view, splats, felt, haptics, hold,
     kept: () => splats.keptCount,
     felt: () => splats.feltCount,
     feltScale: (row) => splats.feltScale(row),
+    axes: () => Object.fromEntries(Object.entries(view.axesOfCamera).map(([name, axis]) => [name, axis.toArray()])),
     project: (point) => view.project(point),
     pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,
   };

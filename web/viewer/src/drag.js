@@ -1,10 +1,11 @@
-// The tool in the hand by mouse or touch: dragging it moves it in the plane of the screen; the wheel, the right
-// button or a second finger moves it along the line of sight.
+// The tool in the hand by mouse or touch: dragging it moves it in the plane of the screen, with Ctrl turns it; the wheel, the
+// right button or a second finger moves it along the line of sight.
 
-import { Raycaster } from 'three';
+import { Quaternion, Raycaster } from 'three';
 
 const wheelShare = 0.2; // of what the wheel scrolls
 const rightButton = 2;
+const turnPerPixel = 0.01; // Unit: [rad/px].
 const reach = { mouse: 14, pen: 14, touch: 32 }; // around the handle, where the tool is caught. Unit: [px].
 
 export class Drag {
@@ -61,12 +62,16 @@ export class Drag {
 
   #move(event) {
     const last = this.#pointers.get(event.pointerId);
-    if (!last) return;
+    if (!last) {
+      if (event.buttons === 0) this.view.canvas.classList.toggle('over-tool', this.#catches(event));
+      return;
+    }
     event.stopImmediatePropagation();
     const [dx, dy] = [event.clientX - last.clientX, event.clientY - last.clientY];
     this.#pointers.set(event.pointerId, event);
     const inDepth = event.pointerId !== this.#first || event.buttons & rightButton;
-    if (inDepth) this.moveBy(0, 0, -dy);
+    if (event.ctrlKey || event.metaKey) this.#turnBy(dx, dy);
+    else if (inDepth) this.moveBy(0, 0, -dy);
     else this.moveBy(dx, -dy, 0);
   }
 
@@ -78,10 +83,17 @@ export class Drag {
   }
 
   #wheel(event) {
-    if (!this.hold.active) return;
+    if (!this.hold.holds('pointer') && !this.hold.holds('keys')) return;
     event.preventDefault();
     event.stopImmediatePropagation();
     this.moveBy(0, 0, -event.deltaY * wheelShare);
+  }
+
+  // A ball under the hand: about the axes of the screen.
+  #turnBy(right, down) {
+    const axes = this.view.axesOfCamera;
+    const about = (axis, pixels) => new Quaternion().setFromAxisAngle(axis, turnPerPixel * pixels);
+    this.hold.orientation.premultiply(about(axes.up, right)).premultiply(about(axes.right, down));
   }
 
   /// Moves the hand right, up and away from the camera. Unit: [px] where the hand is.

@@ -13,13 +13,14 @@ export function createFeelPanel(parameters) {
   const stiffness = numberField(
     { label: 'Stiffness', unit: 'N/m', name: 'stiffness', min: 0, slide: { min: slackest, max: 5000, log: true } }, set('stiffness'));
   const friction = numberField({ label: 'Friction', name: 'friction', min: 0, slide: { min: 0, max: 1 } }, set('friction'));
-  const detail = numberField({ label: 'Detail', unit: 'mm, 0: by itself', name: 'detail', scale: 1000, min: 0 }, set('detail'));
+  const detail = numberField({ label: 'Detail', unit: 'mm (0 = automatic)', name: 'detail', scale: 1000, min: 0 }, set('detail'));
   const opacity = numberField(
     { label: 'Opacity cut', name: 'opacity_min', min: 0, max: 1, slide: { min: 0, max: 1 } }, setFilter('opacity_min'));
   const sigma = numberField({ label: 'Ellipsoids at', unit: 'σ', name: 'sigma', min: 0, slide: { min: 0.2, max: 3 } }, setFilter('sigma'));
   const iso = hint('');
+  const nothing = element('p', { className: 'hint nothing', attributes: { role: 'alert' } });
   const fields = [model, stiffness, friction, detail, opacity, sigma];
-  byId('feel').append(...fields.map((field) => field.node), iso);
+  byId('feel').append(...fields.map((field) => field.node), iso, nothing);
   parameters.onChange((p) => {
     model.show(p.models, p.model);
     stiffness.limit(p.stiffness_max);
@@ -28,9 +29,13 @@ export function createFeelPanel(parameters) {
     detail.show(p.detail);
     opacity.show(p.filter.opacity_min);
     sigma.show(p.filter.sigma);
+    nothing.textContent = isNothingLeft(p) ? 'Nothing is left to feel: no Gaussian is above the opacity cut and within the filter.' : '';
     iso.textContent = p.filter.iso > 0 ? `Now out to where an opacity of ${p.filter.iso} is seen (--iso); setting σ ends that.` : '';
   });
 }
+
+// No opacity is above 1; and the program may have said that the list of what can be felt is empty.
+const isNothingLeft = ({ filter, felt }) => filter.opacity_min >= 1 || felt?.count === 0;
 
 /// `loadTool` takes the text of a tool file.
 export function createToolPanel(parameters, loadTool) {

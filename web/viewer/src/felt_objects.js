@@ -9,6 +9,7 @@ import { Arrow } from './arrow.js';
 import { Ellipsoids, shellMaterial, solidMaterial } from './ellipsoids.js';
 import { fill, setVisible } from './fill.js';
 import { rampColor } from './ramp.js';
+import { toolSize } from './tool_shape.js';
 
 const mostContacts = 256;
 const mostParts = 256;
@@ -22,21 +23,14 @@ const proxyShare = 0.02; // how far the proxy must be from the tool to be drawn,
 // Drawn in this order, all after the splats (0) and what can be felt (1): what touches is seen through the tool.
 const order = { hidden: 2, proxy: 3, tool: 4, contacts: 5, normals: 6, torque: 7, force: 8 };
 
-const magnitude = (v) => Math.hypot(...v);
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-
-/// Half of the extent of a tool of {semi_axes, position}, at least a tenth of a millimetre.
-export function toolSize(parts) {
-  const reach = ({ semi_axes: s, position: p }) => magnitude(p) + magnitude(s) / Math.sqrt(3);
-  return Math.max(1e-4, ...parts.map(reach));
-}
 
 export class FeltObjects {
   group = new Group();
   colorBy = 'k_min';
   size = 0.03; // of the tool. Unit: [m].
   forceLength = 0.01; // of an arrow. Unit: [m/N].
-  #parts = [];
+  parts = []; // of the tool: {semi_axes, position, orientation}
 
   constructor() {
     // They lie exactly on what can be felt, and stand out from it.
@@ -55,7 +49,7 @@ export class FeltObjects {
 
   /// Sizes that follow from the tool and the device.
   follow({ tool, device }) {
-    this.#parts = tool;
+    this.parts = tool;
     this.size = toolSize(tool);
     this.forceLength = niceFloor((longestForce * this.size) / (device.force_max || 10));
   }
@@ -100,7 +94,7 @@ export class FeltObjects {
   #showProxy({ proxy, tool }, wanted) {
     const apart = wanted && proxy && tool && distance(proxy.position, tool.position) > proxyShare * this.size;
     const toggled = setVisible(this.proxy, Boolean(apart));
-    return apart ? this.proxy.show(this.#parts.map((part) => placed(part, proxy))) || toggled : toggled;
+    return apart ? this.proxy.show(this.parts.map((part) => placed(part, proxy))) || toggled : toggled;
   }
 
   #showContacts(contacts, shown) {
@@ -116,6 +110,11 @@ export class FeltObjects {
     const lines = setLines(this.normals, ends.map(({ normal: { from, to } }) =>
       [from, from.map((v, k) => v + length * (to[k] - v))]));
     return toggled || other || lines;
+  }
+
+  /// How the handle is turned at a pose.
+  turnOf({ orientation }) {
+    return new Quaternion(...orientation);
   }
 
   /// Where the centre of the drawn contact with an id is, or null. Unit: [m].

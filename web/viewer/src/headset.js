@@ -1,19 +1,24 @@
-// WebXR: the scene in a headset or in the camera's picture, and the tool in a controller.
+// WebXR: the scene in a headset or in the camera's picture, and the tool in a controller or a hand.
 //
-// Trigger: the tool is at the controller's grip while it is pressed. Squeeze: grabs the world; with both hands it
-// turns and scales, too. Stick to the side: turns by 30 degrees. A or X: emergency stop, and again to resume. B or
-// Y: leave.
+// Trigger or pinch: the tool is at the grip while it is pressed; with the other hand, squeeze or pinch grabs the world, and
+// both hands turn and scale it. Stick to the side: turns by 30 degrees; ahead: teleports. A or X: emergency stop, which never
+// resumes: that is a button on the panel at the left hand. B or Y: leave.
 
-import { Quaternion, Vector3 } from 'three';
+import { Vector3 } from 'three';
 
+import { FrameTimes } from './frame_times.js';
 import { play } from './haptics.js';
-import { Sign } from './sign.js';
+import { HeadsetHand } from './headset_hand.js';
+import { roomPanelContent, roomPanelButtons } from './room_panel_content.js';
+import { drawHand, drawnController, drawnRay } from './vr_hands.js';
+import { RoomPanel } from './vr_panel.js';
+import { EyeSigns } from './vr_signs.js';
+import { Surroundings } from './vr_surroundings.js';
+import { Teleport } from './vr_teleport.js';
 
 const snap = Math.PI / 6;
-const stickOn = 0.7; // beyond, a stick means a turn; it must come back below stickOff before the next
-const stickOff = 0.3;
 const button = { stop: 4, leave: 5 }; // of the mapping xr-standard
-const pointingReach = 0.4; // where a screen's touch holds the tool: this far ahead. Unit: [m].
+const longestFrame = 0.1; // Unit: [s].
 
 export const sessionModes = ['immersive-vr', 'immersive-ar'];
 
@@ -25,39 +30,57 @@ export async function supportedModes() {
 
 export class Headset {
   session = null;
-  #hands = [0, 1].map(() => ({ squeezing: null, pressed: new Set(), turned: false, source: null }));
+  frames = new FrameTimes();
+  signs = new EyeSigns();
+  surroundings = new Surroundings();
+  teleport = new Teleport();
   #holding = null; // the hand with the tool
+  #aiming = null; // the hand that aims at a place to go to
+  #last = 0;
 
-  constructor({ view, room, hold, splats, actions, signText }) {
-    Object.assign(this, { view, room, hold, splats, actions, signText });
-    const { xr } = view.renderer;
+  /// `parts` are {view, room, hold, splats, felt, live, actions, statusBar, parameters}.
+  constructor(parts) {
+    Object.assign(this, parts);
+    const { xr } = this.view.renderer;
     xr.enabled = true;
     xr.setReferenceSpaceType('local-floor');
     xr.addEventListener('sessionend', () => this.#left());
-    this.sign = new Sign();
-    this.#hands.forEach((hand, i) => this.#attach(hand, xr.getController(i), xr.getControllerGrip(i)));
+    this.panel = new RoomPanel(roomPanelButtons(this));
+    this.view.add(this.surroundings.group, this.teleport.group);
+    this.hands = [0, 1].map((i) => new HeadsetHand(xr.getController(i), xr.getControllerGrip(i), xr.getHand(i)));
+    for (const hand of this.hands) this.#attach(hand);
     // A finger on a button of the page does not hold the tool as well.
     document.addEventListener('beforexrselect', (event) => {
       if (event.target.closest?.('.bar, .stop, .panels, .notices')) event.preventDefault();
     });
   }
 
-  #attach(hand, ray, grip) {
-    Object.assign(hand, { ray, grip });
-    this.view.add(ray, grip);
-    ray.addEventListener('connected', ({ data }) => {
-      hand.source = data;
-      if (data.handedness === 'left') grip.add(this.sign.mesh);
-    });
+  #attach(hand) {
+    const { ray, grip, joints } = hand;
+    this.view.add(ray, grip, joints);
+    ray.addEventListener('connected', ({ data }) => this.#appear(hand, data));
     ray.addEventListener('disconnected', () => {
       this.#letGo(hand);
       hand.squeezing = null;
       hand.source = null;
+      if (this.#aiming === hand) {
+        this.#aiming = null;
+        this.teleport.end();
+      }
+      for (const part of [ray, grip]) part.clear();
     });
     ray.addEventListener('selectstart', () => this.#take(hand));
     ray.addEventListener('selectend', () => this.#letGo(hand));
     ray.addEventListener('squeezestart', () => this.#grab(hand, true));
     ray.addEventListener('squeezeend', () => this.#grab(hand, false));
+  }
+
+  #appear(hand, source) {
+    hand.source = source;
+    if (source.handedness === 'left') hand.grip.add(this.panel.mesh);
+    if (source.targetRayMode !== 'tracked-pointer') return;
+    hand.ray.add(drawnRay());
+    if (!source.hand) hand.grip.add(drawnController());
   }
 
   async enter(mode, overlay) {
@@ -69,6 +92,9 @@ export class Headset {
     session.addEventListener('visibilitychange', () => { if (session.visibilityState !== 'visible') this.#letGoAll(); });
     if (this.room.isIdentity) this.room.placeFirst(this.splats.box);
     this.view.enterHeadset(mode === 'immersive-vr');
+    this.surroundings.applyTheme();
+    this.surroundings.group.visible = mode === 'immersive-vr';
+    this.view.camera.add(this.signs.group);
     try {
       await this.view.renderer.xr.setSession(session);
     } catch (error) {
@@ -87,7 +113,10 @@ export class Headset {
   #left() {
     this.session = null;
     this.#letGoAll();
-    this.sign.mesh.removeFromParent();
+    this.panel.mesh.removeFromParent();
+    this.signs.group.removeFromParent();
+    this.surroundings.group.visible = false;
+    this.teleport.end();
     this.view.world.position.set(0, 0, 0);
     this.view.world.quaternion.identity();
     this.view.world.scale.set(1, 1, 1);
@@ -96,7 +125,7 @@ export class Headset {
   }
 
   #letGoAll() {
-    for (const hand of this.#hands) {
+    for (const hand of this.hands) {
       this.#letGo(hand);
       hand.squeezing = null;
     }
@@ -107,75 +136,104 @@ export class Headset {
     this.room.xrFromWorld.decompose(world.position, world.quaternion, world.scale);
   }
 
+  // A jump of the world, which is dark for a moment.
+  #jumped() {
+    this.signs.fade();
+    this.actions.setRoom(this.room.json);
+  }
+
+  /// Puts the scene where it was put first.
+  recentre() {
+    this.room.set({ scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0] });
+    this.room.placeFirst(this.splats.box);
+    this.#jumped();
+  }
+
+  // A button that it points at, the tool, or, while the other hand has that, the world.
   #take(hand) {
-    if (this.#holding && this.#holding !== hand) return;
-    if (this.hold.begin('headset')) this.#holding = hand;
+    const pointed = this.#pointedAt(hand);
+    if (pointed) pointed.press();
+    else if (this.#holding && this.#holding !== hand) {
+      if (hand.isTracked) this.#grab(hand, true);
+    } else if (this.hold.begin('headset')) this.#holding = hand;
   }
 
   #letGo(hand) {
+    if (hand.squeezing && hand.isTracked) this.#grab(hand, false);
     if (this.#holding !== hand) return;
     this.#holding = null;
     this.hold.end('headset');
   }
 
+  #pointedAt(hand) {
+    if (this.panel.mesh.parent === hand.grip) return null;
+    const { origin, direction } = hand.pointing;
+    return this.panel.buttonAt(origin, direction);
+  }
+
   #grab(hand, on) {
-    hand.squeezing = on ? this.room.toWorld(poseOf(hand).position) : null;
+    hand.squeezing = on ? this.room.toWorld(hand.pose.position) : null;
     // What the others hold begins anew, too: two hands mean another thing than one.
-    for (const other of this.#hands) if (other.squeezing) other.squeezing = this.room.toWorld(poseOf(other).position);
+    for (const other of this.hands) if (other.squeezing) other.squeezing = this.room.toWorld(other.pose.position);
     if (!on) this.actions.setRoom(this.room.json);
   }
 
-  /// To be called before every frame.
-  update() {
+  /// To be called before every frame. Unit of `now`: [s].
+  update(now) {
     if (!this.session) return;
-    for (const hand of this.#hands) this.#readButtons(hand);
-    const grabbing = this.#hands.filter((hand) => hand.squeezing);
-    if (grabbing.length > 0) {
-      this.room.grab(grabbing.map((h) => h.squeezing), grabbing.map((h) => poseOf(h).position));
-    }
+    const seconds = Math.min(now - this.#last, longestFrame);
+    this.#last = now;
+    this.frames.add(now);
+    for (const hand of this.hands) this.#readButtons(hand);
+    const grabbing = this.hands.filter((hand) => hand.squeezing);
+    if (grabbing.length > 0) this.room.grab(grabbing.map((h) => h.squeezing), grabbing.map((h) => h.pose.position));
     this.#placeWorld();
-    this.sign.show(this.signText());
+    this.#showSigns(seconds, now);
     if (!this.#holding) return;
-    const pose = poseOf(this.#holding);
-    this.hold.hand.copy(this.room.toWorld(pose.position));
-    this.hold.orientation.copy(this.room.turnToWorld(pose.orientation));
+    const { position, orientation } = this.#holding.pose;
+    this.hold.hand.copy(this.room.toWorld(position));
+    this.hold.orientation.copy(this.room.turnToWorld(orientation));
+  }
+
+  #showSigns(seconds, now) {
+    for (const { isTracked, joints } of this.hands) if (isTracked) drawHand(joints);
+    this.panel.hovered = this.hands.map((hand) => hand.source && this.#pointedAt(hand)?.name).find(Boolean) ?? null;
+    this.panel.show(roomPanelContent(this), 1000 * now);
+    const { view, live } = this;
+    const tool = live.isFresh('measured_cp') ? view.camera.worldToLocal(view.world.localToWorld(new Vector3(...live.tool.position))) : null;
+    this.signs.update({ tool, stop: this.statusBar.stop, seconds });
   }
 
   /// Plays a pulse in the hand that holds the tool.
   pulse(pulse) {
-    const gamepad = this.#holding?.source?.gamepad;
+    const gamepad = this.#holding?.gamepad;
     if (gamepad) play(gamepad, pulse);
   }
 
   #readButtons(hand) {
-    const gamepad = hand.source?.gamepad;
-    if (!gamepad) return;
-    if (pressedNow(hand, gamepad, button.stop)) this.actions.stopOrResume();
-    if (pressedNow(hand, gamepad, button.leave)) this.leave();
-    const aside = gamepad.axes[2] ?? 0;
-    if (Math.abs(aside) > stickOn && !hand.turned) {
-      this.room.turn(-Math.sign(aside) * snap, this.view.camera.position);
-      this.actions.setRoom(this.room.json);
+    if (!hand.gamepad) return;
+    if (hand.pressedNow(button.stop)) this.actions.stop();
+    if (hand.pressedNow(button.leave)) this.leave();
+    const { turn, ahead } = hand.readStick();
+    if (turn !== 0) {
+      this.room.turn(-turn * snap, this.view.camera.position);
+      this.#jumped();
     }
-    if (Math.abs(aside) > stickOn) hand.turned = true;
-    else if (Math.abs(aside) < stickOff) hand.turned = false;
+    this.#aim(hand, ahead);
   }
-}
 
-function pressedNow(hand, gamepad, index) {
-  const [is, was] = [Boolean(gamepad.buttons[index]?.pressed), hand.pressed.has(index)];
-  if (is) hand.pressed.add(index);
-  else hand.pressed.delete(index);
-  return is && !was;
-}
-
-// Where a hand is, in WebXR's space. A finger on a screen has no grip: it holds what it points at.
-function poseOf({ source, grip, ray }) {
-  const from = source?.gripSpace ? grip : ray;
-  const position = new Vector3();
-  const orientation = new Quaternion();
-  from.updateWorldMatrix(true, false);
-  from.matrixWorld.decompose(position, orientation, new Vector3());
-  if (!source?.gripSpace) position.add(new Vector3(0, 0, -pointingReach).applyQuaternion(orientation));
-  return { position, orientation };
+  // While the stick is ahead it aims; once it comes back the person is there.
+  #aim(hand, ahead) {
+    if (ahead) {
+      this.#aiming = hand;
+      const { origin, direction } = hand.pointing;
+      this.teleport.aim(origin, direction);
+    } else if (this.#aiming === hand) {
+      this.#aiming = null;
+      const target = this.teleport.end();
+      const feet = this.view.camera.position.clone().setY(0);
+      this.room.translation.add(this.room.toWorld(target).sub(this.room.toWorld(feet)));
+      this.#jumped();
+    }
+  }
 }

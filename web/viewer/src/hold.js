@@ -7,7 +7,7 @@ const refusalShown = 1500; // after the last refusal. Unit: [ms].
 export class Hold {
   hand = new Vector3(); // in the world. Unit: [m].
   orientation = new Quaternion();
-  #by = new Set(); // 'pointer', 'keys', 'headset'
+  #by = new Set(); // 'pointer', 'keys', 'headset', 'approach'
   #seq = 0;
   #refusedAt = -Infinity;
   #endedAt = -Infinity;
@@ -34,6 +34,11 @@ export class Hold {
     return this.#by.has(by);
   }
 
+  /// Whether more than one holds it.
+  get isShared() {
+    return this.#by.size > 1;
+  }
+
   /// Takes the tool where it is. False if it is not known where that is.
   begin(by) {
     if (!this.live.isFresh('measured_cp')) return false;
@@ -47,7 +52,9 @@ export class Hold {
   }
 
   end(by) {
-    if (!this.#by.delete(by)) return;
+    if (!this.holds(by)) return;
+    this.publish(); // it stays where the hand is now
+    this.#by.delete(by);
     this.#endedAt = performance.now();
     this.#tell();
   }

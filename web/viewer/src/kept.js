@@ -1,16 +1,18 @@
 // What the hand can feel: the Gaussians that the program has kept, as ellipsoids. In the frame of the capture.
 
-const stride = 10; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w
+const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
 const boxSample = 50000; // Gaussians that say where the others are
-const middle = 2; // how near to its centre a ray must pass to meet it. Unit: [standard deviations].
+const cutoff = 3; // a ray that passes farther from a centre does not see it. Unit: [standard deviations].
+const leastSeen = 0.2; // opacity along a ray below which nothing is seen there
 
 /// Reads a SplatMesh once.
 export function readGaussians(mesh) {
   const data = new Float32Array(stride * mesh.numSplats);
-  mesh.forEachSplat((i, centre, scales, rotation) => {
+  mesh.forEachSplat((i, centre, scales, rotation, opacity) => {
     centre.toArray(data, stride * i);
     scales.toArray(data, stride * i + 3);
     rotation.toArray(data, stride * i + 6);
+    data[stride * i + 10] = opacity;
   });
   return new Kept(data);
 }
@@ -18,11 +20,13 @@ export function readGaussians(mesh) {
 export class Kept {
   #data;
   #rows = new Uint32Array(0); // of the kept ones
+  #isKept; // by row
   #semiAxes; // of the ellipsoids, by row
   #box = null;
 
   constructor(data) {
     this.#data = data;
+    this.#isKept = new Uint8Array(data.length / stride);
     this.#semiAxes = new Float32Array(3 * (data.length / stride));
   }
 
@@ -36,6 +40,8 @@ export class Kept {
     const [rows, values] = [new Uint32Array(list), new Float32Array(list)];
     const known = this.#data.length / stride;
     this.#rows = rows.filter((row, i) => i % 4 === 0 && row < known);
+    this.#isKept.fill(0);
+    for (const row of this.#rows) this.#isKept[row] = 1;
     for (let i = 0; i < rows.length; i += 4) if (rows[i] < known) this.#semiAxes.set(values.subarray(i + 1, i + 4), 3 * rows[i]);
     this.#box = this.#findBox();
   }
@@ -72,30 +78,62 @@ export class Kept {
     return { min: at(0.01), max: at(0.99) };
   }
 
-  /// Where a ray first passes through the middle of a kept Gaussian: the distance in units of `direction`, or null.
-  /// It is the densest point of the ray, which lies on the surface that is seen even where ellipsoids leave gaps.
+  /// Where half of what is seen along a ray lies before, and half behind: {distance in units of `direction`, felt}, or
+  /// null where nothing is seen. `felt` says whether what is seen up to there is mostly kept.
   hit(origin, direction) {
-    let nearest = Infinity;
-    for (const row of this.#rows) {
-      const distance = this.#distance(stride * row, origin, direction);
-      if (distance < nearest) nearest = distance;
+    const seen = this.#along(origin, direction);
+    let left = 1;
+    for (const one of seen) {
+      one.weight = left * one.alpha;
+      left -= one.weight;
     }
-    return nearest < Infinity ? nearest : null;
+    if (1 - left < leastSeen) return null;
+    let [sum, kept] = [0, 0];
+    for (const { row, distance, weight } of seen) {
+      sum += weight;
+      if (this.#isKept[row]) kept += weight;
+      if (2 * sum >= 1 - left) return { distance, felt: 2 * kept >= sum };
+    }
+    return null;
+  }
+
+  /// Where the kept ellipsoids of `rows` are nearest to a point: {point, distance}, or null. Boxes stand in for them.
+  closest(rows, position) {
+    let [nearest, least] = [null, Infinity];
+    for (const row of rows) {
+      const d = this.#data.subarray(stride * row, stride * (row + 1));
+      const turn = [d[6], d[7], d[8], d[9]];
+      const local = rotate(conjugate(turn), [position[0] - d[0], position[1] - d[1], position[2] - d[2]]);
+      const inside = local.map((c, k) => Math.min(Math.max(c, -this.#semiAxes[3 * row + k]), this.#semiAxes[3 * row + k]));
+      const distance = Math.hypot(local[0] - inside[0], local[1] - inside[1], local[2] - inside[2]);
+      if (distance >= least) continue;
+      least = distance;
+      nearest = { distance, point: rotate(turn, inside).map((c, k) => c + d[k]) };
+    }
+    return nearest;
+  }
+
+  // What a ray passes: {row, distance, alpha}, from the front to the back.
+  #along(origin, direction) {
+    const met = [];
+    for (let row = 0; row < this.#isKept.length; ++row) this.#meet(row, origin, direction, met);
+    return met.sort((a, b) => a.distance - b.distance);
   }
 
   // In the frame where the Gaussian is round: where |o + t d| is least, if that is small.
-  #distance(at, origin, direction) {
+  #meet(row, origin, direction, met) {
+    const at = stride * row;
     const d = this.#data;
     const offset = [origin[0] - d[at], origin[1] - d[at + 1], origin[2] - d[at + 2]];
-    const reach = middle * Math.max(d[at + 3], d[at + 4], d[at + 5]);
+    const reach = cutoff * Math.max(d[at + 3], d[at + 4], d[at + 5]);
     const along = dot(offset, direction) ** 2 / dot(direction, direction);
-    if (dot(offset, offset) - along > reach * reach) return Infinity;
-    const inverse = [-d[at + 6], -d[at + 7], -d[at + 8], d[at + 9]];
+    if (dot(offset, offset) - along > reach * reach) return;
+    const inverse = conjugate([d[at + 6], d[at + 7], d[at + 8], d[at + 9]]);
     const round = (v) => rotate(inverse, v).map((c, k) => c / d[at + 3 + k]);
     const [o, u] = [round(offset), round(direction)];
     const distance = -dot(o, u) / dot(u, u);
     const least = dot(o, o) - distance * distance * dot(u, u);
-    return distance >= 0 && least < middle * middle ? distance : Infinity;
+    if (distance >= 0 && least < cutoff * cutoff) met.push({ row, distance, alpha: d[at + 10] * Math.exp(-0.5 * least) });
   }
 }
 
@@ -111,6 +149,7 @@ function firstOf(rows, keys, most) {
   return rows.filter((_, i) => bits[i] >>> 16 < last || (bits[i] >>> 16 === last && left-- > 0));
 }
 
+const conjugate = ([x, y, z, w]) => [-x, -y, -z, w];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 // v turned by a unit quaternion: v + 2 q x (q x v + w v).

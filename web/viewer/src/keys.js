@@ -1,10 +1,11 @@
-// The tool in the hand by keyboard and gamepad, while the button `Hold` is on.
+// The tool in the hand by keyboard and gamepad, while the button `Hold` is on: arrows and Page Up and Down move it; A, D, W, S, Q
+// and E turn it.
 
 import { Quaternion, Vector3 } from 'three';
 
 const speed = 2; // in sizes of the tool a second
 const slow = 0.25; // of that, with Shift
-const turnSpeed = 1.2; // by the gamepad. Unit: [rad/s].
+const turnSpeed = 1.2; // Unit: [rad/s].
 const deadZone = 0.12; // of a stick
 const longestFrame = 0.1; // a page that stood still does not leap. Unit: [s].
 const moves = { // right, up, away
@@ -12,7 +13,12 @@ const moves = { // right, up, away
   PageDown: [0, 0, -1], PageUp: [0, 0, 1],
 };
 
+const turns = { // about the camera's right, up and forward
+  w: [-1, 0, 0], s: [1, 0, 0], a: [0, -1, 0], d: [0, 1, 0], q: [0, 0, -1], e: [0, 0, 1],
+};
+
 const isField = (node) => node instanceof HTMLElement && node.matches('input, select, textarea');
+const nameOf = ({ key }) => (key.length === 1 ? key.toLowerCase() : key);
 const live = (value) => (Math.abs(value) > deadZone ? value : 0);
 
 export class Keys {
@@ -22,14 +28,16 @@ export class Keys {
   constructor(view, hold, felt) {
     Object.assign(this, { view, hold, felt });
     window.addEventListener('keydown', (event) => {
-      if (!hold.holds('keys') || !(event.key in moves) || isField(event.target)) return;
-      this.#down.add(event.key);
+      const name = nameOf(event);
+      if (!hold.holds('keys') || !(name in moves || name in turns) || isField(event.target)) return;
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      this.#down.add(name);
       this.slowly = event.shiftKey;
       event.preventDefault();
     });
-    window.addEventListener('keyup', ({ key, shiftKey }) => {
-      this.#down.delete(key);
-      this.slowly = shiftKey;
+    window.addEventListener('keyup', (event) => {
+      this.#down.delete(nameOf(event));
+      this.slowly = event.shiftKey;
     });
     window.addEventListener('blur', () => this.#down.clear());
   }
@@ -39,13 +47,25 @@ export class Keys {
     const seconds = Math.min(now - this.#last, longestFrame);
     this.#last = now;
     if (!this.hold.holds('keys')) return;
-    const wanted = [0, 1, 2].map((k) => [...this.#down].reduce((sum, key) => sum + moves[key][k], 0));
+    const wanted = this.#sum(moves);
     const pad = this.gamepad;
     if (pad) this.#addSticks(pad, wanted, seconds);
     const step = speed * this.felt.size * seconds * (this.slowly ? slow : 1);
     const { right, up, forward } = this.view.axesOfCamera;
     this.hold.hand.addScaledVector(right, step * wanted[0])
       .addScaledVector(up, step * wanted[1]).addScaledVector(forward, step * wanted[2]);
+    this.#turn([right, up, forward], turnSpeed * seconds * (this.slowly ? slow : 1));
+  }
+
+  // What the keys that are down ask for.
+  #sum(table) {
+    return [0, 1, 2].map((k) => [...this.#down].reduce((sum, key) => sum + (table[key]?.[k] ?? 0), 0));
+  }
+
+  #turn(axes, angle) {
+    this.#sum(turns).forEach((share, k) => {
+      if (share !== 0) this.hold.orientation.premultiply(new Quaternion().setFromAxisAngle(axes[k], share * angle));
+    });
   }
 
   // Left stick: along the screen. Right stick: in depth, and a turn about the vertical.

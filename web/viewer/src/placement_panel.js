@@ -5,8 +5,10 @@ import { Euler, Quaternion } from 'three';
 import { byId, element } from '../../shared/dom.js';
 import { button, hint, numberField, setPressed, vectorField } from './fields.js';
 import { formatLength } from './format.js';
+import { createSetup } from './setup_proposal.js';
 
 const degree = Math.PI / 180;
+const scales = { min: 0.001, max: 100 }; // of the slider. Unit: [m] per captured unit.
 
 // Turns about x, then y, then z of the world. Unit: [rad].
 const anglesOf = ([w, x, y, z]) => new Euler().setFromQuaternion(new Quaternion(x, y, z, w), 'ZYX').toArray().slice(0, 3);
@@ -16,10 +18,11 @@ function rotationOf(angles) {
   return [w, x, y, z];
 }
 
-/// `pickPoint` promises a point of the world that a person clicks, or null.
-export function createPlacementPanel(parameters, pickPoint, mark) {
+/// `pickPoint` promises a point of the world that a person clicks, or null; `propose` a setup as JSON, or null.
+export function createPlacementPanel(parameters, { pickPoint, mark, propose }) {
   const set = (changes) => parameters.set({ registration: changes });
-  const scale = numberField({ label: 'Scale', unit: 'm per captured unit', name: 'scale', min: 0 }, (value) => set({ scale: value }));
+  const scale = numberField(
+    { label: 'Scale', unit: 'm per captured unit', name: 'scale', min: 0, slide: { ...scales, log: true } }, (value) => set({ scale: value }));
   const translation = vectorField({ label: 'Translation', unit: 'm', names: ['x', 'y', 'z'], name: 'translation' }, (value) => set({ translation: value }));
   const rotation = vectorField({ label: 'Rotation', unit: '° about x, y, z', names: ['x', 'y', 'z'], scale: 1 / degree, name: 'rotation' },
     (value) => set({ rotation: rotationOf(value) }));
@@ -28,7 +31,9 @@ export function createPlacementPanel(parameters, pickPoint, mark) {
   mirrored.title = 'The capture is a mirror image, as from a left-handed tool: its x axis is reversed';
   const measured = createMeasure({ pickPoint, mark, onLength: (has, is) => set({ scale: (parameters.current.registration.scale * is) / has }) });
 
-  byId('placement').append(element('p', { className: 'label', text: 'Upright' }), frames, element('div', { className: 'buttons' }, mirrored),
+  const setup = createSetup({ propose, apply: (changes) => parameters.set(changes) });
+
+  byId('placement').append(setup, element('p', { className: 'label', text: 'Upright' }), frames, element('div', { className: 'buttons' }, mirrored),
     measured, scale.node, translation.node, rotation.node);
   let shownFrames = '';
   parameters.onChange(({ registration, frames: names }) => {

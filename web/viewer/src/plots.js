@@ -11,13 +11,21 @@ const span = 20; // Unit: [s].
 const height = 64; // of a plot. Unit: [px].
 const redrawEvery = 100; // Unit: [ms].
 
+// `least` is the least that the height of a plot stands for: less is not magnified.
 const plots = [
-  { title: 'Force', unit: 'N', decimals: 2, series: [['force_n', '--force', 'force']] },
-  { title: 'Contacts', unit: '', decimals: 0, series: [['contacts', '--colliding', 'contacts']] },
-  { title: 'Tick', unit: 'µs', decimals: 0, series: [['tick_us', '--compute', 'mean'], ['tick_p99_us', '--muted', '99 %']] },
-  { title: 'Energy', unit: 'mJ', decimals: 2, series: [['energy_mj', '--magnitude', 'put out'], ['stored_mj', '--waiting', 'stored']] },
-  { title: 'Margin', unit: '', decimals: 2, series: [['margin', '--axis-z', 'margin']] },
+  { title: 'Force', unit: 'N', decimals: 2, least: 1, series: [['force_n', '--force', 'force']] },
+  { title: 'Contacts', unit: '', decimals: 0, least: 5, series: [['contacts', '--colliding', 'contacts']] },
+  { title: 'Tick, 1 s', unit: 'µs', decimals: 0, least: 50, series: [['tick_mean_us', '--compute', 'mean'], ['tick_p99_us', '--muted', '99 %']] },
+  { title: 'Energy', unit: 'mJ', decimals: 2, least: 1, series: [['energy_mj', '--magnitude', 'net output'], ['stored_mj', '--waiting', 'stored']] },
+  { title: 'Stiffness margin', unit: '', times: true, decimals: 1, least: 2, series: [['margin', '--axis-z', 'margin', marginOf]] },
 ];
+
+// How many times as stiff the surface might be: known in contact only.
+function marginOf({ margin, contacts }) {
+  return contacts > 0 && margin > 0 ? margin : null;
+}
+
+const numberOf = (value) => (isNumber(value) ? value : null);
 
 // Zero, and a round value on the side that reaches farther.
 const labelled = (low, high) => (high >= -low ? [0, niceFloor(high)] : [-niceFloor(-low), 0]);
@@ -27,7 +35,7 @@ function options(plot, width) {
   const axis = { stroke: themeValue('--muted'), grid, ticks: { show: false }, font: '11px system-ui' };
   return {
     width, height, legend: { show: false }, cursor: { show: false }, padding: [6, 4, 4, 0],
-    scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(low ?? 0, 0), Math.max(high ?? 1, low ?? 0, 1e-3) * 1.05] } },
+    scales: { x: { time: false }, y: { range: (u, low, high) => [Math.min(1.05 * (low ?? 0), 0), 1.05 * Math.max(high ?? 0, plot.least)] } },
     axes: [{ ...axis, show: false }, { ...axis, size: 40, splits: (u, i, low, high) => labelled(low, high) }],
     series: [{}, ...plot.series.map(([, color]) => ({ stroke: themeValue(color), width: 1.5, points: { show: false } }))],
   };
@@ -41,7 +49,12 @@ class LivePlot {
       element('span', { className: `curve ${color.slice(2)}` }, plot.series.length > 1 ? `${label} ` : '', this.values[k]));
     this.canvas = element('div', { className: 'plot', attributes: { role: 'img', 'aria-label': `${plot.title} over the last ${span} seconds` } });
     host.append(element('div', { className: 'plot-head' },
-      element('h3', { text: plot.title }), ...labels, element('span', { className: 'unit', text: plot.unit })), this.canvas);
+      element('h3', { text: plot.title }), element('span', { className: 'unit', text: plot.unit }), ...labels), this.canvas);
+  }
+
+  #text(value) {
+    const text = formatFixed(value, this.plot.decimals);
+    return this.plot.times && isNumber(value) ? `${text}×` : text;
   }
 
   make(width) {
@@ -50,13 +63,13 @@ class LivePlot {
   }
 
   draw(times, rows, now) {
-    const columns = this.plot.series.map(([name]) => rows.map((row) => (isNumber(row?.[name]) ? row[name] : null)));
+    const columns = this.plot.series.map(([name, , , of]) => rows.map((row) => numberOf(row && (of ? of(row) : row[name]))));
     const data = [times, ...columns];
     this.chart.setData(data, false);
     this.chart.batch(() => {
       this.chart.setScale('x', { min: now - span, max: now });
     });
-    columns.forEach((column, k) => { this.values[k].textContent = formatFixed(column.at(-1), this.plot.decimals); });
+    columns.forEach((column, k) => { this.values[k].textContent = this.#text(column.at(-1)); });
   }
 }
 
@@ -85,6 +98,11 @@ export class Plots {
       this.#times.splice(0, old);
       this.#rows.splice(0, old);
     }
+  }
+
+  /// What the top of every plot stands for, by its title.
+  get tops() {
+    return Object.fromEntries(this.list.map(({ plot, chart }) => [plot.title, chart.scales.y.max]));
   }
 
   /// To be called before every frame.

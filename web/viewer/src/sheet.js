@@ -1,8 +1,8 @@
-// On a phone the panels are a sheet that comes up from below.
+// On a phone the panels are a sheet: from below where it is held upright, at the side where it lies.
 
 import { byId } from '../../shared/dom.js';
 
-const narrow = matchMedia('(max-width: 720px)');
+const small = matchMedia('(max-width: 720px), (max-height: 480px)');
 
 export function followSheet() {
   const [panels, handle] = [byId('panels'), byId('sheet')];
@@ -12,7 +12,7 @@ export function followSheet() {
     handle.setAttribute('aria-expanded', String(on));
   };
   handle.addEventListener('click', () => open(panels.classList.contains('closed')));
-  const fit = () => open(!narrow.matches);
-  narrow.addEventListener('change', fit);
+  const fit = () => open(!small.matches);
+  small.addEventListener('change', fit);
   fit();
 }

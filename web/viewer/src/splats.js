@@ -8,11 +8,12 @@ import { httpUrl } from './address.js';
 import { Ellipsoids, solidMaterial } from './ellipsoids.js';
 import { readGaussians } from './kept.js';
 import { MirroredMesh } from './mirrored_mesh.js';
+import { Neighbourhood } from './neighbourhood.js';
 
 const mostFelt = { desk: 50000, headset: 8000 }; // ellipsoids that are drawn
 const splatBudget = 500000; // of a headset that draws by itself
 const standalone = /Quest|OculusBrowser|Android|Pico|VisionOS/i;
-const movedShare = 0.25; // of the way to the farthest drawn ellipsoid, after which they are chosen anew
+const searched = 4000; // ellipsoids around the tool, of which the nearest is looked for
 
 async function request(url, signal) {
   const response = await fetch(httpUrl(url), { signal });
@@ -41,8 +42,8 @@ export class Splats {
   #mesh = null;
   #kept = null;
   #felt = null; // as drawn
-  #chosenAt = null; // the point that the drawn ones are nearest to, and how far they reach from it
-  #reach = 0;
+  #drawn = new Neighbourhood();
+  #around = new Neighbourhood();
   #most = mostFelt.desk;
 
   /// Centres stay in single precision through all of Spark: halves would drift from what is felt.
@@ -80,7 +81,7 @@ export class Splats {
     if (kept !== this.#kept) return; // another scene has been loaded meanwhile
     kept.keep(list);
     this.knowsFelt = true;
-    this.#chosenAt = null;
+    this.#forget();
     this.onDirty();
   }
 
@@ -94,8 +95,18 @@ export class Splats {
   place(registration) {
     this.group.matrix.fromArray(registration.matrix);
     this.group.matrixWorldNeedsUpdate = true;
-    this.#chosenAt = null;
+    this.#forget();
     this.onDirty();
+  }
+
+  #forget() {
+    this.#drawn.forget();
+    this.#around.forget();
+  }
+
+  // A point of the world among the Gaussians as they were captured.
+  #local(point) {
+    return new Vector3(...point).applyMatrix4(this.group.matrix.clone().invert());
   }
 
   /// Whether what is drawn is still to be sorted for where it is seen from.
@@ -141,22 +152,34 @@ export class Splats {
   /// Draws the felt ellipsoids nearest to a point of the world, if they are on.
   update(point) {
     if (!this.#felt?.visible || !this.#kept) return;
-    const near = new Vector3(...point).applyMatrix4(this.group.matrix.clone().invert());
-    if (this.#chosenAt && near.distanceTo(this.#chosenAt) <= movedShare * this.#reach) return;
-    const list = [...this.#kept.nearest(near.toArray(), this.#most)].map((row) => this.#kept.at(row));
-    this.#felt.show(list);
-    this.#chosenAt = near;
-    const farthest = list.reduce((far, { position: p }) => Math.max(far, near.distanceToSquared(new Vector3(...p))), 0);
-    this.#reach = list.length === this.keptCount ? Infinity : Math.sqrt(farthest);
+    if (!this.#drawn.follow(this.#kept, this.#local(point), this.#most)) return;
+    this.#felt.show(this.#drawn.rows.map((row) => this.#kept.at(row)));
     this.onDirty();
   }
 
-  /// Where a ray of the world first meets what can be felt, or null.
-  pick(ray) {
+  /// Where what can be felt is nearest to a point of the world: {point, distance} in the world, or null.
+  closest(point) {
+    if (this.keptCount === 0) return null;
+    const local = this.#local(point);
+    this.#around.follow(this.#kept, local, searched);
+    const found = this.#kept.closest(this.#around.rows, local.toArray());
+    if (!found) return null;
+    const at = new Vector3(...found.point).applyMatrix4(this.group.matrix);
+    return { point: at, distance: at.distanceTo(new Vector3(...point)) };
+  }
+
+  /// What is seen along a ray of the world: {point, felt}, or null where it sees nothing. `felt` says whether it can be felt.
+  look(ray) {
     if (!this.#kept) return null;
     const local = new Ray().copy(ray).applyMatrix4(this.group.matrix.clone().invert());
-    const distance = this.#kept.hit(local.origin.toArray(), local.direction.toArray());
-    return distance === null ? null : local.at(distance, new Vector3()).applyMatrix4(this.group.matrix);
+    const seen = this.#kept.hit(local.origin.toArray(), local.direction.toArray());
+    return seen && { point: local.at(seen.distance, new Vector3()).applyMatrix4(this.group.matrix), felt: seen.felt };
+  }
+
+  /// Where a ray of the world meets what is seen and can be felt, or null.
+  pick(ray) {
+    const seen = this.look(ray);
+    return seen?.felt ? seen.point : null;
   }
 
   /// The box of what can be felt, in the world; empty before anything is loaded.
@@ -168,7 +191,7 @@ export class Splats {
   /// Fewer splats and ellipsoids for a headset that draws by itself.
   async enterHeadset() {
     this.#most = mostFelt.headset;
-    this.#chosenAt = null;
+    this.#drawn.forget();
     const mesh = this.#mesh;
     if (!standalone.test(navigator.userAgent) || !mesh || mesh.numSplats <= splatBudget) return;
     this.spark.lodSplatCount = splatBudget;
@@ -178,7 +201,7 @@ export class Splats {
 
   leaveHeadset() {
     this.#most = mostFelt.desk;
-    this.#chosenAt = null;
+    this.#drawn.forget();
     if (this.#mesh) this.#mesh.enableLod = false;
   }
 }

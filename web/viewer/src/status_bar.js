@@ -15,6 +15,8 @@ export class StatusBar {
     this.holder = byId('holder');
     this.advice = byId('advice');
     this.pause = byId('pause');
+    this.demo = byId('demo');
+    this.stopped = byId('stopped');
   }
 
   /// Whether the force waits for a resume.
@@ -37,18 +39,37 @@ export class StatusBar {
     if (this.hold.isRefused) return 'someone else holds the tool';
     if (this.hold.active) return 'you hold the tool';
     if (this.live.diagnostics?.values.held_by === 'client' && !this.hold.justLetGo) return 'someone else holds the tool';
-    return this.parameters.current?.device.kind === 'simulated' ? 'the simulated hand explores' : '';
+    const { demo } = this.parameters.current ?? {};
+    return demo === undefined ? '' : demo ? 'demo: the simulated hand explores' : 'the tool stays where it is';
+  }
+
+  /// Why there is no force until someone resumes, or an empty text.
+  get stop() {
+    return this.needsResume ? `No force: ${this.said.text.replace(/^\w+: /, '')}.` : '';
+  }
+
+  #title(stop) {
+    const name = this.parameters.current?.scene.name;
+    const title = [stop && 'Stopped', name, 'Palpate'].filter(Boolean).join(' · ');
+    if (document.title !== title) document.title = title;
   }
 
   update() {
     const { text, level, advice } = this.said;
     setText(this.state, text);
     if (this.state.dataset.level !== level) this.state.dataset.level = level;
-    setText(this.advice, advice);
-    this.advice.hidden = advice === '';
+    const { stop } = this;
+    setText(this.advice, [stop, advice && `${advice[0].toUpperCase()}${advice.slice(1)}.`].filter(Boolean).join(' '));
+    this.stopped.hidden = advice === '' && stop === '';
+    byId('resume').hidden = stop === '';
+    document.body.classList.toggle('stopped-force', stop !== '');
+    this.#title(stop);
     setText(this.holder, this.whoHolds);
     setText(this.pause, this.needsResume ? 'Resume' : 'Pause');
     this.pause.classList.toggle('primary', this.needsResume);
+    const { demo } = this.parameters.current ?? {};
+    this.demo.hidden = demo === undefined;
+    setText(this.demo, demo ? 'Stop demo' : 'Start demo');
     document.body.classList.toggle('stale', !this.live.isFresh('measured_cp'));
   }
 }

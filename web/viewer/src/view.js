@@ -100,6 +100,29 @@ export class View {
     this.invalidate();
   }
 
+  /// Turns to a point of the world and looks at it from `distance`, from the side that it is seen from now.
+  focus(point, distance) {
+    const away = this.camera.position.clone().sub(this.orbit.target).normalize();
+    this.orbit.target.copy(point);
+    this.orbit.minDistance = Math.min(this.orbit.minDistance, 0.5 * distance);
+    this.camera.near = Math.min(this.camera.near, 0.05 * distance);
+    this.camera.updateProjectionMatrix();
+    this.camera.position.copy(point).addScaledVector(away, distance);
+    this.orbit.update();
+    this.invalidate();
+  }
+
+  /// From where something of a radius fills a share of the height of the view. Unit: [m].
+  distanceFor(radius, share) {
+    return radius / (share * Math.tan((0.5 * fieldOfView * Math.PI) / 180));
+  }
+
+  /// The way from the middle of the view to a point of the world, as on the page, wherever the point is.
+  towards(point) {
+    const seen = new Vector3(...point).applyMatrix4(this.camera.matrixWorldInverse);
+    return [seen.x, -seen.y];
+  }
+
   /// In a headset the camera is the head, and the room's size says how near and far it sees.
   enterHeadset(opaque) {
     this.#atDesk = this.camera.clone();

@@ -2,9 +2,11 @@
 
 import { byId } from '../../shared/dom.js';
 import { exposeApi } from './api.js';
+import { Approach } from './approach.js';
+import { DepthCue } from './depth_cue.js';
 import { Drag } from './drag.js';
 import { FeltObjects } from './felt_objects.js';
-import { Haptics, play, slidingSpeed } from './haptics.js';
+import { ForceCues } from './force_cues.js';
 import { Headset, supportedModes } from './headset.js';
 import { Keys } from './keys.js';
 import { Legend } from './legend.js';
@@ -14,38 +16,35 @@ import { createPlacementPanel } from './placement_panel.js';
 import { Room } from './room.js';
 import { SceneLoader } from './scene_loader.js';
 import { createShownPanel } from './shown_panel.js';
+import { followShortcuts } from './shortcuts.js';
 import { Splats } from './splats.js';
-import { View, boxAround } from './view.js';
+import { TakeHold } from './take_hold.js';
+import { View } from './view.js';
 
 /// `updatePanels` is called before every frame.
-export function showWorld({ connection, live, parameters, hold, statusBar, actions, updatePanels }) {
+export function showWorld({ connection, live, parameters, hold, statusBar, plots, actions, updatePanels }) {
   const view = new View(byId('view'), byId('canvas'));
   const splats = new Splats(view.renderer, () => view.invalidate());
   const felt = new FeltObjects();
   const room = new Room();
-  const haptics = new Haptics();
   const drag = new Drag(view, hold, felt);
   const keys = new Keys(view, hold, felt);
-  const picker = new Picker(view, splats, () => notify('There is nothing to feel at that point.'));
-  const headset = new Headset({
-    view, room, hold, splats, actions,
-    signText: () => [statusBar.said.text, statusBar.whoHolds, live.force ? `${Math.hypot(...live.force).toFixed(2)} N` : 'no force known'],
-  });
+  const picker = new Picker(view);
+  const approach = new Approach({ hold, splats, felt });
+  const depth = new DepthCue(splats, felt);
+  const takeHold = new TakeHold({ view, splats, felt, live, hold, picker, approach, depth, parameters });
+  const headset = new Headset({ view, room, hold, splats, felt, live, actions, statusBar, parameters });
+  const cues = new ForceCues({ live, hold, parameters, keys, headset });
+  headset.onSound = () => cues.toggleSound();
   const { shown, update: updateShown } = createShownPanel({ splats, felt, changed: () => view.invalidate() });
-  createPlacementPanel(parameters, () => picker.point(), (points) => picker.mark(points));
+  createPlacementPanel(parameters, { pickPoint: () => picker.point(), mark: (points) => picker.mark(points), propose: actions.proposeSetup });
   const legend = new Legend(view, felt);
-  const loader = new SceneLoader(splats, () => frameAll());
+  const loader = new SceneLoader(splats, () => takeHold.open());
 
   view.add(splats.spark);
-  view.world.add(splats.group, felt.group, picker.marks);
+  view.world.add(splats.group, felt.group, depth.group, picker.marks);
   splats.onMaterial = (object) => view.applyTheme(object);
   view.onRestored = () => splats.drawAnew();
-
-  function frameAll() {
-    const box = splats.box;
-    const parts = live.tool ? [live.tool.position] : [];
-    view.frameAll(box.union(boxAround(parts, 2 * felt.size)));
-  }
 
   let knownRoom = '';
   parameters.onChange((p) => {
@@ -56,14 +55,11 @@ export function showWorld({ connection, live, parameters, hold, statusBar, actio
     knownRoom = JSON.stringify(p.room);
   });
 
-  byId('frame-all').addEventListener('click', frameAll);
-  byId('hold').addEventListener('click', () => {
-    if (hold.holds('keys')) hold.end('keys');
-    else if (!hold.begin('keys')) notify('The tool can be held as soon as the program says where it is.');
-  });
+  byId('hold').addEventListener('click', () => takeHold.toggleKeys());
+  followShortcuts({ ...takeHold.shortcuts, m: () => cues.toggleSound() });
   hold.onChange(() => {
     byId('hold').setAttribute('aria-pressed', String(hold.holds('keys')));
-    view.orbit.enabled = !hold.active;
+    view.orbit.enabled = !hold.active || hold.holds('approach');
   });
 
   supportedModes().then((modes) => {
@@ -74,29 +70,20 @@ export function showWorld({ connection, live, parameters, hold, statusBar, actio
     }
   });
 
-  function playForce() {
-    const pulse = haptics.update({
-      force: hold.active ? live.force : null,
-      forceMax: parameters.current?.device.force_max ?? 1,
-      slidingSpeed: slidingSpeed(live.velocity, live.force),
-      now: performance.now(),
-    });
-    if (!pulse) return;
-    headset.pulse(pulse);
-    if (hold.holds('keys') && keys.gamepad) play(keys.gamepad, pulse);
-  }
-
   view.everyFrame((now) => {
     keys.update(now);
-    headset.update();
+    approach.update(now);
+    headset.update(now);
     hold.publish();
-    playForce();
+    cues.update();
     if (felt.update(live, shown)) view.invalidate();
+    if (depth.update(live, 1000 * now)) view.invalidate();
     splats.update(live.tool?.position ?? [0, 0, 0]);
+    takeHold.update();
     updatePanels();
     updateShown();
     legend.update();
   });
   view.applyTheme(view.world);
-  exposeApi({ connection, live, view, splats, felt, haptics, hold, parameters });
+  exposeApi({ connection, live, view, splats, felt, cues, hold, parameters, depth, headset, plots });
 }

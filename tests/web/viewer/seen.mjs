@@ -1,0 +1,137 @@
+// What is seen: the scene, what can be felt of it, contacts, forces, how deep the tool is.
+
+import assert from 'node:assert/strict';
+import { before, beforeEach, describe, test } from 'node:test';
+
+import { ask, colorsOf, settle, until } from './browser.mjs';
+import { ball, clear, desk, distance, frameAll, openDesk, resetDesk, scaled, toolOnPage, touching } from './desk.mjs';
+import { ballScene, radius } from './mock_scene.mjs';
+
+const spread = (color) => Math.max(...color) - Math.min(...color);
+
+describe('what is seen', () => {
+  before(openDesk);
+  beforeEach(() => resetDesk());
+
+  test('the page opens on the object', async () => {
+    const [left, right, top, bottom] = await ask(desk.page, (v, r) => {
+      const { right: x, up: y } = v.axes();
+      return [x.map((c) => -r * c), x.map((c) => r * c), y.map((c) => r * c), y.map((c) => -r * c)].map((p) => v.project(p));
+    }, radius);
+    const { width, height } = await desk.page.locator('#canvas').boundingBox();
+    for (const [x, y] of [left, right, top, bottom]) assert.ok(x > 0 && y > 0 && x < width && y < height);
+    assert.ok(bottom[1] - top[1] > 0.25 * height, `${bottom[1] - top[1]} of ${height} px`);
+  });
+
+  test('the scene is where the program says, in the colours of the file', async () => {
+    const { right } = await ask(desk.page, (v) => v.axes());
+    // Along the camera's right, just inside and just outside the outline of the ball.
+    const seen = await colorsOf(desk.page, [0.9, -0.9, -1.15, 1.15].map((share) => scaled(right, share * radius)));
+    assert.ok(seen[0][0] > seen[0][2] + 60, `orange, not ${seen[0]}`);
+    assert.ok(seen[1][2] > seen[1][0] + 60, `blue, not ${seen[1]}`);
+    for (const color of seen.slice(2)) assert.ok(spread(color) < 20, `background, not ${color}`);
+  });
+
+  test('a registration moves and scales the scene', async () => {
+    desk.gateway.change({ registration: { scale: 0.5, translation: [0.5, 0, 0] } });
+    await until(desk.page, () => window.palpateViewer.parameters().registration.scale === 0.5);
+    await frameAll();
+    const [moved, before] = await colorsOf(desk.page, [[0.54, -0.029, 0], [0, -radius, 0]]);
+    assert.ok(moved[0] > moved[2] + 60, `orange, not ${moved}`);
+    assert.ok(spread(before) < 20, `background, not ${before}`);
+    desk.gateway.change({ registration: { scale: 1, translation: [0, 0, 0] } });
+    await until(desk.page, () => window.palpateViewer.parameters().registration.scale === 1);
+    await frameAll();
+  });
+
+  test('what can be felt is what the opacity cut keeps, and is drawn when asked for', async () => {
+    const faint = ball.gaussians.filter((g) => g.opacity < 0.1).length;
+    const kept = ball.gaussians.length - faint;
+    assert.equal(await ask(desk.page, (v) => v.kept()), kept);
+    assert.equal(await ask(desk.page, (v) => v.felt()), 0);
+    await desk.page.locator('[data-toggle=felt]').check();
+    await until(desk.page, (n) => window.palpateViewer.felt() === n, kept);
+    desk.gateway.change({ filter: { opacity_min: 0.01 } });
+    await until(desk.page, (n) => window.palpateViewer.felt() === n, ball.gaussians.length);
+    await desk.page.locator('[data-toggle=felt]').uncheck();
+  });
+
+  test('the scene comes back when the graphics card has lost it', async () => {
+    const become = async (is) => {
+      for (let k = 0; (spread((await colorsOf(desk.page, [[0, -radius, 0]]))[0]) > 60) !== is; k += 1) {
+        assert.ok(k < 100, `the ball is ${is ? 'not ' : ''}seen`);
+        await settle(desk.page, 1);
+      }
+    };
+    await become(true);
+    await desk.page.evaluate(() => {
+      window.loss = document.getElementById('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
+      window.loss.loseContext();
+    });
+    await become(false);
+    await desk.page.evaluate(() => window.loss.restoreContext());
+    await become(true);
+  });
+
+  test('contacts light up where they are, with a ring at the deepest, and go out', async () => {
+    desk.gateway.tool.position = touching;
+    const expected = desk.gateway.contacts;
+    await until(desk.page, (n) => window.palpateViewer.drawnContacts() === n && window.palpateViewer.cue() === 'contact', expected.length);
+    const drawn = await ask(desk.page, (v) => v.contacts().map((c) => ({ ...c, drawn: v.centreOfDrawnContact(c.id) })));
+    for (const { row, center, scale } of expected) {
+      const one = drawn.find((c) => c.id === row);
+      assert.ok(distance(one.drawn, center) < 1e-4, `contact ${row} is drawn ${distance(one.drawn, center)} m away`);
+      assert.ok(distance(one.scale, scale) < 1e-9);
+    }
+    desk.gateway.tool.position = clear;
+    await until(desk.page, () => window.palpateViewer.drawnContacts() === 0 && window.palpateViewer.cue() === 'gap');
+  });
+
+  test('the line to the surface is as long as the gap is', async () => {
+    for (const height of [0.24, 0.2]) {
+      desk.gateway.tool.position = [0, 0, height];
+      const longest = desk.gateway.parameters.tool[0].semi_axes[2]; // along z
+      await until(desk.page, (gap) => Math.abs((window.palpateViewer.gap ?? 0) - gap) < 0.004, height - longest - radius);
+    }
+    assert.match(await desk.page.locator('.tool-distance').textContent(), /^8(\.\d)? cm$|^7\.\d cm$/);
+  });
+
+  test('the arrow points where the force does', async () => {
+    desk.gateway.tool.position = [0.06, -0.06, 0.06];
+    const arrow = await (await until(desk.page, () => window.palpateViewer.arrow())).jsonValue();
+    const outward = scaled(desk.gateway.tool.position, 1 / Math.hypot(...desk.gateway.tool.position));
+    assert.ok(distance(arrow, outward) < 1e-3, `${arrow}`);
+  });
+
+  test('where the tool is far too small for the scene, that is said', async () => {
+    const tool = [{ ...desk.gateway.parameters.tool[0], semi_axes: [5e-4, 5e-4, 5e-4] }];
+    await resetDesk({ scene: ballScene(300), parameters: { tool } });
+    await desk.page.getByText('times smaller than the scene').waitFor();
+  });
+
+  test('a tool that is small is encircled by 24 pixels at least, and one out of view is pointed at', async () => {
+    desk.gateway.change({ tool: [{ ...desk.gateway.parameters.tool[0], semi_axes: [0.002, 0.002, 0.002] }] });
+    const ring = desk.page.locator('.tool-ring');
+    await ring.waitFor({ state: 'visible' });
+    const { x, y, width } = await ring.boundingBox();
+    const at = await toolOnPage();
+    assert.ok(width >= 24, `${width} px`);
+    assert.ok(distance([x + 0.5 * width, y + 0.5 * width], at) < 3);
+    desk.gateway.tool.position = [0, 0, 3];
+    await desk.page.locator('.tool-arrow').waitFor({ state: 'visible' });
+    assert.equal(await ring.isVisible(), false);
+    const arrow = await desk.page.locator('.tool-arrow').boundingBox();
+    const { width: w, height: h } = await desk.page.locator('#canvas').boundingBox();
+    assert.ok(arrow.x > 0 && arrow.x + arrow.width < w && arrow.y > 0 && arrow.y + arrow.height < h, 'in the view');
+    assert.ok(arrow.y < 0.3 * h, 'the tool is above');
+    await desk.page.keyboard.press('t');
+    await until(desk.page, () => {
+      const tool = window.palpateViewer.project(window.palpateViewer.tool());
+      const canvas = document.getElementById('canvas').getBoundingClientRect();
+      return tool && Math.hypot(tool[0] - 0.5 * canvas.width, tool[1] - 0.5 * canvas.height) < 5;
+    });
+    desk.gateway.tool.position = clear;
+    await settle(desk.page, 3);
+    await frameAll();
+  });
+});

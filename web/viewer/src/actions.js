@@ -1,0 +1,31 @@
+// What a person can ask the program for. Whatever is refused is said.
+
+import { notify } from './notices.js';
+
+export function createActions({ connection, parameters, statusBar, hold }) {
+  const asked = (promise) => promise.catch((error) => {
+    notify(error.message);
+    return null;
+  });
+  const ask = (...request) => asked(connection.ask(...request));
+  const pause = (on) => ask('pause', 'std_srvs/SetBool', { data: on });
+  const actions = {
+    asked,
+    stop: () => ask('emergency_stop', 'std_srvs/Trigger'),
+    resume: () => (parameters.current?.paused ? pause(false) : ask('resume', 'std_srvs/Trigger')),
+    pauseOrResume: () => (statusBar.needsResume ? actions.resume() : pause(true)),
+    toggleDemo() {
+      hold.endAll(); // the simulated hand has it then, or nobody
+      return ask('demo', 'std_srvs/SetBool', { data: !parameters.current?.demo });
+    },
+    record: (on) => ask('record', 'std_srvs/SetBool', { data: on }),
+    config: () => ask('config', 'std_srvs/Trigger'),
+    proposeSetup: () => ask('propose_setup', 'std_srvs/Trigger'),
+    setRoom: (changes) => parameters.set({ room: changes }),
+    async loadTool(text, name) {
+      if (text === '') notify(`${name} is empty or larger than a tool file may be.`);
+      else await ask('load_tool', 'palpate/SetString', { data: text });
+    },
+  };
+  return actions;
+}

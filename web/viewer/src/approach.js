@@ -1,0 +1,93 @@
+// Brings the tool to a point of the surface that is seen: through free space to the line of sight, then along it.
+
+import { Vector3 } from 'three';
+
+import { reachOf } from './tool_shape.js';
+
+const pressed = 0.15; // deeper than the surface, so that it is felt. In sizes of the tool.
+const clearance = 2.5; // from the surface, where the last leg begins. In sizes of the tool.
+const lifted = 6; // towards the eye, where the straight way is not free. In sizes of the tool.
+// In sizes of the tool a second; and how long a frame counts at most, since a page that stood still does not leap. Unit: [s].
+const pace = { free: { speed: 12, longest: 1 }, last: { speed: 3, longest: 0.25 } };
+
+export class Approach {
+  #legs = []; // {to, speed, longest}
+  #last = 0;
+
+  constructor({ hold, splats, felt }) {
+    Object.assign(this, { hold, splats, felt });
+    hold.onChange(() => { if (hold.holds('approach') && hold.isShared) this.cancel(); });
+  }
+
+  get isOn() {
+    return this.hold.holds('approach');
+  }
+
+  /// To `point` as it is seen along `direction`, both in the world. False if it is not known where the tool is.
+  to(point, direction) {
+    this.cancel();
+    if (!this.hold.begin('approach')) return false;
+    const back = direction.clone().normalize().negate();
+    const reach = reachOf(this.felt.parts, this.hold.orientation, direction);
+    const end = point.clone().addScaledVector(back, reach - pressed * this.felt.size);
+    const before = end.clone().addScaledVector(back, clearance * this.felt.size);
+    const way = this.#way(this.hold.hand.clone(), before, back);
+    this.#legs = [...way.map((to) => ({ to, ...pace.free })), { to: end, ...pace.last }];
+    return true;
+  }
+
+  cancel() {
+    this.#legs = [];
+    this.hold.end('approach');
+  }
+
+  // Straight; or first towards the eye, since what is seen is free from there; or around the scene.
+  #way(from, to, back) {
+    if (this.#isFree(from, to)) return [to];
+    const nearer = Math.max(0, to.clone().sub(from).dot(back)) + lifted * this.felt.size;
+    const raised = from.clone().addScaledVector(back, nearer);
+    if (this.#isFree(from, raised) && this.#isFree(raised, to)) return [raised, to];
+    return [...this.#around(from, to), to];
+  }
+
+  #isFree(from, to) {
+    const way = to.clone().sub(from);
+    const length = way.length();
+    if (length === 0) return true;
+    const seen = this.splats.look({ origin: from, direction: way.divideScalar(length) });
+    return seen === null || seen.point.distanceTo(from) > length + this.felt.size;
+  }
+
+  // Out of the scene, around it, and in again.
+  #around(from, to) {
+    const box = this.splats.box;
+    const middle = box.getCenter(new Vector3());
+    const radius = 0.5 * box.getSize(new Vector3()).length() + 2 * this.felt.size;
+    const out = (p) => p.clone().sub(middle).normalize();
+    const [a, b] = [out(from), out(to)];
+    const between = [0.25, 0.5, 0.75].map((share) => a.clone().lerp(b, share));
+    const turned = between.map((p) => (p.lengthSq() > 0.01 ? p.normalize() : new Vector3(0, 0, 1)));
+    const far = 1.3; // chords between these points stay outside
+    return [a, ...turned, b].map((p) => p.multiplyScalar(far * radius).add(middle));
+  }
+
+  /// To be called before every frame, and before the hand is published.
+  update(now) {
+    const seconds = now - this.#last;
+    this.#last = now;
+    if (!this.isOn) return;
+    if (this.#legs.length === 0) {
+      this.hold.end('approach');
+      return;
+    }
+    const [{ to, speed, longest }] = this.#legs;
+    const way = to.clone().sub(this.hold.hand);
+    const step = speed * this.felt.size * Math.min(seconds, longest);
+    if (way.length() > step) {
+      this.hold.hand.addScaledVector(way.normalize(), step);
+      return;
+    }
+    this.hold.hand.copy(to);
+    this.#legs.shift();
+  }
+}

@@ -1,0 +1,111 @@
+// The first things that a person does at a desk: find the tool, look at the object, bring the tool to where they click.
+
+import { Vector3 } from 'three';
+
+import { byId } from '../../shared/dom.js';
+import { formatCount } from '../../shared/format.js';
+import { followClicks } from './clicks.js';
+import { formatLength } from './format.js';
+import { notify } from './notices.js';
+import { Overlay } from './overlay.js';
+import { boxAround } from './view.js';
+
+const findShare = 0.12; // of the height of the view, that the tool fills once it is looked for
+const focusShare = 0.5; // of the way to what is double-clicked, that is left
+const mostTimes = 100; // that a scene is larger than the tool, where its unit is probably not the metre
+const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
+const nearest = 8; // a double click goes no nearer. In sizes of the tool.
+const stretched = 1.4; // a tool that makes the box of the scene larger than by this is left out of it
+
+export class TakeHold {
+  constructor({ view, splats, felt, live, hold, picker, approach, depth, parameters }) {
+    Object.assign(this, { view, splats, felt, live, hold, picker, approach, depth, parameters });
+    this.overlay = new Overlay(view);
+    followClicks(view.canvas, (event) => this.#click(view.rayAt(event)));
+    view.canvas.addEventListener('dblclick', (event) => this.#focus(view.rayAt(event)));
+    byId('frame-all').addEventListener('click', () => this.frameAll());
+    byId('find').addEventListener('click', () => this.findTool());
+    byId('hint-close').addEventListener('click', () => { byId('hint').hidden = true; });
+  }
+
+  get shortcuts() {
+    return { f: () => this.frameAll(), t: () => this.findTool(), h: () => this.toggleKeys(), c: () => this.touchMiddle() };
+  }
+
+  /// To be called once a scene is there.
+  open() {
+    this.frameAll();
+    const times = this.splats.box.getSize(new Vector3()).length() / this.felt.size;
+    if (times > mostTimes) notify(`The tool is ${formatCount(Number(times.toPrecision(2)))} times smaller than the scene. “Propose a setup” in Placement finds a scale.`, 'message');
+  }
+
+  /// The whole object, and the tool if it is near.
+  frameAll() {
+    const box = this.splats.box;
+    const size = (b) => b.getSize(new Vector3()).length();
+    const both = this.live.tool ? box.clone().union(boxAround([this.live.tool.position], 2 * this.felt.size)) : box;
+    this.view.frameAll(box.isEmpty() || size(both) < stretched * size(box) ? both : box);
+  }
+
+  findTool() {
+    const { live, view, felt } = this;
+    if (!live.isFresh('measured_cp')) notify('It is not known where the tool is.');
+    else view.focus(new Vector3(...live.tool.position), view.distanceFor(felt.size, findShare));
+  }
+
+  toggleKeys() {
+    const { hold } = this;
+    if (hold.holds('keys')) hold.end('keys');
+    else if (!hold.begin('keys')) notify('The tool can be held as soon as the program says where it is.');
+  }
+
+  /// Brings the tool to what is seen in the middle of the view.
+  touchMiddle() {
+    const { left, top, width, height } = this.view.canvas.getBoundingClientRect();
+    this.#click(this.view.rayAt({ clientX: left + 0.5 * width, clientY: top + 0.5 * height }));
+  }
+
+  #click(ray) {
+    const seen = this.splats.look(ray);
+    if (this.picker.waits && seen?.felt) this.picker.give(seen.point);
+    else if (this.picker.waits) notify('There is nothing to feel at that point.');
+    else if (seen) this.#touch(seen, ray.direction);
+  }
+
+  #touch({ point, felt }, direction) {
+    if (this.parameters.current?.demo === undefined || this.view.renderer.xr.isPresenting) return; // a device has a hand of its own
+    if (!felt) notify('What is seen there is cut off by the filter: it cannot be felt.');
+    else if (!this.approach.to(point, direction)) notify('The tool can be moved as soon as the program says where it is.');
+  }
+
+  #focus(ray) {
+    const seen = this.splats.look(ray);
+    if (!seen || this.picker.waits) return;
+    this.approach.cancel();
+    const { view, felt } = this;
+    const distance = focusShare * view.camera.position.distanceTo(seen.point);
+    view.focus(seen.point, Math.max(distance, nearest * felt.size));
+  }
+
+  /// To be called before every frame.
+  update() {
+    this.overlay.show(this.#seenTool());
+    if (this.#isFeltByHand) byId('hint').hidden = true;
+  }
+
+  get #isFeltByHand() {
+    return this.parameters.current?.demo === false && Math.hypot(...(this.live.force ?? [0])) > leastForce;
+  }
+
+  #seenTool() {
+    const { view, live, felt, depth } = this;
+    if (!live.isFresh('measured_cp') || view.renderer.xr.isPresenting) return null;
+    const { position } = live.tool;
+    const middle = depth.gap && depth.gap.from.clone().lerp(depth.gap.to, 0.5).toArray();
+    const at = middle && view.project(middle);
+    return {
+      at: view.project(position), towards: view.towards(position), radius: felt.size / view.pixelAt(position),
+      distant: at && { text: formatLength(depth.gap.length), at },
+    };
+  }
+}
