@@ -1,4 +1,6 @@
 // The device plug-in of `palpate run --device ros1:/omni`: a driver that speaks CRTK on ROS 1.
+#include <cstdio>
+
 #include <palpate/device/export_device.h>
 #include <palpate/gateway/crtk_device.h>
 #include <palpate/gateway/crtk_options.h>
@@ -8,10 +10,12 @@
 namespace palpate {
 namespace {
 
+void say(const std::string& line) { std::fprintf(stderr, "palpate: note: %s\n", line.c_str()); }
+
 std::unique_ptr<HapticDevice> make(const std::string& text) {
   CrtkArguments arguments = parse_crtk_arguments("ros1", text);
   return std::make_unique<CrtkDevice>(std::move(arguments.options),
-                                      make_ros1_transport(std::move(arguments.prefix)));
+                                      make_ros1_transport(std::move(arguments.prefix), say));
 }
 
 }  // namespace

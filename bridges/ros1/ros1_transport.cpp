@@ -1,7 +1,6 @@
 #include "ros1_transport.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "ros_link.h"
 
@@ -17,7 +16,8 @@ ros1::StampedWrench message_of(const Wrench& wrench, double stamp) {
 
 class Ros1Transport final : public CrtkTransport, public ros1::Listener {
  public:
-  explicit Ros1Transport(std::string prefix) : prefix_(std::move(prefix)) {}
+  Ros1Transport(std::string prefix, std::function<void(const std::string&)> say)
+      : prefix_(std::move(prefix)), say_(std::move(say)) {}
 
   void start(CrtkDevice& device) override {
     device_ = &device;
@@ -28,7 +28,7 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
     link_->publish(message_of(wrench.spatial, wrench.stamp), message_of(wrench.body, wrench.stamp));
   }
   void send_echo(std::uint64_t number) override { link_->publish_echo(number); }
-  void say(const std::string& line) override { std::fprintf(stderr, "palpate: note: %s\n", line.c_str()); }
+  void say(const std::string& line) override { say_(line); }
 
  private:
   void on_pose(const ros1::Header& header, const std::array<double, 3>& position,
@@ -48,14 +48,16 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
   void on_echo(std::uint64_t number, double stamp) override { device_->take_echo(number, stamp); }
 
   std::string prefix_;
+  std::function<void(const std::string&)> say_;
   CrtkDevice* device_ = nullptr;
   std::unique_ptr<ros1::Link> link_;
 };
 
 }  // namespace
 
-std::unique_ptr<CrtkTransport> make_ros1_transport(std::string prefix) {
-  return std::make_unique<Ros1Transport>(std::move(prefix));
+std::unique_ptr<CrtkTransport> make_ros1_transport(std::string prefix,
+                                                   std::function<void(const std::string&)> say) {
+  return std::make_unique<Ros1Transport>(std::move(prefix), std::move(say));
 }
 
 }  // namespace palpate

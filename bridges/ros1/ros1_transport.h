@@ -2,6 +2,7 @@
 /// Carries the messages of a CrtkDevice over ROS 1.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -9,7 +10,8 @@
 
 namespace palpate {
 
-/// \param prefix of the device's topics
-std::unique_ptr<CrtkTransport> make_ros1_transport(std::string prefix);
+/// \param prefix of the device's topics \param say CrtkTransport::say()
+std::unique_ptr<CrtkTransport> make_ros1_transport(std::string prefix,
+                                                   std::function<void(const std::string&)> say);
 
 }  // namespace palpate

@@ -18,6 +18,8 @@
 #include <ros/xmlrpc_manager.h>
 #include <std_msgs/Header.h>
 
+#include "master_watch.h"
+
 namespace palpate::ros1 {
 namespace {
 
@@ -48,6 +50,7 @@ class Link::Implementation {
  public:
   Implementation(const std::string& prefix, Listener& listener) : prefix_(prefix), listener_(listener) {
     if (!ros::isInitialized()) {
+      require_master_uri();
       int argc = 0;
       // No rosout: advertising it waits for a master.
       ros::init(argc, nullptr, "palpate",
@@ -55,12 +58,10 @@ class Link::Implementation {
                     ros::init_options::NoRosout);
     }
     thread_ = std::thread([this] { run(); });
-    watch_ = std::thread([this] { watch(); });
   }
   ~Implementation() {
     ends_ = true;
     thread_.join();
-    watch_.join();
   }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
@@ -101,8 +102,11 @@ class Link::Implementation {
       sleep();
     }
     if (ends_) return;
+    tell_found();
     connect();
+    watch_master();
     while (!ends_) queue_.callAvailable(ros::WallDuration(kLook));
+    watch_.reset();
     subscriptions_ = {};
     connected_ = false;
   }
@@ -147,26 +151,16 @@ class Link::Implementation {
     listener_.on_pose(header_of(event), {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z});
   }
 
-  /// A master that was started again knows nobody, while connections between nodes stay.
-  void watch() {
-    int pid = 0;
-    while (!ends_) {
-      sleep();
-      if (!connected_.load(std::memory_order_acquire)) continue;
-      XmlRpc::XmlRpcValue request, response, payload;
-      request[0] = ros::this_node::getName();
-      if (!ros::master::execute("getPid", request, response, payload, false)) {
-        tell_lost("the ROS master is gone; what is connected stays so, and it is waited for");
-        continue;
-      }
-      const int now = payload;
-      if (pid != 0 && now != pid) register_anew();
-      if (lost_) listener_.say("the ROS master is there");
-      lost_ = false;
-      pid = now;
-    }
+  void watch_master() {
+    watch_ = std::make_unique<MasterWatch>(
+        [this] { tell_lost("the ROS master is gone; what is connected stays so, and it is waited for"); },
+        [this](bool another) {
+          if (another) register_anew();
+          tell_found();
+        });
   }
 
+  /// With a master that knows nobody, while connections between nodes stay.
   void register_anew() {
     for (const ros::Subscriber& subscriber : subscriptions_) {
       const std::string topic = subscriber.getTopic();
@@ -211,6 +205,9 @@ class Link::Implementation {
   void tell_lost(const std::string& line) {
     if (!lost_.exchange(true)) listener_.say(line);
   }
+  void tell_found() {
+    if (lost_.exchange(false)) listener_.say("the ROS master is there");
+  }
   static void sleep() { std::this_thread::sleep_for(std::chrono::duration<double>(kLook)); }
 
   std::string prefix_;
@@ -222,7 +219,8 @@ class Link::Implementation {
   std::mutex mutex_;   ///< of what follows
   std::string frame_;  ///< of the newest pose
   std::atomic<bool> ends_ = false, connected_ = false, lost_ = false;
-  std::thread thread_, watch_;
+  std::unique_ptr<MasterWatch> watch_;
+  std::thread thread_;
 };
 
 Link::Link(const std::string& prefix, Listener& listener) {

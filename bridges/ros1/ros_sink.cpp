@@ -1,22 +1,26 @@
 #include "ros_sink.h"
 
 #include <cstring>
-#include <stdexcept>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/callback_queue.h>
-#include <ros/master.h>
-#include <ros/ros.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "master_watch.h"
+
 namespace palpate::ros1 {
 namespace {
 
-constexpr const char* kWorld = "world";
+using node::SinkMarker;
+using node::SinkStatus;
+using node::SinkTransform;
+using node::Vector3;
 
 template <class Out>
 Out xyz(const Vector3& v) {
@@ -61,10 +65,25 @@ visualization_msgs::Marker message_of(const SinkMarker& marker, const std_msgs::
   return out;
 }
 
-visualization_msgs::MarkerArray array_of(const std::vector<SinkMarker>& markers) {
+visualization_msgs::MarkerArray array_of(const std::vector<SinkMarker>& markers, const std::string& frame) {
   visualization_msgs::MarkerArray out;
-  const std_msgs::Header head = header(kWorld);
+  const std_msgs::Header head = header(frame);
   for (const SinkMarker& marker : markers) out.markers.push_back(message_of(marker, head));
+  return out;
+}
+
+diagnostic_msgs::DiagnosticStatus message_of(const SinkStatus& status) {
+  diagnostic_msgs::DiagnosticStatus out;
+  out.level = static_cast<std::int8_t>(status.level);
+  out.name = status.name;
+  out.message = status.message;
+  out.hardware_id = status.hardware_id;
+  for (const auto& [key, value] : status.values) {
+    diagnostic_msgs::KeyValue pair;
+    pair.key = key;
+    pair.value = value;
+    out.values.push_back(pair);
+  }
   return out;
 }
 
@@ -77,50 +96,75 @@ sensor_msgs::PointField field(const char* name, std::uint32_t offset) {
   return out;
 }
 
-}  // namespace
-
-bool init_node(int& argc, char** argv, NodeParameters& parameters) {
-  try {
-    ros::init(argc, argv, "palpate", ros::init_options::NoRosout);
-    bool said = false;
-    while (!ros::master::check()) {
-      if (!ros::ok()) return false;
-      if (!said) ROS_WARN("there is no ROS master at %s; it is waited for", ros::master::getURI().c_str());
-      said = true;
-      ros::WallDuration(0.2).sleep();
-    }
-    const ros::NodeHandle own("~");
-    own.param<std::string>("scene", parameters.scene, "");
-    own.param<std::string>("config", parameters.config, "");
-    own.param<std::string>("device", parameters.device, "/omni");
-    own.param("cloud_decimation", parameters.decimation, 1);
-  } catch (const ros::Exception& error) {
-    throw std::runtime_error(error.what());
-  }
-  if (parameters.decimation < 1) throw std::runtime_error("~cloud_decimation must be 1 or more");
-  return true;
+sensor_msgs::PointCloud2 cloud_of(const std::vector<float>& points, const std::string& frame) {
+  constexpr std::uint32_t kStep = 3 * sizeof(float);
+  sensor_msgs::PointCloud2 out;
+  out.header = header(frame);
+  out.height = 1;
+  out.width = static_cast<std::uint32_t>(points.size() / 3);
+  out.fields = {field("x", 0), field("y", 4), field("z", 8)};
+  out.point_step = kStep;
+  out.row_step = kStep * out.width;
+  out.data.resize(out.row_step);
+  if (!points.empty()) std::memcpy(out.data.data(), points.data(), out.data.size());
+  out.is_dense = 1;
+  return out;
 }
 
-bool is_ok() { return ros::ok(); }
-
-class Sink::Implementation {
+class Ros1Sink final : public node::NodeSink {
  public:
-  explicit Implementation(SinkServices services) : services_(std::move(services)) {
+  Ros1Sink(std::string world, node::NodeServices services)
+      : world_(std::move(world)), services_(std::move(services)) {
+    // Its own queue: the link answers for that of the device.
+    node_.setCallbackQueue(&queue_);
     contacts_ = node_.advertise<visualization_msgs::MarkerArray>("palpate/contacts", 2);
     tool_ = node_.advertise<visualization_msgs::MarkerArray>("palpate/tool", 2);
     transforms_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
     diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 2);
     centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
+    serve();
+    spinner_.start();
+  }
+
+  bool wants_contacts() const override { return contacts_.getNumSubscribers() > 0; }
+  void publish_contacts(const std::vector<SinkMarker>& markers) override {
+    contacts_.publish(array_of(markers, world_));
+  }
+  void publish_tool(const std::vector<SinkMarker>& markers) override {
+    tool_.publish(array_of(markers, world_));
+  }
+  void publish_centers(const std::vector<float>& points) override {
+    centers_.publish(cloud_of(points, world_));
+  }
+
+  void publish_transforms(const std::vector<SinkTransform>& transforms) override {
+    tf2_msgs::TFMessage message;
+    for (const SinkTransform& transform : transforms) {
+      geometry_msgs::TransformStamped out;
+      out.header = header(world_);
+      out.child_frame_id = transform.child;
+      out.transform.translation = xyz<geometry_msgs::Vector3>(transform.pose.position);
+      out.transform.rotation = quaternion(transform.pose.orientation);
+      message.transforms.push_back(out);
+    }
+    transforms_.publish(message);
+  }
+
+  void publish_diagnostics(const std::vector<SinkStatus>& statuses) override {
+    diagnostic_msgs::DiagnosticArray message;
+    message.header = header("");
+    for (const SinkStatus& status : statuses) message.status.push_back(message_of(status));
+    diagnostics_.publish(message);
+  }
+
+ private:
+  void serve() {
+    servers_.clear();
     trigger("palpate/emergency_stop", services_.emergency_stop);
     trigger("palpate/resume", services_.resume);
     set_bool("palpate/pause", services_.pause);
     set_bool("palpate/clutch", services_.clutch);
-    spinner_.start();
   }
-
-  ros::Publisher contacts_, tool_, transforms_, diagnostics_, centers_;
-
- private:
   void trigger(const char* name, const std::function<void()>& work) {
     using Request = std_srvs::Trigger::Request;
     using Response = std_srvs::Trigger::Response;
@@ -142,65 +186,24 @@ class Sink::Implementation {
     servers_.push_back(node_.advertiseService<Request, Response>(name, answer));
   }
 
-  SinkServices services_;
+  std::string world_;
+  node::NodeServices services_;
+  ros::CallbackQueue queue_;
   ros::NodeHandle node_;
+  ros::Publisher contacts_, tool_, transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
-  ros::AsyncSpinner spinner_{1};
+  ros::AsyncSpinner spinner_{1, &queue_};
+  /// Topics are the link's to register anew.
+  MasterWatch watch_{[] {},
+                     [this](bool another) {
+                       if (another) serve();
+                     }};
 };
 
-Sink::Sink(SinkServices services) : implementation_(std::make_unique<Implementation>(std::move(services))) {}
-Sink::~Sink() = default;
+}  // namespace
 
-void Sink::publish_contacts(const std::vector<SinkMarker>& markers) {
-  if (!markers.empty()) implementation_->contacts_.publish(array_of(markers));
-}
-void Sink::publish_tool(const std::vector<SinkMarker>& markers) {
-  implementation_->tool_.publish(array_of(markers));
-}
-
-void Sink::publish_transforms(const std::vector<SinkTransform>& transforms) {
-  tf2_msgs::TFMessage message;
-  for (const SinkTransform& transform : transforms) {
-    geometry_msgs::TransformStamped out;
-    out.header = header(transform.parent);
-    out.child_frame_id = transform.child;
-    out.transform.translation = xyz<geometry_msgs::Vector3>(transform.pose.position);
-    out.transform.rotation = quaternion(transform.pose.orientation);
-    message.transforms.push_back(out);
-  }
-  implementation_->transforms_.publish(message);
-}
-
-void Sink::publish_status(const SinkStatus& status) {
-  diagnostic_msgs::DiagnosticArray message;
-  message.header = header("");
-  diagnostic_msgs::DiagnosticStatus out;
-  out.level = static_cast<std::int8_t>(status.level);
-  out.name = "palpate: servo";
-  out.message = status.message;
-  for (const auto& [key, value] : status.values) {
-    diagnostic_msgs::KeyValue pair;
-    pair.key = key;
-    pair.value = value;
-    out.values.push_back(pair);
-  }
-  message.status.push_back(out);
-  implementation_->diagnostics_.publish(message);
-}
-
-void Sink::publish_centers(const std::vector<float>& points) {
-  constexpr std::uint32_t kStep = 3 * sizeof(float);
-  sensor_msgs::PointCloud2 message;
-  message.header = header(kWorld);
-  message.height = 1;
-  message.width = static_cast<std::uint32_t>(points.size() / 3);
-  message.fields = {field("x", 0), field("y", 4), field("z", 8)};
-  message.point_step = kStep;
-  message.row_step = kStep * message.width;
-  message.data.resize(message.row_step);
-  if (!points.empty()) std::memcpy(message.data.data(), points.data(), message.data.size());
-  message.is_dense = 1;
-  implementation_->centers_.publish(message);
+std::unique_ptr<node::NodeSink> make_sink(std::string world, node::NodeServices services) {
+  return std::make_unique<Ros1Sink>(std::move(world), std::move(services));
 }
 
 }  // namespace palpate::ros1

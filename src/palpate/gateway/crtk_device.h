@@ -107,10 +107,11 @@ class CrtkDevice final : public HapticDevice {
   void take_velocity(const CrtkHeader& header, const Twist& twist);
   /// \param stamp the publisher's clock when it answered. Unit: [s].
   void take_echo(std::uint64_t number, double stamp);
-  /// Poses that were felt, and that were dropped.
-  std::uint64_t taken() const { return taken_; }
-  std::uint64_t dropped() const { return dropped_; }
   /// @}
+
+  /// Poses that were felt, and that were dropped. Any thread.
+  std::uint64_t taken() const { return taken_.load(std::memory_order_relaxed); }
+  std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   /// Of a publisher, after which another's poses are felt. Unit: [s].
   static constexpr double kSilence = 1.0;
@@ -144,7 +145,7 @@ class CrtkDevice final : public HapticDevice {
   double heard_ = -kSilence;  ///< when a good pose came last. Unit: [s].
   double refused_since_ = std::numeric_limits<double>::infinity();  ///< nothing good has come. Unit: [s].
   std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< when each came last
-  std::uint64_t taken_ = 0, dropped_ = 0;
+  std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
   std::array<std::atomic<double>, 256> stamp_of_{};  ///< by number of the pose
   LatestValue<Twist> velocity_;
   std::atomic<double> velocity_at_ = -kSilence;
