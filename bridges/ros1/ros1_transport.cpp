@@ -45,7 +45,9 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
     twist.angular = {angular[0], angular[1], angular[2]};
     device_->take_velocity({header.stamp, header.frame, header.source}, twist);
   }
-  void on_echo(std::uint64_t number, double stamp) override { device_->take_echo(number, stamp); }
+  void on_echo(std::uint64_t number, const ros1::Header& header) override {
+    device_->take_echo(number, {header.stamp, header.frame, header.source});
+  }
 
   std::string prefix_;
   std::function<void(const std::string&)> say_;

@@ -131,8 +131,11 @@ class Link::Implementation {
             ros::VoidConstPtr(), hints),
         node_->subscribe<std_msgs::Header>(
             "palpate/echoed", kQueue,
-            boost::function<void(const std_msgs::Header::ConstPtr&)>(
-                [this](const auto& echo) { listener_.on_echo(echo->seq, echo->stamp.toSec()); }),
+            boost::function<void(const ros::MessageEvent<const std_msgs::Header>&)>(
+                [this](const auto& event) {
+                  const std_msgs::Header& echo = *event.getConstMessage();
+                  listener_.on_echo(echo.seq, {echo.stamp.toSec(), echo.frame_id, event.getPublisherName()});
+                }),
             ros::VoidConstPtr(), hints)};
     spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
     body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);

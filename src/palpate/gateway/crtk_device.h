@@ -105,8 +105,9 @@ class CrtkDevice final : public HapticDevice {
   void take_pose(const CrtkHeader& header, const Pose& pose);
   /// Velocity of the handle, used in place of differences of poses while it comes.
   void take_velocity(const CrtkHeader& header, const Twist& twist);
-  /// \param stamp the publisher's clock when it answered. Unit: [s].
-  void take_echo(std::uint64_t number, double stamp);
+  /// Of whose poses are felt; another's clock tells nothing of theirs. \param header its stamp is the
+  /// publisher's clock when it answered
+  void take_echo(std::uint64_t number, const CrtkHeader& header);
   /// @}
 
   /// Poses that were felt, and that were dropped. Any thread.
@@ -121,7 +122,7 @@ class CrtkDevice final : public HapticDevice {
 
   Problem problem_of(const CrtkHeader& header, const Pose& pose, double now);
   bool is_other_source(std::string_view source, double now);
-  Problem check_stamp(double stamp, double now);
+  Problem check_stamp(double stamp, bool anew, double now);
   void refuse(Problem problem, const CrtkHeader& header, double now);
   std::string line_of(Problem problem, const CrtkHeader& header) const;
   void accept(const Pose& pose, double stamp, double now);
