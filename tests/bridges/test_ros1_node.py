@@ -245,7 +245,6 @@ class Node(unittest.TestCase):
                     self.wait_said(notice)
                 self.driver.spoil = lambda m: m
                 self.wait_status("palpate: device", OK)
-                self.lean()
         self.driver.spoil = lambda m: None
         self.wait_status("palpate: device", ERROR, "no poses come")
         self.driver.spoil = lambda m: m
@@ -282,16 +281,17 @@ class Node(unittest.TestCase):
 
 
 class Refusals(unittest.TestCase):
-    """With a master of its own, whose parameters of one run do not reach the next."""
+    @classmethod
+    def setUpClass(cls):
+        cls.port = free_port()
+        master = Master(cls.port)
+        cls.addClassCleanup(master.kill)
+        cls.count = 0
 
     def refuse(self, words, *arguments, env=None):
-        port = free_port()
-        master = Master(port)
-        try:
-            result = subprocess.run([NODE, *arguments], capture_output=True, text=True, check=False, timeout=60,
-                                    env={**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{port}", **(env or {})})
-        finally:
-            master.kill()
+        Refusals.count += 1  # under another name each time, so that the master keeps their parameters apart
+        result = subprocess.run([NODE, f"__name:=palpate{self.count}", *arguments], capture_output=True, text=True, check=False, timeout=60,
+                                env={**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}", **(env or {})})
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertTrue(result.stderr.startswith("palpate_ros1: "), result.stderr)
         self.assertIn(words, result.stderr)
