@@ -47,7 +47,7 @@ build_preset() {
   local preset=$1 tests=$2 cache=$root/build/$1/CMakeCache.txt
   if [[ ! -e $root/build/$preset/build.ninja ]] ||
     { [[ $tests == ON ]] && ! grep -q '^PALPATE_TESTS:BOOL=ON' "$cache"; } ||
-    { [[ $tests == ON ]] && grep -qE '^(MUJOCO_|roscpp_DIR).*-NOTFOUND' "$cache"; }; then
+    { [[ $tests == ON ]] && grep -qE '^(MUJOCO_|roscpp_DIR|ROS1_|CYCLONEDDS_).*-NOTFOUND' "$cache"; }; then
     say "configuring build/$preset"
     local precompile=()
     grep -qs '^CMAKE_DISABLE_PRECOMPILE_HEADERS:[A-Z]*=ON' "$cache" || precompile=(-DCMAKE_DISABLE_PRECOMPILE_HEADERS=OFF)

@@ -1,9 +1,6 @@
 // palpate run: a hand, a device, and a scene between them, live.
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <mutex>
@@ -19,6 +16,7 @@
 #include <palpate/base/real_time.h>
 #include <palpate/live/live_gateway.h>
 #include <palpate/live/live_system.h>
+#include <palpate/live/run_signals.h>
 #include <palpate/record/recording_observer.h>
 #include <palpate/servo/live_view.h>
 
@@ -46,54 +44,6 @@ struct Options {
   double seconds = 0.0;             ///< 0: until someone ends it
   std::vector<std::string> scenes;  ///< folders
 };
-
-/// \name Signals
-/// What a handler may touch: INT, TERM, HUP and QUIT end the run, USR1 is an emergency stop. Both let the
-/// force fall by themselves, also where the main thread waits for something. What kills the program stops the
-/// device before.
-/// @{
-std::atomic<bool> ends = false;
-std::atomic<LiveSystem*> stoppable = nullptr;
-static_assert(std::atomic<LiveSystem*>::is_always_lock_free);
-
-void stop_for(Fault why) {
-  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->stop_force(why);
-}
-extern "C" void end_run(int) {
-  ends.store(true, std::memory_order_relaxed);
-  stop_for(Fault::kPaused);
-}
-extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
-/// The last thing that is done.
-extern "C" void die(int signal) {
-  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->tick().stall();
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-}
-
-constexpr std::array<int, 4> kEnding{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-
-/// Has the handlers in place as long as it lives.
-class Signals {
- public:
-  explicit Signals(LiveSystem& system) {
-    stoppable.store(&system, std::memory_order_release);
-    for (const int signal : kEnding) std::signal(signal, end_run);
-    for (const int signal : kDeadly) std::signal(signal, die);
-    std::signal(SIGUSR1, stop_motors);
-    for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // who writes finds out
-  }
-  ~Signals() {
-    for (const int signal : kEnding) std::signal(signal, SIG_DFL);
-    for (const int signal : kDeadly) std::signal(signal, SIG_DFL);
-    std::signal(SIGUSR1, SIG_IGN);
-    stoppable.store(nullptr, std::memory_order_release);
-  }
-  Signals(const Signals&) = delete;
-  Signals& operator=(const Signals&) = delete;
-};
-/// @}
 
 /// Ends the loop before what looks on is gone, whatever happens.
 class LoopEnd {
@@ -145,7 +95,7 @@ class Console {
     tell_transitions();
     if (draws_) draw();
     const auto key = keyboard_.key(kLook);
-    return !(key && !act(*key)) && !ends.load(std::memory_order_relaxed);
+    return !(key && !act(*key)) && !RunSignals::ended();
   }
 
   void tell_transitions();
@@ -368,7 +318,7 @@ void run(const Options& options) {
   system.start(observers);
   const LoopEnd end(system);
   if (gateway) gateway->start();
-  std::optional<Signals> signals(std::in_place, system);
+  std::optional<RunSignals> signals(std::in_place, system);
   if (talks) {
     for (const std::string& line : system.loop().refused()) tell("note: " + line);
     tell(fmt::format("{} ({}), tool {}, model {}, contacts {}, scene {}", system.device().name,

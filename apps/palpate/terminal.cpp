@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,7 +21,11 @@ NonblockingStderr::~NonblockingStderr() {
 }
 
 void NonblockingStderr::write(std::string_view text) const {
-  if (descriptor_ >= 0 && ::write(descriptor_, text.data(), text.size()) < 0) return;  // lost
+  // A socket, as of systemd's journal, cannot be opened anew; it can be sent to without waiting instead.
+  const ssize_t written = descriptor_ >= 0
+                              ? ::write(descriptor_, text.data(), text.size())
+                              : ::send(STDERR_FILENO, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (written < 0) return;  // lost
 }
 
 void open_closed_streams() {

@@ -12,9 +12,13 @@
 #include <ros/callback_queue.h>
 #include <ros/master.h>
 #include <ros/network.h>
+#include <ros/publication.h>
 #include <ros/ros.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
 #include <std_msgs/Header.h>
+
+#include "master_watch.h"
 
 namespace palpate::ros1 {
 namespace {
@@ -46,6 +50,7 @@ class Link::Implementation {
  public:
   Implementation(const std::string& prefix, Listener& listener) : prefix_(prefix), listener_(listener) {
     if (!ros::isInitialized()) {
+      require_master_uri();
       int argc = 0;
       // No rosout: advertising it waits for a master.
       ros::init(argc, nullptr, "palpate",
@@ -53,12 +58,10 @@ class Link::Implementation {
                     ros::init_options::NoRosout);
     }
     thread_ = std::thread([this] { run(); });
-    watch_ = std::thread([this] { watch(); });
   }
   ~Implementation() {
     ends_ = true;
     thread_.join();
-    watch_.join();
   }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
@@ -99,8 +102,11 @@ class Link::Implementation {
       sleep();
     }
     if (ends_) return;
+    tell_found();
     connect();
+    watch_master();
     while (!ends_) queue_.callAvailable(ros::WallDuration(kLook));
+    watch_.reset();
     subscriptions_ = {};
     connected_ = false;
   }
@@ -125,8 +131,11 @@ class Link::Implementation {
             ros::VoidConstPtr(), hints),
         node_->subscribe<std_msgs::Header>(
             "palpate/echoed", kQueue,
-            boost::function<void(const std_msgs::Header::ConstPtr&)>(
-                [this](const auto& echo) { listener_.on_echo(echo->seq, echo->stamp.toSec()); }),
+            boost::function<void(const ros::MessageEvent<const std_msgs::Header>&)>(
+                [this](const auto& event) {
+                  const std_msgs::Header& echo = *event.getConstMessage();
+                  listener_.on_echo(echo.seq, {echo.stamp.toSec(), echo.frame_id, event.getPublisherName()});
+                }),
             ros::VoidConstPtr(), hints)};
     spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
     body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
@@ -145,26 +154,16 @@ class Link::Implementation {
     listener_.on_pose(header_of(event), {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z});
   }
 
-  /// A master that was started again knows nobody, while connections between nodes stay.
-  void watch() {
-    int pid = 0;
-    while (!ends_) {
-      sleep();
-      if (!connected_.load(std::memory_order_acquire)) continue;
-      XmlRpc::XmlRpcValue request, response, payload;
-      request[0] = ros::this_node::getName();
-      if (!ros::master::execute("getPid", request, response, payload, false)) {
-        tell_lost("the ROS master is gone; what is connected stays so, and it is waited for");
-        continue;
-      }
-      const int now = payload;
-      if (pid != 0 && now != pid) register_anew();
-      if (lost_) listener_.say("the ROS master is there");
-      lost_ = false;
-      pid = now;
-    }
+  void watch_master() {
+    watch_ = std::make_unique<MasterWatch>(
+        [this] { tell_lost("the ROS master is gone; what is connected stays so, and it is waited for"); },
+        [this](bool another) {
+          if (another) register_anew();
+          tell_found();
+        });
   }
 
+  /// With a master that knows nobody, while connections between nodes stay.
   void register_anew() {
     for (const ros::Subscriber& subscriber : subscriptions_) {
       const std::string topic = subscriber.getTopic();
@@ -173,9 +172,11 @@ class Link::Implementation {
                                                                        : "std_msgs/Header";
       update(topic, register_as("registerSubscriber", topic, type));
     }
-    register_as("registerPublisher", spatial_.getTopic(), "geometry_msgs/WrenchStamped");
-    register_as("registerPublisher", body_.getTopic(), "geometry_msgs/WrenchStamped");
-    register_as("registerPublisher", echo_.getTopic(), "std_msgs/Header");
+    std::vector<std::string> topics;
+    ros::this_node::getAdvertisedTopics(topics);
+    for (const std::string& topic : topics)
+      if (const auto publication = ros::TopicManager::instance()->lookupPublication(topic))
+        register_as("registerPublisher", topic, publication->getDataType());
   }
 
   /// \returns what the master answers: for a subscriber the publishers that it knows.
@@ -207,6 +208,9 @@ class Link::Implementation {
   void tell_lost(const std::string& line) {
     if (!lost_.exchange(true)) listener_.say(line);
   }
+  void tell_found() {
+    if (lost_.exchange(false)) listener_.say("the ROS master is there");
+  }
   static void sleep() { std::this_thread::sleep_for(std::chrono::duration<double>(kLook)); }
 
   std::string prefix_;
@@ -218,7 +222,8 @@ class Link::Implementation {
   std::mutex mutex_;   ///< of what follows
   std::string frame_;  ///< of the newest pose
   std::atomic<bool> ends_ = false, connected_ = false, lost_ = false;
-  std::thread thread_, watch_;
+  std::unique_ptr<MasterWatch> watch_;
+  std::thread thread_;
 };
 
 Link::Link(const std::string& prefix, Listener& listener) {

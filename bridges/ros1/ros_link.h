@@ -26,8 +26,8 @@ class Listener {
   /// \param linear Unit: [m/s]. \param angular Unit: [rad/s].
   virtual void on_velocity(const Header& header, const std::array<double, 3>& linear,
                            const std::array<double, 3>& angular) = 0;
-  /// \param stamp of the publisher's clock when it answered `number`. Unit: [s].
-  virtual void on_echo(std::uint64_t number, double stamp) = 0;
+  /// \param header with the stamp of the publisher's clock when it answered `number`
+  virtual void on_echo(std::uint64_t number, const Header& header) = 0;
   /// One line for a person. Any thread of the link.
   virtual void say(const std::string& line) = 0;
 };

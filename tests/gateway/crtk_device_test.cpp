@@ -175,7 +175,7 @@ TEST(CrtkDevice, AnAgeCountsTheJitterAndTheWayBack) {
   ASSERT_TRUE(link.tick());
   EXPECT_GT(link.clock.now() - link.reading.t, 0.008);
   link.ticks(5, 0.0);
-  link.device->take_echo(link.peer->echo(), driver_now());
+  link.device->take_echo(link.peer->echo(), {driver_now(), "", "/arm"});
   link.pose(0.02);
   ASSERT_TRUE(link.tick());
   EXPECT_LE(link.reading.t, link.clock.now());
@@ -234,6 +234,18 @@ TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   EXPECT_GT(monotonic_now() - since, 0.9);
   EXPECT_TRUE(read);
   EXPECT_NE(link.reading.hand, hand);
+}
+
+// A recording that is played stamps its poses with the time at which they were recorded.
+TEST(CrtkDevice, ANewPublisherMayHaveAnotherClock) {
+  Link link;
+  link.ticks(3, 0.1);
+  sleep_until(monotonic_now() + 1.05 * CrtkDevice::kSilence);
+  link.pose(0.9, 1000.0, "base", "/player");
+  EXPECT_TRUE(link.tick());
+  link.pose(0.8, 1000.0, "base", "/player");
+  EXPECT_TRUE(link.tick());
+  EXPECT_EQ(link.device->dropped(), 0U);
 }
 
 TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {

@@ -183,7 +183,7 @@ TEST(EllipsoidMarker, IsTheEllipsoid) {
     const Pose pose{random.in_box(10.0), random.rotation()};
     Ellipsoid ellipsoid = Ellipsoid::from_semi_axes(pose, lengths);
     if (draw % 2 == 0) ellipsoid.axes.col(random.integer(0, 2)) *= -1.0;
-    expect_same(ellipsoid_marker(header({}, "world", 0), "ns", 0, ellipsoid, kColor), ellipsoid);
+    expect_same(to_json(header({}, "world", 0), ellipsoid_marker("ns", 0, ellipsoid, kColor)), ellipsoid);
     if (testing::Test::HasFailure()) FAIL() << "draw " << draw;
   }
 }
@@ -193,7 +193,7 @@ TEST(EllipsoidMarker, OfAxesAlongTheFramesIsThem) {
     const Vector3d lengths((zero & 1) != 0 ? 0.0 : 0.01, (zero & 2) != 0 ? 0.0 : 0.02,
                            (zero & 4) != 0 ? 0.0 : 0.03);
     const Ellipsoid ellipsoid = Ellipsoid::from_semi_axes({}, lengths);
-    const Json marker = ellipsoid_marker(header({}, "world", 0), "ns", 0, ellipsoid, kColor);
+    const Json marker = to_json(header({}, "world", 0), ellipsoid_marker("ns", 0, ellipsoid, kColor));
     expect_same(marker, ellipsoid);
     EXPECT_EQ(vector_of(marker.at("scale")), 2.0 * lengths) << "each length stays with its axis";
   }
@@ -201,7 +201,7 @@ TEST(EllipsoidMarker, OfAxesAlongTheFramesIsThem) {
 
 TEST(EllipsoidMarker, HasTheFieldsOfAMarker) {
   const Json head = header({1, 2}, "world", 3);
-  const Json marker = ellipsoid_marker(head, "contacts", 42, {}, kColor);
+  const Json marker = to_json(head, ellipsoid_marker("contacts", 42, {}, kColor));
   EXPECT_EQ(marker["header"], head);
   EXPECT_EQ(marker["ns"], "contacts");
   EXPECT_EQ(marker["id"], 42);
@@ -209,12 +209,12 @@ TEST(EllipsoidMarker, HasTheFieldsOfAMarker) {
   EXPECT_EQ(marker["action"], 0);  // ADD
   EXPECT_EQ(marker["color"], (Json{{"r", 0.1}, {"g", 0.2}, {"b", 0.3}, {"a", 0.4}}));
   // int32 in ROS: ids from 2^31 on wrap, and stay apart.
-  EXPECT_EQ(ellipsoid_marker(head, "contacts", 4'000'000'000U, {}, kColor)["id"], -294'967'296);
+  EXPECT_EQ(to_json(head, ellipsoid_marker("contacts", 4'000'000'000U, {}, kColor))["id"], -294'967'296);
 }
 
 TEST(ArrowMarker, GoesFromPointToPoint) {
   const Json head = header({1, 2}, "world", 3);
-  const Json marker = arrow_marker(head, "normals", 42, {1, 2, 3}, {4, 5, 6}, 0.01, kColor);
+  const Json marker = to_json(head, arrow_marker("normals", 42, {1, 2, 3}, {4, 5, 6}, 0.01, kColor));
   EXPECT_EQ(marker["header"], head);
   EXPECT_EQ(marker["ns"], "normals");
   EXPECT_EQ(marker["id"], 42);
@@ -228,11 +228,11 @@ TEST(ArrowMarker, GoesFromPointToPoint) {
 }
 
 TEST(DeletedMarkers, SayWhatIsDeleted) {
-  const Json one = deleted_marker(header({}, "world", 0), "contacts", 42);
+  const Json one = to_json(header({}, "world", 0), deleted_marker("contacts", 42));
   EXPECT_EQ(one["action"], 2);
   EXPECT_EQ(one["ns"], "contacts");
   EXPECT_EQ(one["id"], 42);
-  EXPECT_EQ(all_deleted_marker(header({}, "world", 0))["action"], 3);
+  EXPECT_EQ(to_json(header({}, "world", 0), all_deleted_marker())["action"], 3);
 }
 
 }  // namespace

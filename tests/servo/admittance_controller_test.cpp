@@ -34,7 +34,7 @@ TEST(AdmittanceController, IsAMassWithADamper) {
   a.damping = {10.0, 0.0, 40.0};
   AdmittanceController controller(a, wide());
   controller.start({});
-  const Wrench user{{3.0, 1.0, -2.0}, {0.05, 0, 0}}, scene{{1.0, 0.5, -2.0}, {}};
+  const Wrench user{{3.0, 1.0, -2.0}, {0.05, 0, 0}}, scene{{1.0, 0.5, -2.0}, {0, 0, 0}};
   for (int k = 0; k < 1000; ++k) controller.step(user, scene, kTick);
   const Twist& v = controller.motion().velocity;
   EXPECT_NEAR(v.linear.x(), 0.4 * (1 - std::exp(-5.0)), 1e-3);

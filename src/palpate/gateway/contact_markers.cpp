@@ -18,6 +18,7 @@ Color color_of(double k_min) {
   return {mix(0), mix(1), mix(2), 0.9};
 }
 
+constexpr Color kToolColor{0.04, 0.34, 0.77, 0.35};
 constexpr Color kNormalColor{0.1, 0.14, 0.19, 0.9};
 /// Of an arrow's shaft. Unit: [m].
 constexpr double kThickness = 5e-4;
@@ -37,27 +38,34 @@ void choose(std::vector<Contact>& contacts, std::size_t most) {
 
 }  // namespace
 
-Json ContactMarkers::message(const Json& header, std::vector<Contact>& contacts,
-                             const EllipsoidLookup& ellipsoids) {
+const std::vector<Marker>& ContactMarkers::next(std::vector<Contact>& contacts,
+                                                const EllipsoidLookup& ellipsoids) {
   choose(contacts, kMost);
   ++count_;
-  Json markers = Json::array();
+  markers_.clear();
   for (const Contact& c : contacts) {
     Ellipsoid ellipsoid = ellipsoids.at(c.id);
     ellipsoid.center = c.center;
-    markers.push_back(ellipsoid_marker(header, "contacts", c.id, ellipsoid, color_of(c.k_min)));
-    markers.push_back(arrow_marker(header, "normals", c.id, c.point, c.point + c.depth * c.normal, kThickness,
-                                   kNormalColor));
+    markers_.push_back(ellipsoid_marker("contacts", c.id, ellipsoid, color_of(c.k_min)));
+    markers_.push_back(
+        arrow_marker("normals", c.id, c.point, c.point + c.depth * c.normal, kThickness, kNormalColor));
     seen_[c.id] = count_;
   }
   for (auto seen = seen_.begin(); seen != seen_.end();) {
     if (seen->second != count_) {
-      for (const char* ns : {"contacts", "normals"})
-        markers.push_back(deleted_marker(header, ns, seen->first));
+      for (const char* ns : {"contacts", "normals"}) markers_.push_back(deleted_marker(ns, seen->first));
     }
     seen = count_ - seen->second >= kReach ? seen_.erase(seen) : std::next(seen);
   }
-  return {{"markers", std::move(markers)}};
+  return markers_;
+}
+
+std::vector<Marker> tool_markers(const Tool& tool, const Pose& pose) {
+  std::vector<Marker> markers;
+  std::uint32_t id = 0;
+  for (const ToolPart& part : tool.parts())
+    markers.push_back(ellipsoid_marker("tool", id++, part.at(pose), kToolColor));
+  return markers;
 }
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// Contacts as markers, message by message.
+/// Contacts and tools as markers.
 #pragma once
 
 #include <cstdint>
@@ -8,26 +8,30 @@
 
 #include <palpate/collision/contact.h>
 #include <palpate/collision/ellipsoid_lookup.h>
-#include <palpate/rosbridge/ros_message.h>
+#include <palpate/haptics/tool.h>
+#include <palpate/rosbridge/marker.h>
 
 namespace palpate {
 
-/// Makes visualization_msgs/MarkerArrays of contacts: a SPHERE in "contacts" and an ARROW in "normals" for
-/// each, with the Gaussian's id, and a DELETE for each that is gone, in as many messages as a client may
-/// miss.
+/// Makes the markers of contacts: a sphere in "contacts" and an arrow in "normals" for each, with the
+/// Gaussian's id, and a deletion for each that is gone, in as many messages as a client may miss.
 class ContactMarkers {
  public:
   static constexpr std::size_t kMost = 256;    ///< contacts in a message, the deepest
   static constexpr std::uint64_t kReach = 60;  ///< messages in which a contact that is gone is deleted
 
-  /// Reorders `contacts`.
-  Json message(const Json& header, std::vector<Contact>& contacts, const EllipsoidLookup& ellipsoids);
+  /// Those of a message, until the next call. Reorders `contacts`.
+  const std::vector<Marker>& next(std::vector<Contact>& contacts, const EllipsoidLookup& ellipsoids);
   /// For a client that missed more than kReach.
-  static Json reset(const Json& header) { return {{"markers", {all_deleted_marker(header)}}}; }
+  static Marker reset() { return all_deleted_marker(); }
 
  private:
+  std::vector<Marker> markers_;
   std::uint64_t count_ = 0;
   std::map<std::uint32_t, std::uint64_t> seen_;  ///< number of the message that an id was last in
 };
+
+/// The ellipsoids of a tool at a pose in the world, in the namespace "tool".
+std::vector<Marker> tool_markers(const Tool& tool, const Pose& pose);
 
 }  // namespace palpate

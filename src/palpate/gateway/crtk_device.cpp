@@ -113,17 +113,18 @@ bool CrtkDevice::is_other_source(std::string_view source, double now) {
   return taken_ > 0 && source != source_ && now - heard_ < kSilence;
 }
 
-CrtkDevice::Problem CrtkDevice::check_stamp(double stamp, double now) {
+/// \param anew by another publisher than before, whose clock is another, too
+CrtkDevice::Problem CrtkDevice::check_stamp(double stamp, bool anew, double now) {
   age_ = 0.0;
   if (stamp == 0.0) return Problem::kNone;  // nothing is known but that it has come
   const std::scoped_lock lock(mutex_);
-  if (now - refused_since_ > kSilence) stamps_.reset();
+  if (anew || now - refused_since_ > kSilence) stamps_.reset();
   const std::optional<double> age = stamps_.age(stamp, now);
   if (!age) return Problem::kFuture;
   age_ = *age;
   if (age_ > age_limit_) return Problem::kStale;
   const bool restarted = now - heard_ >= kSilence;
-  return stamp > stamp_ || restarted ? Problem::kNone : Problem::kStale;
+  return stamp > stamp_ || restarted || anew ? Problem::kNone : Problem::kStale;
 }
 
 CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
@@ -135,7 +136,7 @@ CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose&
     frame_ = header.frame;
   }
   if (!is_finite(pose) || !is_unit(pose.orientation) || !std::isfinite(header.stamp)) return Problem::kBad;
-  return check_stamp(header.stamp, now);
+  return check_stamp(header.stamp, taken_ > 0 && header.source != source_, now);
 }
 
 void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
@@ -201,9 +202,10 @@ void CrtkDevice::take_velocity(const CrtkHeader& header, const Twist& twist) {
   velocity_at_.store(monotonic_now(), std::memory_order_relaxed);
 }
 
-void CrtkDevice::take_echo(std::uint64_t number, double stamp) {
+void CrtkDevice::take_echo(std::uint64_t number, const CrtkHeader& header) {
+  if (header.source != source_) return;
   const std::scoped_lock lock(mutex_);
-  stamps_.echoes().answer(number, stamp, monotonic_now());
+  stamps_.echoes().answer(number, header.stamp, monotonic_now());
 }
 
 /// Ticks begin a little before they are seen here: the least is the best.

@@ -105,12 +105,14 @@ class CrtkDevice final : public HapticDevice {
   void take_pose(const CrtkHeader& header, const Pose& pose);
   /// Velocity of the handle, used in place of differences of poses while it comes.
   void take_velocity(const CrtkHeader& header, const Twist& twist);
-  /// \param stamp the publisher's clock when it answered. Unit: [s].
-  void take_echo(std::uint64_t number, double stamp);
-  /// Poses that were felt, and that were dropped.
-  std::uint64_t taken() const { return taken_; }
-  std::uint64_t dropped() const { return dropped_; }
+  /// Of whose poses are felt; another's clock tells nothing of theirs. \param header its stamp is the
+  /// publisher's clock when it answered
+  void take_echo(std::uint64_t number, const CrtkHeader& header);
   /// @}
+
+  /// Poses that were felt, and that were dropped. Any thread.
+  std::uint64_t taken() const { return taken_.load(std::memory_order_relaxed); }
+  std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   /// Of a publisher, after which another's poses are felt. Unit: [s].
   static constexpr double kSilence = 1.0;
@@ -120,7 +122,7 @@ class CrtkDevice final : public HapticDevice {
 
   Problem problem_of(const CrtkHeader& header, const Pose& pose, double now);
   bool is_other_source(std::string_view source, double now);
-  Problem check_stamp(double stamp, double now);
+  Problem check_stamp(double stamp, bool anew, double now);
   void refuse(Problem problem, const CrtkHeader& header, double now);
   std::string line_of(Problem problem, const CrtkHeader& header) const;
   void accept(const Pose& pose, double stamp, double now);
@@ -144,7 +146,7 @@ class CrtkDevice final : public HapticDevice {
   double heard_ = -kSilence;  ///< when a good pose came last. Unit: [s].
   double refused_since_ = std::numeric_limits<double>::infinity();  ///< nothing good has come. Unit: [s].
   std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< when each came last
-  std::uint64_t taken_ = 0, dropped_ = 0;
+  std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
   std::array<std::atomic<double>, 256> stamp_of_{};  ///< by number of the pose
   LatestValue<Twist> velocity_;
   std::atomic<double> velocity_at_ = -kSilence;

@@ -1,5 +1,5 @@
 /// \file
-/// Options of a CRTK device as text, as they follow `--device ros1:`.
+/// Options of a CRTK device as text, as they follow `--device ros1:` or `ros2:`.
 #pragma once
 
 #include <string>

@@ -9,16 +9,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kMilli = 1e3, kMicro = 1e6;
+constexpr double kMilli = 1e3;
 constexpr double kMostEchoes = 1e15;  ///< whole in a double
 constexpr const char* kWorld = "world";
-constexpr Color kToolColor{0.04, 0.34, 0.77, 0.35};
-
-/// diagnostic_msgs/DiagnosticStatus: what passes by itself is a warning.
-int level_of(const TickRecord& tick) {
-  if (tick.fault == Fault::kNone) return 0;
-  return traits(tick.fault).latched ? 2 : 1;
-}
 
 }  // namespace
 
@@ -28,7 +21,7 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
       feed_(feed),
       hand_(hand),
       clock_(clock),
-      statistics_(statistics),
+      watch_(statistics),
       map_(map),
       client_is_device_(client_is_device),
       pose_(hub.add_topic("/palpate/measured_cp", "geometry_msgs/PoseStamped")),
@@ -41,7 +34,8 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
       diagnostics_(hub.add_topic("/palpate/diagnostics", "diagnostic_msgs/DiagnosticArray")),
       client_(hub.add_topic("/palpate/client/servo_cf", "geometry_msgs/WrenchStamped")),
       echo_(hub.add_topic("/palpate/client/echo", "std_msgs/Header")) {
-  contacts_.set_reset(ContactMarkers::reset(header({}, kWorld, 0)), ContactMarkers::kReach);
+  const Marker reset = ContactMarkers::reset();
+  contacts_.set_reset(marker_array(header({}, kWorld, 0), {&reset, 1}), ContactMarkers::kReach);
   hub.add_input("/palpate/client/measured_cp", "geometry_msgs/PoseStamped",
                 [this](const Json& message, Client& from) { take(message, from); });
   hub.add_input("/palpate/client/echoed", "std_msgs/Header",
@@ -189,7 +183,7 @@ void LiveTopics::publish() {
   if (tool_topic_.is_watched()) publish_tool(stamp);
   if (count_ % kContactsEvery == 0 && contacts_.is_watched()) publish_contacts(stamp);
   if (count_ % kDiagnosticsEvery == 0) {
-    watch_rate();
+    watch_.look(clock_.now());
     if (diagnostics_.is_watched()) publish_diagnostics(stamp);
   }
   ++count_;
@@ -200,7 +194,8 @@ void LiveTopics::publish_contacts(const Stamp& stamp) {
   if (!lookup_) look_up_ellipsoids();
   if (!lookup_) return;
   query(*index_, tool_, feed_.newest().record.tool, found_);
-  contacts_.publish(markers_.message(header(stamp, kWorld, count_), found_.contacts, *lookup_->ellipsoids));
+  contacts_.publish(
+      marker_array(header(stamp, kWorld, count_), markers_.next(found_.contacts, *lookup_->ellipsoids)));
 }
 
 /// Sorts all Gaussians. Until that is done there are no contacts to be seen.
@@ -223,57 +218,18 @@ void LiveTopics::look_up_ellipsoids() {
 }
 
 void LiveTopics::publish_tool(const Stamp& stamp) {
-  const Json head = header(stamp, kWorld, count_);
-  Json markers = Json::array();
-  std::uint32_t id = 0;
-  for (const ToolPart& part : tool_.parts())
-    markers.push_back(ellipsoid_marker(head, "tool", id++, part.at(feed_.newest().record.tool), kToolColor));
-  tool_topic_.publish({{"markers", std::move(markers)}});
-}
-
-void LiveTopics::watch_rate() {
-  constexpr double kLeast = 1.0;  // s
-  const double now = clock_.now();
-  if (now - ticks_at_ < kLeast && rate_ > 0.0) return;
-  times_.next();
-  const std::uint64_t ticks = statistics_.ticks.load(std::memory_order_relaxed);
-  rate_ = static_cast<double>(ticks - ticks_) / (now - ticks_at_);
-  ticks_ = ticks;
-  ticks_at_ = now;
+  tool_topic_.publish(
+      marker_array(header(stamp, kWorld, count_), tool_markers(tool_, feed_.newest().record.tool)));
 }
 
 void LiveTopics::publish_diagnostics(const Stamp& stamp) {
   const auto& [tick, times, answers] = feed_.newest();
+  const LiveDiagnostics found = diagnose(tick, times, watch_, {is_held(), hub_.client_count()});
   Json values = Json::array();
-  const auto text = [&](const char* key, std::string_view value) {
-    values.push_back({{"key", key}, {"value", value}});
-  };
-  const auto number = [&](const char* key, double value) { text(key, fmt::format("{:.6g}", value)); };
-  text("state", to_string(tick.state));
-  text("fault", tick.fault == Fault::kNone ? "" : traits(tick.fault).name);
-  text("advice", tick.fault == Fault::kNone ? "" : traits(tick.fault).advice);
-  text("held_by", is_held() ? "client" : "");
-  number("rate_hz", rate_);
-  number("tick_us", kMicro * times.whole);
-  number("tick_mean_us", kMicro * times_.mean());
-  number("tick_p50_us", kMicro * times_.quantile(0.5));
-  number("tick_p99_us", kMicro * times_.quantile(0.99));
-  number("age_us", kMicro * times.age);
-  number("overruns", static_cast<double>(times.overruns));
-  number("contacts", static_cast<double>(tick.contacts));
-  number("candidates", static_cast<double>(tick.candidates));
-  number("k_max", tick.k_max);
-  number("force_n", tick.sent.force.norm());
-  number("torque_nm", tick.sent.torque.norm());
-  number("margin", tick.margin);
-  number("energy_mj", kMilli * tick.energy);
-  number("stored_mj", std::isnan(tick.felt.stored) ? 0.0 : kMilli * tick.felt.stored);
-  number("put_out_mj", kMilli * tick.put_out);
-  number("damping", tick.added_damping);
-  number("clients", static_cast<double>(hub_.client_count()));
-  Json status{{"level", level_of(tick)},
+  for (const auto& [key, value] : found.values) values.push_back({{"key", key}, {"value", value}});
+  Json status{{"level", found.level},
               {"name", "palpate: servo"},
-              {"message", tick.fault == Fault::kNone ? to_string(tick.state) : traits(tick.fault).name},
+              {"message", found.message},
               {"hardware_id", ""},
               {"values", std::move(values)}};
   diagnostics_.publish({{"header", header(stamp, "", count_)}, {"status", Json::array({std::move(status)})}});

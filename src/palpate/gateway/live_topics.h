@@ -14,10 +14,12 @@
 #include <palpate/gateway/client_clock.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/gateway/contact_markers.h>
+#include <palpate/gateway/diagnostics.h>
 #include <palpate/gateway/tick_feed.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/rosbridge/elsewhere.h>
 #include <palpate/rosbridge/hub.h>
+#include <palpate/rosbridge/ros_message.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
@@ -82,13 +84,12 @@ class LiveTopics {
   void look_up_ellipsoids();
   void publish_tool(const Stamp& stamp);
   void publish_diagnostics(const Stamp& stamp);
-  void watch_rate();
 
   Hub& hub_;
   TickFeed& feed_;
   ClientHand& hand_;
   const LoopClock& clock_;
-  const LoopStatistics& statistics_;
+  RateWatch watch_;
   WorkspaceMap map_;
   bool client_is_device_;
   Topic &pose_, &velocity_, &spatial_, &body_, &proxy_, &contacts_, &tool_topic_, &diagnostics_, &client_,
@@ -124,9 +125,6 @@ class LiveTopics {
   std::array<Stamp, 256> stamps_;
   std::uint64_t answered_ = 0;  ///< number of a pose
   std::uint64_t count_ = 0;     ///< calls of publish()
-  std::uint64_t ticks_ = 0;
-  double ticks_at_ = 0.0, rate_ = 0.0;
-  TimeWindow times_{statistics_.whole};  ///< of the ticks that rate_ counts
 };
 
 }  // namespace palpate

@@ -178,7 +178,7 @@ std::vector<ConfigField> make_fields() {
     {"tool", "tool", kTool, "a,b,c|FILE.toml", "semi-axes of an ellipsoid, m; or a file of many, as in examples/tools, or its text",
      ToolField{[](auto& c) -> auto& { return c.tool; }}, {.saved = true}},
 
-    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; a client of the gateway; a room-scale one of the admittance type in a simulated hand, on the project's own mechanics or on MuJoCo's; or a driver, plugin:PATH.so[:ARGUMENTS] or NAME:ARGUMENTS (ros1:/omni)",
+    {"device", "", kDevice, "", "a simulated one in a simulated hand; poses of --trajectory that no force moves; a client of the gateway; a room-scale one of the admittance type in a simulated hand, on the project's own mechanics or on MuJoCo's; or a driver, plugin:PATH.so[:ARGUMENTS] or NAME:ARGUMENTS (ros1:/omni, ros2:/omni)",
      device()},
     {"profile", "", kDevice, "", "whose forces and mechanics it has", profile()},
     {"trajectory", "", kDevice, "T.csv", "where the hand wants the tool, in the world; to and fro (default: to touch the scene at seven places)",

@@ -1,22 +1,13 @@
 #include <palpate/rosbridge/ros_message.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
 
-enum MarkerType { kArrow = 0, kSphere = 2 };
-enum MarkerAction { kAdd = 0, kDelete = 2, kDeleteAll = 3 };
-
 Json to_json(const Color& c) { return {{"r", c.r}, {"g", c.g}, {"b", c.b}, {"a", c.a}}; }
-
-Json marker(const Json& header, const std::string& ns, std::uint32_t id, int action) {
-  // As a number of 32 bits with a sign, which is what a Marker has.
-  return {{"header", header}, {"ns", ns}, {"id", static_cast<std::int32_t>(id)}, {"action", action}};
-}
 
 /// What must be there.
 double number_at(const Json& message, const char* name) {
@@ -66,50 +57,29 @@ Json to_json(const Wrench& wrench) {
   return {{"force", to_json(wrench.force)}, {"torque", to_json(wrench.torque)}};
 }
 
-Json ellipsoid_marker(const Json& header, const std::string& ns, std::uint32_t id, const Ellipsoid& ellipsoid,
-                      const Color& color) {
-  const Eigen::Vector3d lengths = ellipsoid.axes.colwise().norm();
-  // Axes of no length point where they must for a rotation.
-  Eigen::Matrix3d directions = Eigen::Matrix3d::Identity();
-  int known = 0;
-  std::array<int, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return lengths[a] > lengths[b]; });
-  while (known < 3 && lengths[order[static_cast<std::size_t>(known)]] > 0.0) ++known;
-  Eigen::Vector3d first = Eigen::Vector3d::UnitX(), second;
-  if (known > 0) first = ellipsoid.axes.col(order[0]) / lengths[order[0]];
-  second =
-      known > 1 ? Eigen::Vector3d(ellipsoid.axes.col(order[1]) / lengths[order[1]]) : first.unitOrthogonal();
-  second = (second - second.dot(first) * first).normalized();
-  directions.col(order[0]) = first;
-  directions.col(order[1]) = second;
-  // Right-handed whatever the order; the sign of an axis of an ellipsoid is free.
-  directions.col(order[2]) = first.cross(second);
-  if (directions.determinant() < 0.0) directions.col(order[2]) *= -1.0;
-
-  Json result = marker(header, ns, id, kAdd);
-  result["type"] = kSphere;
-  result["pose"] = to_json(Pose{ellipsoid.center, Eigen::Quaterniond(directions).normalized()});
-  result["scale"] = to_json(Eigen::Vector3d(2.0 * lengths));
-  result["color"] = to_json(color);
+Json to_json(const Json& header, const Marker& marker) {
+  // The id as a number of 32 bits with a sign, which is what a Marker has.
+  Json result{{"header", header},
+              {"ns", marker.ns},
+              {"id", static_cast<std::int32_t>(marker.id)},
+              {"action", static_cast<int>(marker.action)}};
+  if (marker.action != Marker::Action::kAdd) return result;
+  result["type"] = static_cast<int>(marker.type);
+  result["pose"] = to_json(marker.pose);
+  result["scale"] = to_json(marker.scale);
+  result["color"] = to_json(marker.color);
+  if (marker.points.empty()) return result;
+  Json points = Json::array();
+  for (const Eigen::Vector3d& point : marker.points) points.push_back(to_json(point));
+  result["points"] = std::move(points);
   return result;
 }
 
-Json arrow_marker(const Json& header, const std::string& ns, std::uint32_t id, const Eigen::Vector3d& from,
-                  const Eigen::Vector3d& to, double thickness, const Color& color) {
-  Json result = marker(header, ns, id, kAdd);
-  result["type"] = kArrow;
-  result["pose"] = to_json(Pose{});
-  result["points"] = {to_json(from), to_json(to)};
-  result["scale"] = to_json(Eigen::Vector3d(thickness, 2.0 * thickness, 0.0));
-  result["color"] = to_json(color);
-  return result;
+Json marker_array(const Json& header, std::span<const Marker> markers) {
+  Json all = Json::array();
+  for (const Marker& marker : markers) all.push_back(to_json(header, marker));
+  return {{"markers", std::move(all)}};
 }
-
-Json deleted_marker(const Json& header, const std::string& ns, std::uint32_t id) {
-  return marker(header, ns, id, kDelete);
-}
-
-Json all_deleted_marker(const Json& header) { return marker(header, "", 0, kDeleteAll); }
 
 Stamp stamp_of(const Json& header) {
   const auto stamp = header.find("stamp");

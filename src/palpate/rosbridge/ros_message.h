@@ -2,10 +2,11 @@
 /// What is felt, in the shapes of ROS messages.
 #pragma once
 
+#include <span>
 #include <string>
 
-#include <palpate/geometry/ellipsoid.h>
 #include <palpate/geometry/pose.h>
+#include <palpate/rosbridge/marker.h>
 #include <palpate/rosbridge/message.h>
 
 namespace palpate {
@@ -31,22 +32,9 @@ Json to_json(const Pose& pose);             ///< geometry_msgs/Pose
 Json to_json(const Twist& twist);           ///< geometry_msgs/Twist
 Json to_json(const Wrench& wrench);         ///< geometry_msgs/Wrench
 
-/// RGB and opacity, each in [0, 1].
-struct Color {
-  double r, g, b, a;
-};
-
-/// \name visualization_msgs/Marker
-/// @{
-Json ellipsoid_marker(const Json& header, const std::string& ns, std::uint32_t id, const Ellipsoid& ellipsoid,
-                      const Color& color);
-/// \param thickness of its shaft. Unit: [m].
-Json arrow_marker(const Json& header, const std::string& ns, std::uint32_t id, const Eigen::Vector3d& from,
-                  const Eigen::Vector3d& to, double thickness, const Color& color);
-Json deleted_marker(const Json& header, const std::string& ns, std::uint32_t id);
-/// All there are.
-Json all_deleted_marker(const Json& header);
-/// @}
+Json to_json(const Json& header, const Marker& marker);  ///< visualization_msgs/Marker
+/// visualization_msgs/MarkerArray.
+Json marker_array(const Json& header, std::span<const Marker> markers);
 
 /// A PoseStamped that was received.
 struct StampedPose {

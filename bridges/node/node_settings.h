@@ -1,0 +1,38 @@
+/// \file
+/// Parameters of a node.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <palpate/gateway/crtk_options.h>
+#include <palpate/live/live_config.h>
+
+#include "node_parameter.h"
+
+namespace palpate::node {
+
+/// What a node is told when it starts.
+struct NodeSettings {
+  LiveConfig live;
+  CrtkArguments device;
+  int decimation = 1;                  ///< of the centres, every how manieth is published
+  std::string world_frame = "world";   ///< frame_id of what is in the world
+  std::string device_frame = {};       ///< of tf, where the device's base is in the world
+  std::string tf_prefix = "palpate/";  ///< of the names of all other frames of tf
+};
+
+/// From these parameters, all of which may be missing or empty:
+///
+///     scene             file; the built-in scene
+///     config            TOML file, as of `palpate run --config`
+///     device            text of parse_crtk_arguments() (/omni)
+///     cloud_decimation  NodeSettings::decimation
+///     world_frame, device_frame, tf_prefix
+///
+/// and the settings of scene, tool, force, loop and workspace under the names of config_fields(), `_` for
+/// `-`, which go before those of `config`. \param kind "ros1": for messages \throws Error that names the
+/// parameter, for an unknown one too.
+NodeSettings read_node_settings(const std::string& kind, const std::vector<NodeParameter>& parameters);
+
+}  // namespace palpate::node

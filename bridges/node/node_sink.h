@@ -1,0 +1,72 @@
+/// \file
+/// What a node shows of a live system and may be asked for, without the headers of ROS, and without
+/// Palpate's: ROS 1's do not compile as C++20, and Palpate's not as C++17.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpate::node {
+
+using Vector3 = std::array<double, 3>;
+
+struct SinkPose {
+  Vector3 position{};                                     ///< Unit: [m].
+  std::array<double, 4> orientation{1.0, 0.0, 0.0, 0.0};  ///< w, x, y, z
+};
+
+/// visualization_msgs/Marker in the world's frame.
+struct SinkMarker {
+  std::string ns;
+  std::int32_t id = 0, type = 0, action = 0;
+  SinkPose pose;
+  Vector3 scale{};
+  std::array<double, 4> color{};  ///< r, g, b, a
+  std::vector<Vector3> points;
+};
+
+/// Pose of the frame `child` in the world's.
+struct SinkTransform {
+  std::string child;
+  SinkPose pose;
+};
+
+/// diagnostic_msgs/DiagnosticStatus.
+struct SinkStatus {
+  int level = 0;  ///< 0 fine, 1 warning, 2 error
+  std::string name, message, hardware_id;
+  std::vector<std::pair<std::string, std::string>> values;
+};
+
+/// What services do. Called by the sink's own thread; none blocks.
+struct NodeServices {
+  std::function<void()> emergency_stop, resume;
+  std::function<void(bool)> pause, clutch;
+};
+
+/// Publishes under the node's namespace palpate/contacts, palpate/tool (MarkerArray), palpate/centers
+/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves palpate/emergency_stop, resume
+/// (Trigger), pause and clutch (SetBool). Everything is stamped when it is published, in the frame `world`.
+/// One thread.
+class NodeSink {
+ public:
+  NodeSink() = default;
+  virtual ~NodeSink() = default;
+  NodeSink(const NodeSink&) = delete;
+  NodeSink& operator=(const NodeSink&) = delete;
+
+  /// Whether anybody gets publish_contacts().
+  virtual bool wants_contacts() const = 0;
+  virtual void publish_contacts(const std::vector<SinkMarker>& markers) = 0;
+  virtual void publish_tool(const std::vector<SinkMarker>& markers) = 0;
+  virtual void publish_transforms(const std::vector<SinkTransform>& transforms) = 0;
+  virtual void publish_diagnostics(const std::vector<SinkStatus>& statuses) = 0;
+  /// \param points x, y, z each, in the world. Unit: [m].
+  virtual void publish_centers(const std::vector<float>& points) = 0;
+};
+
+}  // namespace palpate::node

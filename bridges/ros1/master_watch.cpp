@@ -1,0 +1,63 @@
+#include "master_watch.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/this_node.h>
+
+namespace palpate::ros1 {
+namespace {
+
+constexpr std::chrono::milliseconds kLook(200);
+
+/// Of the master's process; 0: there is none.
+int master_pid() {
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getPid", request, response, payload, false)) return 0;
+  return payload.getType() == XmlRpc::XmlRpcValue::TypeInt ? static_cast<int>(payload) : 0;
+}
+
+}  // namespace
+
+void require_master_uri() {
+  const char* uri = std::getenv("ROS_MASTER_URI");
+  std::string host;
+  std::uint32_t port = 0;
+  if (uri == nullptr || *uri == '\0')
+    throw std::runtime_error("ROS_MASTER_URI is not set; export ROS_MASTER_URI=http://HOST:11311");
+  if (!ros::network::splitURI(uri, host, port))
+    throw std::runtime_error("ROS_MASTER_URI is no http://HOST:PORT");
+}
+
+MasterWatch::MasterWatch(std::function<void()> lost, std::function<void(bool)> found)
+    : lost_(std::move(lost)), found_(std::move(found)), thread_([this] { run(); }) {}
+
+MasterWatch::~MasterWatch() {
+  ends_ = true;
+  thread_.join();
+}
+
+void MasterWatch::run() {
+  int known = 0;
+  bool gone = false;
+  while (!ends_) {
+    std::this_thread::sleep_for(kLook);
+    const int pid = master_pid();
+    if (pid == 0) {
+      if (!gone) lost_();
+      gone = true;
+      continue;
+    }
+    const bool another = known != 0 && pid != known;
+    if (gone || another) found_(another);
+    gone = false;
+    known = pid;
+  }
+}
+
+}  // namespace palpate::ros1

@@ -1,0 +1,209 @@
+#include "ros_sink.h"
+
+#include <cstring>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "master_watch.h"
+
+namespace palpate::ros1 {
+namespace {
+
+using node::SinkMarker;
+using node::SinkStatus;
+using node::SinkTransform;
+using node::Vector3;
+
+template <class Out>
+Out xyz(const Vector3& v) {
+  Out out;
+  out.x = v[0];
+  out.y = v[1];
+  out.z = v[2];
+  return out;
+}
+
+geometry_msgs::Quaternion quaternion(const std::array<double, 4>& q) {
+  geometry_msgs::Quaternion out;
+  out.w = q[0];
+  out.x = q[1];
+  out.y = q[2];
+  out.z = q[3];
+  return out;
+}
+
+std_msgs::Header header(const std::string& frame) {
+  std_msgs::Header out;
+  out.stamp = ros::Time::now();
+  out.frame_id = frame;
+  return out;
+}
+
+visualization_msgs::Marker message_of(const SinkMarker& marker, const std_msgs::Header& head) {
+  visualization_msgs::Marker out;
+  out.header = head;
+  out.ns = marker.ns;
+  out.id = marker.id;
+  out.type = marker.type;
+  out.action = marker.action;
+  out.pose.position = xyz<geometry_msgs::Point>(marker.pose.position);
+  out.pose.orientation = quaternion(marker.pose.orientation);
+  out.scale = xyz<geometry_msgs::Vector3>(marker.scale);
+  out.color.r = static_cast<float>(marker.color[0]);
+  out.color.g = static_cast<float>(marker.color[1]);
+  out.color.b = static_cast<float>(marker.color[2]);
+  out.color.a = static_cast<float>(marker.color[3]);
+  for (const Vector3& point : marker.points) out.points.push_back(xyz<geometry_msgs::Point>(point));
+  return out;
+}
+
+visualization_msgs::MarkerArray array_of(const std::vector<SinkMarker>& markers, const std::string& frame) {
+  visualization_msgs::MarkerArray out;
+  const std_msgs::Header head = header(frame);
+  for (const SinkMarker& marker : markers) out.markers.push_back(message_of(marker, head));
+  return out;
+}
+
+diagnostic_msgs::DiagnosticStatus message_of(const SinkStatus& status) {
+  diagnostic_msgs::DiagnosticStatus out;
+  out.level = static_cast<std::int8_t>(status.level);
+  out.name = status.name;
+  out.message = status.message;
+  out.hardware_id = status.hardware_id;
+  for (const auto& [key, value] : status.values) {
+    diagnostic_msgs::KeyValue pair;
+    pair.key = key;
+    pair.value = value;
+    out.values.push_back(pair);
+  }
+  return out;
+}
+
+sensor_msgs::PointField field(const char* name, std::uint32_t offset) {
+  sensor_msgs::PointField out;
+  out.name = name;
+  out.offset = offset;
+  out.datatype = sensor_msgs::PointField::FLOAT32;
+  out.count = 1;
+  return out;
+}
+
+sensor_msgs::PointCloud2 cloud_of(const std::vector<float>& points, const std::string& frame) {
+  constexpr std::uint32_t kStep = 3 * sizeof(float);
+  sensor_msgs::PointCloud2 out;
+  out.header = header(frame);
+  out.height = 1;
+  out.width = static_cast<std::uint32_t>(points.size() / 3);
+  out.fields = {field("x", 0), field("y", 4), field("z", 8)};
+  out.point_step = kStep;
+  out.row_step = kStep * out.width;
+  out.data.resize(out.row_step);
+  if (!points.empty()) std::memcpy(out.data.data(), points.data(), out.data.size());
+  out.is_dense = 1;
+  return out;
+}
+
+class Ros1Sink final : public node::NodeSink {
+ public:
+  Ros1Sink(std::string world, node::NodeServices services)
+      : world_(std::move(world)), services_(std::move(services)) {
+    // Its own queue: the link answers for that of the device.
+    node_.setCallbackQueue(&queue_);
+    contacts_ = node_.advertise<visualization_msgs::MarkerArray>("palpate/contacts", 2);
+    tool_ = node_.advertise<visualization_msgs::MarkerArray>("palpate/tool", 2);
+    transforms_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
+    diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 2);
+    centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
+    serve();
+    spinner_.start();
+  }
+
+  bool wants_contacts() const override { return contacts_.getNumSubscribers() > 0; }
+  void publish_contacts(const std::vector<SinkMarker>& markers) override {
+    contacts_.publish(array_of(markers, world_));
+  }
+  void publish_tool(const std::vector<SinkMarker>& markers) override {
+    tool_.publish(array_of(markers, world_));
+  }
+  void publish_centers(const std::vector<float>& points) override {
+    centers_.publish(cloud_of(points, world_));
+  }
+
+  void publish_transforms(const std::vector<SinkTransform>& transforms) override {
+    tf2_msgs::TFMessage message;
+    for (const SinkTransform& transform : transforms) {
+      geometry_msgs::TransformStamped out;
+      out.header = header(world_);
+      out.child_frame_id = transform.child;
+      out.transform.translation = xyz<geometry_msgs::Vector3>(transform.pose.position);
+      out.transform.rotation = quaternion(transform.pose.orientation);
+      message.transforms.push_back(out);
+    }
+    transforms_.publish(message);
+  }
+
+  void publish_diagnostics(const std::vector<SinkStatus>& statuses) override {
+    diagnostic_msgs::DiagnosticArray message;
+    message.header = header("");
+    for (const SinkStatus& status : statuses) message.status.push_back(message_of(status));
+    diagnostics_.publish(message);
+  }
+
+ private:
+  void serve() {
+    servers_.clear();
+    trigger("palpate/emergency_stop", services_.emergency_stop);
+    trigger("palpate/resume", services_.resume);
+    set_bool("palpate/pause", services_.pause);
+    set_bool("palpate/clutch", services_.clutch);
+  }
+  void trigger(const char* name, const std::function<void()>& work) {
+    using Request = std_srvs::Trigger::Request;
+    using Response = std_srvs::Trigger::Response;
+    const boost::function<bool(Request&, Response&)> answer = [&work](Request&, Response& response) {
+      work();
+      response.success = 1;
+      return true;
+    };
+    servers_.push_back(node_.advertiseService<Request, Response>(name, answer));
+  }
+  void set_bool(const char* name, const std::function<void(bool)>& work) {
+    using Request = std_srvs::SetBool::Request;
+    using Response = std_srvs::SetBool::Response;
+    const boost::function<bool(Request&, Response&)> answer = [&work](Request& request, Response& response) {
+      work(request.data != 0);
+      response.success = 1;
+      return true;
+    };
+    servers_.push_back(node_.advertiseService<Request, Response>(name, answer));
+  }
+
+  std::string world_;
+  node::NodeServices services_;
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  ros::Publisher contacts_, tool_, transforms_, diagnostics_, centers_;
+  std::vector<ros::ServiceServer> servers_;
+  ros::AsyncSpinner spinner_{1, &queue_};
+  /// Topics are the link's to register anew.
+  MasterWatch watch_{[] {},
+                     [this](bool another) {
+                       if (another) serve();
+                     }};
+};
+
+}  // namespace
+
+std::unique_ptr<node::NodeSink> make_sink(std::string world, node::NodeServices services) {
+  return std::make_unique<Ros1Sink>(std::move(world), std::move(services));
+}
+
+}  // namespace palpate::ros1

@@ -1,0 +1,49 @@
+// The node palpate_ros2.
+#include <cstdio>
+#include <exception>
+
+#include <node_notices.h>
+#include <node_settings.h>
+#include <run_node.h>
+
+#include "ros2_sink.h"
+#include "ros2_transport.h"
+#include "ros_arguments.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kProgram = "palpate_ros2";
+
+void run(int argc, char** argv) {
+  const ros2::NodeArguments arguments = ros2::read_arguments(argc, argv);
+  const node::NodeSettings settings = node::read_node_settings("ros2", arguments.parameters);
+  node::NodeNotices notices(kProgram);
+  const ros2::Say say = [&notices](const std::string& line) { notices.say(line); };
+  const ros2::Resolve resolve = [&arguments](const std::string& name) {
+    return arguments.names.resolve(name);
+  };
+  ros2::Participant participant(say);
+  node::NodeNetwork network;
+  network.transport = [&](const std::string& prefix, node::NodeNotices&) {
+    return ros2::make_transport(prefix, say, resolve, &participant);
+  };
+  network.sink = [&](const node::NodeSettings&, node::NodeServices services) {
+    return ros2::make_sink(participant, resolve, settings.world_frame, std::move(services));
+  };
+  network.is_up = [] { return true; };
+  node::run_node(settings, network, notices);
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  try {
+    palpate::run(argc, argv);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", palpate::kProgram, error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,84 @@
+#include "ros2_services.h"
+
+#include <array>
+
+#include "ros_messages.h"
+#include "take_all.h"
+
+namespace palpate::ros2 {
+namespace {
+
+using Trigger_ = std_srvs_srv_dds__Trigger_Request_;
+using TriggerDone_ = std_srvs_srv_dds__Trigger_Response_;
+using SetBool_ = std_srvs_srv_dds__SetBool_Request_;
+using SetBoolDone_ = std_srvs_srv_dds__SetBool_Response_;
+
+}  // namespace
+
+Services::Services(Participant& participant, const Resolve& resolve, node::NodeServices services)
+    : participant_(participant), resolve_(resolve) {
+  set_ = checked(dds_create_waitset(participant.id()), "wait for services");
+  end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
+  checked(dds_waitset_attach(set_, end_, end_), "wait for services");
+  trigger("palpate/emergency_stop", std::move(services.emergency_stop));
+  trigger("palpate/resume", std::move(services.resume));
+  set_bool("palpate/pause", std::move(services.pause));
+  set_bool("palpate/clutch", std::move(services.clutch));
+  thread_ = std::thread([this] { run(); });
+}
+
+Services::~Services() {
+  dds_set_guardcondition(end_, true);
+  thread_.join();
+  for (const Service& service : all_) {
+    dds_delete(service.reader);
+    dds_delete(service.writer);
+  }
+  dds_delete(set_);
+  dds_delete(end_);
+}
+
+void Services::add(const char* name, const dds_topic_descriptor_t& request,
+                   const dds_topic_descriptor_t& response, std::function<void(const Service&)> answer) {
+  const std::string full = resolve_(name);
+  const dds_entity_t reader = participant_.make_reader("rq", full + "Request", request, kServices);
+  const dds_entity_t writer = participant_.make_writer("rr", full + "Reply", response, kServices);
+  checked(dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS), "wait for services");
+  checked(dds_waitset_attach(set_, reader, reader), "wait for services");
+  all_.push_back({reader, writer, std::move(answer)});
+}
+
+void Services::trigger(const char* name, std::function<void()> work) {
+  add(name, std_srvs_srv_dds__Trigger_Request__desc, std_srvs_srv_dds__Trigger_Response__desc,
+      [work = std::move(work)](const Service& service) {
+        take_all<Trigger_>(service.reader, [&](const Trigger_& request, dds_instance_handle_t) {
+          work();
+          std::string message;
+          const TriggerDone_ done{request.client, request.number, true, message.data()};
+          dds_write(service.writer, &done);
+        });
+      });
+}
+
+void Services::set_bool(const char* name, std::function<void(bool)> work) {
+  add(name, std_srvs_srv_dds__SetBool_Request__desc, std_srvs_srv_dds__SetBool_Response__desc,
+      [work = std::move(work)](const Service& service) {
+        take_all<SetBool_>(service.reader, [&](const SetBool_& request, dds_instance_handle_t) {
+          work(request.data);
+          std::string message;
+          const SetBoolDone_ done{request.client, request.number, true, message.data()};
+          dds_write(service.writer, &done);
+        });
+      });
+}
+
+void Services::run() {
+  std::array<dds_attach_t, 5> triggered{};
+  for (bool ends = false; !ends;) {
+    dds_waitset_wait(set_, triggered.data(), triggered.size(), DDS_INFINITY);
+    for (const Service& service : all_) service.answer(service);
+    if (dds_read_guardcondition(end_, &ends) < 0) return;
+  }
+}
+
+}  // namespace palpate::ros2

@@ -1,0 +1,47 @@
+/// \file
+/// Services of a node over DDS.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include <node_sink.h>
+
+#include "dds_entities.h"
+#include "ros2_transport.h"
+
+namespace palpate::ros2 {
+
+/// Answers palpate/emergency_stop, resume (std_srvs/Trigger), pause and clutch (SetBool), as long as it
+/// lives, on a thread of its own. DDS knows no services, and implementations of ROS 2 differ in how they make
+/// them: this is how rmw_cyclonedds_cpp does.
+class Services {
+ public:
+  /// \param participant must outlive it
+  Services(Participant& participant, const Resolve& resolve, node::NodeServices services);
+  ~Services();
+  Services(const Services&) = delete;
+  Services& operator=(const Services&) = delete;
+
+ private:
+  struct Service {
+    dds_entity_t reader, writer;
+    std::function<void(const Service&)> answer;  ///< all that has been asked
+  };
+
+  void trigger(const char* name, std::function<void()> work);
+  void set_bool(const char* name, std::function<void(bool)> work);
+  void add(const char* name, const dds_topic_descriptor_t& request, const dds_topic_descriptor_t& response,
+           std::function<void(const Service&)> answer);
+  void run();
+
+  Participant& participant_;
+  const Resolve& resolve_;  ///< while it is made
+  std::vector<Service> all_;
+  dds_entity_t set_ = 0, end_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace palpate::ros2

@@ -1,0 +1,19 @@
+/// \file
+/// What a node shows over DDS, as ROS 2 does.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <node_sink.h>
+
+#include "dds_entities.h"
+#include "ros2_transport.h"
+
+namespace palpate::ros2 {
+
+/// \param world frame_id of what is in the world \param participant must outlive it
+std::unique_ptr<node::NodeSink> make_sink(Participant& participant, const Resolve& resolve, std::string world,
+                                          node::NodeServices services);
+
+}  // namespace palpate::ros2

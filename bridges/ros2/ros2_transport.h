@@ -1,0 +1,24 @@
+/// \file
+/// Carries the messages of a CrtkDevice over DDS, as ROS 2 does.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <palpate/gateway/crtk_device.h>
+
+#include "dds_entities.h"
+
+namespace palpate::ros2 {
+
+/// The name that a topic really has; see Names.
+using Resolve = std::function<std::string(const std::string& name)>;
+
+/// Subscribes PREFIX/measured_cp, measured_cv and palpate/echoed, publishes PREFIX/spatial/servo_cf,
+/// body/servo_cf and palpate/echo, from start() to stop(). A std_msgs/Header has no number in ROS 2: that of
+/// an echo is its frame_id. \param participant must outlive it; null: makes its own
+std::unique_ptr<CrtkTransport> make_transport(std::string prefix, Say say, Resolve resolve,
+                                              Participant* participant = nullptr);
+
+}  // namespace palpate::ros2

@@ -1,0 +1,27 @@
+/// \file
+/// What a reader has.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <dds/dds.h>
+
+namespace palpate::ros2 {
+
+/// Calls `work(message, writer)` for each, in the order in which they came, in the memory of the reader.
+template <class Message, class Work>
+void take_all(dds_entity_t reader, const Work& work) {
+  constexpr std::size_t kMost = 8;
+  std::array<void*, kMost> samples{};
+  std::array<dds_sample_info_t, kMost> info;
+  for (;;) {
+    const dds_return_t count = dds_take(reader, samples.data(), info.data(), kMost, kMost);
+    if (count <= 0) return;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+      if (info[k].valid_data) work(*static_cast<const Message*>(samples[k]), info[k].publication_handle);
+    dds_return_loan(reader, samples.data(), count);
+  }
+}
+
+}  // namespace palpate::ros2

@@ -1,0 +1,52 @@
+#include <palpate/live/run_signals.h>
+
+#include <array>
+#include <atomic>
+#include <csignal>
+
+namespace palpate {
+namespace {
+
+// What a handler may touch.
+std::atomic<bool> ends = false;
+std::atomic<LiveSystem*> stoppable = nullptr;
+static_assert(std::atomic<LiveSystem*>::is_always_lock_free);
+
+void stop_for(Fault why) {
+  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->stop_force(why);
+}
+extern "C" void end_run(int) {
+  ends.store(true, std::memory_order_relaxed);
+  stop_for(Fault::kPaused);
+}
+extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
+/// The last thing that is done.
+extern "C" void die(int signal) {
+  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->tick().stall();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+constexpr std::array<int, 4> kEnding{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+
+}  // namespace
+
+RunSignals::RunSignals(LiveSystem& system) {
+  stoppable.store(&system, std::memory_order_release);
+  for (const int signal : kEnding) std::signal(signal, end_run);
+  for (const int signal : kDeadly) std::signal(signal, die);
+  std::signal(SIGUSR1, stop_motors);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+}
+
+RunSignals::~RunSignals() {
+  for (const int signal : kEnding) std::signal(signal, SIG_DFL);
+  for (const int signal : kDeadly) std::signal(signal, SIG_DFL);
+  std::signal(SIGUSR1, SIG_IGN);
+  stoppable.store(nullptr, std::memory_order_release);
+}
+
+bool RunSignals::ended() { return ends.load(std::memory_order_relaxed); }
+
+}  // namespace palpate

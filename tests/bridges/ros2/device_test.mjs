@@ -1,0 +1,111 @@
+// palpate run --device ros2:/omni, and a driver on Fast DDS whose messages are made and read by another implementation.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { after, before, describe, test } from 'node:test';
+import { ddsType, encode, typeHash } from './messages.mjs';
+import { Driver, Peer, Program, environment, eventually, makeFolder, makeWall, poseMessage, wait } from './program.mjs';
+
+
+test('types have the hashes that their definitions give', () => {
+  const source = readFileSync(process.env.PALPATE_TYPE_HASHES, 'utf8');
+  const found = [...source.matchAll(/"(\w+)::msg::dds_::(\w+)_",\s*"([0-9a-f]{64})"/g)];
+  assert.equal(found.length, 8);
+  for (const [, folder, name, hash] of found) assert.equal(hash, typeHash(`${folder}/${name}`), name);
+});
+
+describe('a driver on ROS 2', () => {
+  let palpate;
+  let driver;
+
+  before(() => {
+    const { path } = makeWall(makeFolder({ after }));
+    palpate = new Program(process.env.PALPATE, 'run', path, '--no-gateway', '--no-index-file', '--tool', '0.02,0.02,0.02',
+      '--device', 'ros2:/omni,force_max=8,rate=20');
+    driver = new Driver('/omni');
+  });
+  after(async () => {
+    await driver.kill();
+    assert.equal(await palpate.end(), 0, palpate.said);
+  });
+
+  test('feels a wall, along both frames', async () => {
+    await driver.lean();
+    const spatial = await driver.newest('spatial', 'geometry_msgs/WrenchStamped');
+    assert.equal(spatial.header.frame_id, 'base');
+    assert.ok(Math.abs(spatial.header.stamp.sec - Date.now() / 1000) < 5);
+    assert.ok(Math.abs(spatial.wrench.force.x) < 1e-3 && spatial.wrench.torque.z === 0);
+    const body = await driver.newest('body', 'geometry_msgs/WrenchStamped');
+    assert.equal(body.header.frame_id, 'tool');
+    assert.ok(body.wrench.force.z > 0.5);
+    await driver.ask('trips spatial');
+    await wait(2000);
+    const [sent, answered, p50, p99] = (await driver.ask('trips spatial')).split(' ').map(Number);
+    console.log(`poses ${sent / 2} Hz, answered ${answered} of ${sent}; round trip p50 ${p50.toFixed(2)} ms, p99 ${p99.toFixed(2)} ms`);
+    assert.ok(answered > 100);
+  });
+
+  for (const [what, words, message] of [
+    ['NaN', 'no force until they do', poseMessage('base', NaN)],
+    ['another norm', 'no force until they do', poseMessage('base', 0.016, 2)],
+    ['another frame', "in the frame 'else', not 'base'", poseMessage('else', 0.016)],
+  ]) {
+    test(`drops ${what}, and says so once`, async () => {
+      await driver.lean();
+      const before_ = palpate.said.split(words).length;
+      driver.bad(message);
+      await driver.noForce();
+      await wait(200);
+      assert.equal(palpate.said.split(words).length, before_ + 1, palpate.said);
+      driver.good();
+    });
+  }
+
+  test('drops what is late', async () => {
+    await driver.lean();
+    driver.tell('late 0.5');
+    await driver.noForce();
+    await palpate.says('late, twice or out of order');
+    driver.tell('late 0');
+    await driver.lean();
+  });
+
+  test('does not feel a second publisher', async (context) => {
+    const other = new Driver('/omni');
+    context.after(() => other.kill());
+    await palpate.says('holds the device, until it is silent for 1 s; stop one');
+  });
+
+  test('lets the force fall where the driver is killed, and feels the next one', async () => {
+    await driver.lean();
+    await driver.kill();
+    await palpate.says('stale-pose');
+    driver = new Driver('/omni', 'best_effort');
+    await driver.lean();
+  });
+
+  test('names a subscriber that asks for what is not offered', async (context) => {
+    const other = new Peer();
+    context.after(() => other.kill());
+    other.tell(`reader late rt/omni/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} reliable kept`);
+    await palpate.says('a subscriber of rt/omni/spatial/servo_cf wants another quality of service (durability)');
+  });
+});
+
+test('bad settings are one line', () => {
+  const refuse = (words, device, env = {}) => {
+    try {
+      execFileSync(process.env.PALPATE, ['run', '--no-gateway', '--device', device, '--seconds', '1'],
+        { env: { ...environment, ...env }, stdio: ['ignore', 'pipe', 'pipe'] });
+    } catch ({ status, stderr }) {
+      assert.equal(status, 1);
+      assert.ok(stderr.toString().includes(words), stderr.toString());
+      assert.equal(stderr.toString().split('\n').length, 2, stderr.toString());
+      return;
+    }
+    assert.fail(`${device} is taken`);
+  };
+  refuse("wants the prefix of the device's topics, as ros2:/omni", 'ros2:omni');
+  refuse("there is no option 'weight'", 'ros2:/omni,weight=3');
+  refuse("ROS_DOMAIN_ID: 'many' is no whole number from 0 to 232", 'ros2:/omni', { ROS_DOMAIN_ID: 'many' });
+});

@@ -1,0 +1,320 @@
+"""The node palpate_ros1 with a real roscore: what it publishes, its services and parameters, and what ends and does not end it."""
+
+import math
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import rospy
+import rosservice
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import PointCloud2, PointField
+from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from ros1_support import FREE, PRESSED, Driver, Master, free_port
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
+from support import ply, wall_rows  # noqa: E402
+
+NODE = os.environ["PALPATE_ROS1"]
+PACKAGES = os.environ["PALPATE_ROS1_PACKAGES"]
+OK, WARN, ERROR = 0, 1, 2
+DECIMATION = 7
+
+
+class Ear:
+    """The messages of a topic, newest last, as long as a test listens: Python is slow."""
+
+    def __init__(self, topic, kind):
+        self.all = []
+        self.subscriber = rospy.Subscriber(topic, kind, self.all.append)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.subscriber.unregister()
+
+
+def is_unit(q):
+    return abs(math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2) - 1.0) < 1e-9
+
+
+class Node(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        port = free_port()
+        os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
+        os.environ["ROS_IP"] = "127.0.0.1"
+        cls.folder = tempfile.TemporaryDirectory()
+        os.environ["ROS_LOG_DIR"] = os.environ["ROS_HOME"] = cls.folder.name
+        os.environ["ROS_PACKAGE_PATH"] = PACKAGES
+        cls.scene = os.path.join(cls.folder.name, "wall.ply")
+        with open(cls.scene, "wb") as file:
+            file.write(ply(wall_rows()))
+        cls.said = os.path.join(cls.folder.name, "said")
+        # Before there is a master: it waits, and says so.
+        with open(cls.said, "ab") as said:
+            cls.run_ = subprocess.Popen([NODE, "__name:=palpate"], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        cls.wait_said("there is no ROS master at")
+        cls.run_.kill()
+        cls.run_.wait()
+        cls.master = Master(port)
+        rospy.init_node("driver", disable_signals=True, disable_rosout=True)
+        cls.driver = Driver()
+        with open(cls.said, "ab") as said:
+            cls.run_ = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={cls.scene}", "_no_index_file:=true", "_tool:=0.02,0.02,0.02",
+                                         "_device:=/arm,force_max=8,rate=20", f"_cloud_decimation:={DECIMATION}", "_device_frame:=base",
+                                         "_workspace_offset:=0,0,0", "/arm/measured_cp:=/omni/measured_cp",
+                                         "/arm/spatial/servo_cf:=/omni/spatial/servo_cf", "/arm/body/servo_cf:=/omni/body/servo_cf",
+                                         "/arm/palpate/echo:=/omni/palpate/echo", "/arm/palpate/echoed:=/omni/palpate/echoed"],
+                                        stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        cls.diagnostics = Ear("/diagnostics", DiagnosticArray)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.run_.send_signal(signal.SIGTERM)
+        cls.run_.wait(30)
+        assert cls.run_.returncode == 0, (cls.run_.returncode, cls.text())
+        cls.driver.ends = True
+        cls.master.kill()
+        cls.folder.cleanup()
+
+    @classmethod
+    def text(cls):
+        with open(cls.said, encoding="utf-8") as file:
+            return file.read()
+
+    @classmethod
+    def wait_said(cls, words, count=1):
+        deadline = time.time() + 20
+        while cls.text().count(words) < count:
+            if time.time() > deadline:
+                raise AssertionError(f"does not say {words!r}: {cls.text()}")
+            time.sleep(0.05)
+
+    def wait(self, what, seconds=20.0):
+        deadline = time.time() + seconds
+        while not what():
+            self.assertLess(time.time(), deadline, self.text())
+            time.sleep(0.01)
+
+    def lean(self):
+        """Through the gate, then against the wall; again where the machine has stood still meanwhile."""
+        for _ in range(10):
+            self.driver.height = FREE
+            self.wait(lambda: self.driver.at > FREE - 1e-3)
+            time.sleep(0.6)
+            self.driver.height = PRESSED
+            deadline = time.time() + 2.0
+            while time.time() < deadline:
+                if self.driver.force > 0.5:
+                    return
+                time.sleep(0.01)
+        self.fail(self.text())
+
+    def status(self, name):
+        for status in self.diagnostics.all[-1].status:
+            if status.name == name:
+                return status, {pair.key: pair.value for pair in status.values}
+        raise AssertionError(name)
+
+    def wait_status(self, name, level, message=""):
+        def found():
+            if not self.diagnostics.all:
+                return False
+            status, _ = self.status(name)
+            return status.level == level and message in status.message
+        self.wait(found)
+        return self.status(name)
+
+    def call(self, name, *arguments):
+        answer = rospy.ServiceProxy(name, SetBool if arguments else Trigger)(*arguments)
+        self.assertTrue(answer.success)
+
+    def test_1_markers_are_valid(self):
+        self.lean()
+        with Ear("/palpate/contacts", MarkerArray) as contacts, Ear("/palpate/tool", MarkerArray) as tool:
+            self.wait(lambda: len(contacts.all) > 3 and tool.all)
+            self.check_contacts(contacts.all[-1].markers)
+            tool = tool.all[-1].markers
+            self.assertEqual([(m.ns, m.id, m.type, m.header.frame_id) for m in tool], [("tool", 0, Marker.SPHERE, "world")])
+            self.assertAlmostEqual(tool[0].scale.x, 0.04)
+            # What is gone is deleted.
+            self.driver.height = FREE
+            self.wait(lambda: any(m.action == Marker.DELETE for m in contacts.all[-1].markers))
+            self.wait(lambda: not any(m.action == Marker.ADD for m in contacts.all[-1].markers))
+
+    def check_contacts(self, markers):
+        shown = {(m.ns, m.id): m for m in markers if m.action == Marker.ADD}
+        self.assertGreater(len(shown), 0)
+        for m in markers:
+            self.assertEqual(m.header.frame_id, "world")
+            self.assertLess(abs(m.header.stamp.to_sec() - time.time()), 5.0)
+            self.assertIn(m.action, (Marker.ADD, Marker.DELETE))
+        for (ns, number), m in shown.items():
+            self.assertIn(ns, ("contacts", "normals"))
+            self.assertTrue(0 <= number < len(wall_rows()))
+            self.assertTrue(is_unit(m.pose.orientation))
+            self.assertTrue(all(0.0 <= c <= 1.0 for c in (m.color.r, m.color.g, m.color.b, m.color.a)))
+            self.assertEqual(m.lifetime.to_sec(), 0.0)
+            if ns == "contacts":
+                self.assertEqual(m.type, Marker.SPHERE)
+                # Where the file has that Gaussian, and as large.
+                row = wall_rows()[number]
+                for at, want in zip((m.pose.position.x, m.pose.position.y, m.pose.position.z), row[:3]):
+                    self.assertAlmostEqual(at, want, delta=1e-6)
+                for size, log in zip(sorted((m.scale.x, m.scale.y, m.scale.z)), sorted(row[10:13])):
+                    self.assertAlmostEqual(size, 2.0 * math.exp(log), delta=1e-6)
+                self.assertIn(("normals", number), shown)
+            else:
+                self.assertEqual(m.type, Marker.ARROW)
+                self.assertEqual(len(m.points), 2)
+                self.assertGreaterEqual(m.points[1].z, m.points[0].z)  # out of the wall
+                self.assertGreater(m.scale.x, 0.0)
+
+    def test_2_frames_are_where_things_are(self):
+        self.lean()
+        with Ear("/tf", TFMessage) as transforms:
+            self.wait(lambda: len(transforms.all) > 3)
+        frames = {t.child_frame_id: t for m in transforms.all[-3:] for t in m.transforms if t.header.frame_id == "world"}
+        self.assertEqual(set(frames), {"base", "palpate/scene", "palpate/tool", "palpate/proxy"})
+        for t in frames.values():
+            self.assertTrue(is_unit(t.transform.rotation))
+        self.assertAlmostEqual(frames["palpate/tool"].transform.translation.z, PRESSED, delta=1e-3)
+        self.assertGreater(frames["palpate/proxy"].transform.translation.z, PRESSED + 1e-4)  # the wall holds it back
+
+    def test_3_centres_are_kept_for_who_comes_later(self):
+        with Ear("/palpate/centers", PointCloud2) as centers:
+            self.wait(lambda: centers.all)
+        cloud = centers.all[0]
+        rows = wall_rows()[::DECIMATION]
+        self.assertEqual((cloud.header.frame_id, cloud.height, cloud.width), ("world", 1, len(rows)))
+        self.assertEqual([(f.name, f.offset, f.datatype, f.count) for f in cloud.fields],
+                         [(n, 4 * k, PointField.FLOAT32, 1) for k, n in enumerate("xyz")])
+        self.assertEqual((cloud.point_step, cloud.row_step, cloud.is_dense, cloud.is_bigendian), (12, 12 * len(rows), True, False))
+        points = list(struct.iter_unpack("<3f", cloud.data))
+        self.assertEqual(len(points), len(rows))
+        for point in points:
+            self.assertAlmostEqual(point[2], 0.0, delta=1e-6)
+            self.assertLessEqual(max(abs(point[0]), abs(point[1])), 0.1 + 1e-6)
+
+    def test_4_services_stop_the_force_and_give_it_back(self):
+        for stop, level, begin in ((("/palpate/emergency_stop",), ERROR, ("/palpate/resume",)),
+                                   (("/palpate/pause", True), ERROR, ("/palpate/pause", False)),
+                                   (("/palpate/clutch", True), WARN, ("/palpate/clutch", False))):
+            with self.subTest(service=stop[0]):
+                self.lean()
+                self.call(*stop)
+                self.wait(lambda: self.driver.force == 0.0)
+                status, values = self.wait_status("palpate: servo", level)
+                self.assertEqual(values["fault"], status.message)
+                self.assertTrue(values["advice"])
+                self.call(*begin)  # of the clutch: where it was pressed, so that the tool is where the hand is
+                self.lean()
+                self.wait_status("palpate: servo", OK)
+
+    def test_5_what_is_wrong_with_poses_is_in_the_diagnostics(self):
+        for level, message, notice, change in (
+            (ERROR, "not finite", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
+            (ERROR, "wrong frame_id", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
+            (ERROR, "too late", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
+            (ERROR, "future", "stamps of the future", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(5))),
+        ):
+            with self.subTest(what=message):
+                self.lean()
+                self.wait_status("palpate: device", OK)
+
+                def spoil(m, change=change):
+                    change(m)
+                    return m
+                self.driver.spoil = spoil
+                self.wait(lambda: self.driver.force == 0.0)
+                if message != "future":  # a clock that was set is believed after a second
+                    _, values = self.wait_status("palpate: device", level, message)
+                    self.assertIn(notice, values["notice"])
+                    self.assertGreater(int(values["dropped"]), 0)
+                else:
+                    self.wait_said(notice)
+                self.driver.spoil = lambda m: m
+                self.wait_status("palpate: device", OK)
+        self.driver.spoil = lambda m: None
+        self.wait_status("palpate: device", ERROR, "no poses come")
+        self.driver.spoil = lambda m: m
+        self.lean()
+
+    def test_6_the_master_is_killed_and_started_again(self):
+        self.lean()
+        self.master.kill()
+        self.wait_said("the ROS master is gone")
+        wrenches, statuses = self.driver.wrenches, len(self.diagnostics.all)
+        self.wait(lambda: self.driver.wrenches > wrenches + 20 and len(self.diagnostics.all) > statuses + 3)  # connections stay
+        self.master.start()
+        self.wait_said("the ROS master is there")
+        self.wait(lambda: "/palpate/emergency_stop" in rosservice.get_service_list())
+        self.call("/palpate/pause", True)
+        self.wait(lambda: self.driver.force == 0.0)
+        self.call("/palpate/pause", False)
+        found = subprocess.run(["timeout", "20", "rostopic", "echo", "-n", "1", "/palpate/tool"], capture_output=True, text=True, check=False)
+        self.assertIn("ns: \"tool\"", found.stdout, found.stderr)
+
+    def test_7_every_pose_is_answered_or_counted(self):
+        self.lean()
+        driver = self.driver
+        driver.round_trips.clear()
+        sent, wrenches, begin = driver.sent, driver.wrenches, time.time()
+        time.sleep(2.0)
+        seconds = time.time() - begin
+        trips = sorted(driver.round_trips)
+        poses = driver.sent - sent
+        print(f"poses {poses / seconds:.0f} Hz, wrenches {(driver.wrenches - wrenches) / seconds:.0f} Hz, answered {len(trips)} of {poses} "
+              f"({100.0 * (1.0 - len(trips) / poses):.1f} % passed over for a newer one); round trip p50 {1e3 * trips[len(trips) // 2]:.2f} ms, "
+              f"p99 {1e3 * trips[int(0.99 * len(trips))]:.2f} ms")
+        self.assertGreater(len(trips), 100)
+
+
+class Refusals(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.port = free_port()
+        master = Master(cls.port)
+        cls.addClassCleanup(master.kill)
+        cls.count = 0
+
+    def refuse(self, words, *arguments, env=None):
+        Refusals.count += 1  # under another name each time, so that the master keeps their parameters apart
+        result = subprocess.run([NODE, f"__name:=palpate{self.count}", *arguments], capture_output=True, text=True, check=False, timeout=60,
+                                env={**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}", **(env or {})})
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertTrue(result.stderr.startswith("palpate_ros1: "), result.stderr)
+        self.assertIn(words, result.stderr)
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_bad_parameters_are_one_line(self):
+        for argument, words in {
+            "_stifness:=300": "there is no parameter 'stifness'",
+            "_stiffness:=much": "parameter 'stiffness'",
+            "_cloud_decimation:=0": "parameter 'cloud_decimation': 0 is no whole number of 1 or more",
+            "_device:=omni": "wants the prefix of the device's topics",
+            "_device_frame:=/base": "parameter 'device_frame'",
+            "_scene:=/nowhere.ply": "/nowhere.ply",
+            "_config:=/nowhere.toml": "/nowhere.toml",
+            "--help": "'--help' is no argument",
+        }.items():
+            with self.subTest(argument=argument):
+                self.refuse(words, argument)
+
+    def test_no_master_is_named(self):
+        self.refuse("ROS_MASTER_URI is not set", env={"ROS_MASTER_URI": ""})
+        self.refuse("ROS_MASTER_URI is no http://HOST:PORT", env={"ROS_MASTER_URI": "somewhere"})
+
+
+if __name__ == "__main__":
+    unittest.main()
