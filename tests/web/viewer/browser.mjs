@@ -62,8 +62,8 @@ export async function waitFor(condition, what) {
   throw new Error(`did not come: ${what}`);
 }
 
-/// Waits until `look` is true of window.palpateViewer.
-export const until = (page, look, argument) => page.waitForFunction(look, argument);
+/// Waits until `look` is true of window.palpateViewer, and is what it then is. Who asks afterwards may find something else.
+export const until = async (page, look, argument) => (await page.waitForFunction(look, argument)).jsonValue();
 
 /// What is seen of the page or of a part of it, {x, y, width, height}: {width, data}, r, g, b, a, r, ..., 0 to 255.
 export async function picture(page, clip) {

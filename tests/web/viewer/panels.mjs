@@ -20,10 +20,10 @@ describe('panels', () => {
 
   test('a stiffness that is typed changes the force', async () => {
     desk.gateway.tool.position = touching;
-    const before = await (await until(desk.page, () => {
+    const before = await until(desk.page, () => {
       const force = Math.hypot(...(window.palpateViewer.force() ?? [0]));
       return force > 1 && force;
-    })).jsonValue();
+    });
     await enter('stiffness', '1000');
     await until(desk.page, (b) => Math.abs(Math.hypot(...(window.palpateViewer.force() ?? [0])) - 2 * b) < 0.01 * b, before);
     assert.equal(await field('stiffness').inputValue(), '1000');

@@ -93,10 +93,10 @@ describe('what is seen', () => {
   test('contacts light up where they are, with a ring at the deepest, and go out', async () => {
     desk.gateway.tool.position = touching;
     const expected = desk.gateway.contacts;
-    const drawn = await (await until(desk.page, (n) => { // at one instant: on a busy machine they may go out in between
+    const drawn = await until(desk.page, (n) => { // at one instant: on a busy machine they may go out in between
       const v = window.palpateViewer;
       return v.drawnContacts() === n && v.cue() === 'contact' && v.contacts().map((c) => ({ ...c, drawn: v.centreOfDrawnContact(c.id) }));
-    }, expected.length)).jsonValue();
+    }, expected.length);
     for (const { row, center, scale } of expected) {
       const one = drawn.find((c) => c.id === row);
       assert.ok(distance(one.drawn, center) < 1e-4, `contact ${row} is drawn ${distance(one.drawn, center)} m away`);
@@ -117,7 +117,7 @@ describe('what is seen', () => {
 
   test('the arrow points where the force does', async () => {
     desk.gateway.tool.position = [0.06, -0.06, 0.06];
-    const arrow = await (await until(desk.page, () => window.palpateViewer.arrow())).jsonValue();
+    const arrow = await until(desk.page, () => window.palpateViewer.arrow());
     const outward = scaled(desk.gateway.tool.position, 1 / Math.hypot(...desk.gateway.tool.position));
     assert.ok(distance(arrow, outward) < 1e-3, `${arrow}`);
   });
