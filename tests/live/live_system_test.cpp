@@ -46,10 +46,10 @@ std::unique_ptr<HapticDevice> own_device() {
   });
 }
 
-/// Looks until `done` or for ten seconds. \returns done()
+/// Looks until `done` or for a minute: a busy machine is slow. \returns done()
 template <class Done>
 bool comes_true(const Done& done) {
-  const double until = monotonic_now() + 10.0;
+  const double until = monotonic_now() + 60.0;
   while (!done() && monotonic_now() < until) sleep_until(monotonic_now() + 0.01);
   return done();
 }

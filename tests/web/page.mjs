@@ -11,7 +11,7 @@ const quiet = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-ba
   '--disable-component-update', '--disable-sync'];
 const softwareGl = ['--enable-unsafe-swiftshader', '--use-gl=angle', '--use-angle=swiftshader'];
 const noGl = ['--disable-gpu', '--disable-3d-apis'];
-const readyTimeout = 60000; // software rendering on a small machine is slow. Unit: [ms].
+const patience = 120000; // software rendering on a small machine is slow. Unit: [ms].
 
 export const launch = ({ webgl = true } = {}) =>
   chromium.launch({ executablePath: browserPath, args: [...quiet, ...(webgl ? softwareGl : noGl)] });
@@ -39,6 +39,7 @@ export async function openReport(browser, run, context = {}) {
   const url = pathToFileURL(file).href;
   const problems = [];
   const page = await browser.newPage({ viewport: { width: 1440, height: 1000 }, ...context });
+  page.setDefaultTimeout(patience);
   page.on('console', (m) => { if (m.type() === 'error') problems.push(`console: ${m.text()}`); });
   page.on('pageerror', (error) => problems.push(`page: ${error.message}`));
   page.on('dialog', (dialog) => { problems.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
@@ -48,7 +49,7 @@ export async function openReport(browser, run, context = {}) {
     return route.abort();
   });
   await page.goto(url);
-  await page.waitForFunction(() => window.palpateReport, null, { timeout: readyTimeout });
+  await page.waitForFunction(() => window.palpateReport, null);
   await settle(page);
   const close = async () => {
     await page.close();

@@ -19,7 +19,7 @@ describe('a driver on ROS 2', () => {
   let driver;
 
   before(() => {
-    const { path } = makeWall(makeFolder({ after }));
+    const { path } = makeWall(makeFolder());
     palpate = new Program(process.env.PALPATE, 'run', path, '--no-gateway', '--no-index-file', '--tool', '0.02,0.02,0.02',
       '--device', 'ros2:/omni,force_max=8,rate=20');
     driver = new Driver('/omni');

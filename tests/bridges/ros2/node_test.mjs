@@ -23,7 +23,7 @@ describe('the node', () => {
   let asked = 0;
 
   before(async () => {
-    wall = makeWall(makeFolder({ after }));
+    wall = makeWall(makeFolder());
     node = new Program(process.env.PALPATE_ROS2, '--ros-args', '-p', `scene:=${wall.path}`, '-p', 'no_index_file:=true',
       '-p', 'tool:=[0.02, 0.02, 0.02]', '-p', 'device:=/omni,force_max=8,rate=20', '-p', `cloud_decimation:=${kDecimation}`,
       '-p', 'device_frame:=base', '-r', '__ns:=/left', '-r', '/omni/measured_cp:=/arm/measured_cp',

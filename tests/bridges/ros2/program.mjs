@@ -44,9 +44,10 @@ export function makeWall(folder) {
   return { path, rows };
 }
 
-export function makeFolder(context) {
+/** A folder that is there until this process ends. */
+export function makeFolder() {
   const folder = mkdtempSync(join(tmpdir(), 'palpate-ros2-'));
-  context.after(() => rmSync(folder, { recursive: true, force: true }));
+  process.once('exit', () => rmSync(folder, { recursive: true, force: true }));
   return folder;
 }
 
