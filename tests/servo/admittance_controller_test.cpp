@@ -1,6 +1,7 @@
 // From forces to motion.
 #include <palpate/servo/admittance_controller.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -44,10 +45,52 @@ TEST(AdmittanceController, IsAMassWithADamper) {
               0.05 / a.angular_damping.x() * (1 - std::exp(-a.angular_damping.x() / a.inertia.x())), 1e-3);
 }
 
+// v = F / (D + B) where the scene pushes, F / D along it and after it.
+TEST(AdmittanceController, ContactDampsAlongTheScenesForceAlone) {
+  Admittance a;
+  a.mass.setConstant(1.5);
+  a.damping.setConstant(10.0);
+  a.contact_damping = 30.0;
+  AdmittanceController controller(a, wide());
+  controller.start({});
+  const Wrench user{{2.0, 0.0, 2.0}, {0, 0, 0}}, scene{{0.0, -3.0, 4.0}, {0, 0, 0}};
+  for (int k = 0; k < 5000; ++k) controller.step(user, scene, kTick);
+  // Of (2, -3, 6) N, -3 * -0.6 + 6 * 0.8 = 6.6 N is along n = (0, -0.6, 0.8), and (2, 0.96, 0.72) N across
+  // it.
+  const Vector3d n(0.0, -0.6, 0.8), across(2.0, 0.96, 0.72);
+  EXPECT_TRUE(controller.motion().velocity.linear.isApprox(6.6 / 40.0 * n + across / 10.0, 1e-3));
+  for (int k = 0; k < 5000; ++k) controller.step(user, {}, kTick);
+  EXPECT_TRUE(controller.motion().velocity.linear.isApprox(user.force / 10.0, 1e-3));
+}
+
+// On a spring, a damping ratio of 0.7 overshoots by exp(-pi 0.7 / sqrt(1 - 0.7^2)) = 4.6 %.
+TEST(AdmittanceController, ContactDampingBringsAMassToRestOnASpring) {
+  Admittance a;
+  a.mass.setConstant(1.5);
+  a.damping.setZero();
+  a.contact_damping = 2.0 * 0.7 * std::sqrt(500.0 * 1.5);
+  AdmittanceController controller(a, wide());
+  Pose start;
+  start.position.z() = -0.001;
+  controller.start(start);
+  double deepest = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    const double z = controller.motion().pose.position.z();
+    deepest = std::max(deepest, -z);
+    // The hand pushes from the start, more once the damping is there.
+    const double push = k < 1000 ? 0.5 : 1.0;
+    controller.step({{0, 0, -push}, {0, 0, 0}}, {{0, 0, -500.0 * z}, {0, 0, 0}}, kTick);
+  }
+  EXPECT_NEAR(deepest, 0.002 + 0.046 * 0.001, 1e-5);
+  EXPECT_NEAR(controller.motion().pose.position.z(), -0.002, 1e-6);
+}
+
 TEST(AdmittanceController, KeepsItsLimitsWhateverTheForces) {
   MotionLimits limits;
   limits.workspace = Eigen::AlignedBox3d(Vector3d(-0.3, -0.4, 0.9), Vector3d(0.3, 0.4, 1.6));
-  AdmittanceController controller({}, limits);
+  Admittance a;
+  a.contact_damping = 40.0;
+  AdmittanceController controller(a, limits);
   Pose start;
   start.position.z() = 1.2;
   controller.start(start);

@@ -1,9 +1,16 @@
 #include <palpate/device/giant_setup.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace palpate {
+namespace {
+
+/// Of the virtual mass on the scene's stiffness.
+constexpr double kDampingRatio = 0.7;
+
+}  // namespace
 
 SerialChain driven_chain(SerialChain chain, const HandProperties& hand) {
   limit_by_effort(chain, hand.mass);
@@ -29,6 +36,7 @@ Admittance admittance_of(const GiantSetup& setup) {
   Admittance admittance;
   admittance.mass.setConstant(mass);
   admittance.damping.setConstant(setup.virtual_damping ? *setup.virtual_damping : least());
+  admittance.contact_damping = 2.0 * kDampingRatio * std::sqrt(setup.contact_stiffness * mass);
   return admittance;
 }
 

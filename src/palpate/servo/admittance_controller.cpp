@@ -16,6 +16,9 @@ double wanted_acceleration(double force, double mass, double damping, const Axis
   return (force - damping * (s.velocity + 0.5 * dt * s.acceleration)) / (mass + 0.5 * dt * damping);
 }
 
+/// Of the way to the wanted damping, in one tick.
+double damping_share(double dt) { return std::min(1.0, dt / AdmittanceController::kDampingTime); }
+
 /// `now` on its way to `wanted`. \param most of the way, upwards
 void approach(double& now, double wanted, double most) { now = std::min(wanted, now + most); }
 
@@ -23,10 +26,9 @@ void approach(Vector3d& mass, Vector3d& damping, const Vector3d& wanted_mass, co
               double dt) {
   // A mass that falls under way would give energy if the motion stayed; it is the virtual mass that is
   // divided by, so that its momentum is lost, and its energy with it.
-  constexpr double kDampingTime = 0.1;  // Unit: [s].
   for (Index k = 0; k < 3; ++k) {
     approach(mass[k], wanted_mass[k], dt * damping[k]);
-    damping[k] += std::min(1.0, dt / kDampingTime) * (wanted_damping[k] - damping[k]);
+    damping[k] += damping_share(dt) * (wanted_damping[k] - damping[k]);
   }
 }
 
@@ -89,10 +91,21 @@ void AdmittanceController::tell(const Axes& turned) {
   motion_.pose.orientation = (rotation_by(turn) * motion_.pose.orientation).normalized();
 }
 
+/// F_scene - B n n^T v. No more than halves the velocity, so that every M > 0 and B are stable.
+Vector3d AdmittanceController::damped(const Vector3d& scene, double dt) {
+  const double size = scene.norm();
+  contact_damping_ += damping_share(dt) * ((size > 0.0 ? wanted_.contact_damping : 0.0) - contact_damping_);
+  if (!(size > 0.0)) return scene;
+  const Vector3d n = scene / size;
+  const double mass = n.dot(now_.mass.cwiseProduct(n));
+  const double damping = std::min(contact_damping_, 0.5 * mass / dt);
+  return scene - damping * n.dot(motion_.velocity.linear) * n;
+}
+
 const MotionSetpoint& AdmittanceController::step(const Wrench& user, const Wrench& scene, double dt) {
   change(dt);
   motion_.still = false;
-  const Vector3d force = user.force + scene.force, torque = user.torque + scene.torque;
+  const Vector3d force = user.force + damped(scene.force, dt), torque = user.torque + scene.torque;
   Axes turned;
   for (Index k = 0; k < 3; ++k) {
     AxisState& x = along_[static_cast<std::size_t>(k)];

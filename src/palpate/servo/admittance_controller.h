@@ -10,12 +10,15 @@
 
 namespace palpate {
 
-/// What a hand feels in free space, for each axis of the device's frame; in rotation about the TCP.
+/// What a hand feels, for each axis of the device's frame; in rotation about the TCP.
 struct Admittance {
   Eigen::Vector3d mass = Eigen::Vector3d::Constant(1.5);             ///< M. Unit: [kg]. > 0
   Eigen::Vector3d damping = Eigen::Vector3d::Constant(25.0);         ///< D. Unit: [N s/m]. >= 0
   Eigen::Vector3d inertia = Eigen::Vector3d::Constant(0.02);         ///< Unit: [kg m^2]. > 0
   Eigen::Vector3d angular_damping = Eigen::Vector3d::Constant(0.2);  ///< Unit: [N m s/rad]. >= 0
+  /// B, besides D and along the force of the scene alone, so that a mass on a stiff scene comes to rest, and
+  /// slides as it does in free space. Unit: [N s/m]. >= 0
+  double contact_damping = 0.0;
 };
 
 /// What motion must keep to, along and about each axis of the device's frame by itself.
@@ -39,8 +42,9 @@ struct MotionSetpoint {
   bool still = false;  ///< it is at rest, and nothing else of the device is to move either
 };
 
-/// M a = F_user + F_scene - D v along each axis of the device's frame, and likewise about it, within
-/// MotionLimits. The rule is trapezoidal in D v, so that every M > 0 and D are stable by themselves:
+/// M a = F_user + F_scene - D v - B n n^T v along each axis of the device's frame, n the direction of
+/// F_scene, and likewise about it without B, within MotionLimits. B comes and goes within kDampingTime. The
+/// rule is trapezoidal in D v, so that every M > 0 and D are stable by themselves:
 ///
 ///     a' = (F - D (v + a dt / 2)) / (M + D dt / 2)        v' = v + (a + a') dt / 2
 ///
@@ -76,14 +80,18 @@ class AdmittanceController {
   bool at_rest() const;
   const MotionLimits& limits() const { return limits_; }
 
+  static constexpr double kDampingTime = 0.1;  ///< in which dampings go to what is wanted. Unit: [s].
+
  private:
   using Axes = std::array<AxisState, 3>;
 
   void change(double dt);
+  Eigen::Vector3d damped(const Eigen::Vector3d& scene, double dt);
   void tell(const Axes& turned);
 
   MotionLimits limits_;
   Admittance now_, wanted_;
+  double contact_damping_ = 0.0;  ///< B in effect. Unit: [N s/m].
   Axes along_;
   MotionSetpoint motion_;
 };
