@@ -25,10 +25,15 @@
 namespace palpate::cli {
 namespace {
 
-/// What the scene is to fit into, if nobody registers it; how far in y it is then from where the handle
-/// rests, and its top below what the handle reaches: with room to walk around, and to pass above. Unit: [m].
+/// Beside where the handle rests, a scene may be so large, so far in y from there, and its top so far below
+/// what the handle reaches: with room to walk around, and to pass above. Unit: [m].
 const Eigen::Vector3d kFits(3.5, 1.9, 1.3);
 constexpr double kAside = 0.35, kBelow = 0.18;
+/// A larger one lies below where the handle rests, and fills this much of the room with as many Gaussians as
+/// the paper's, besides those that are cut off as they stick out. Unit: [m], [m], 1.
+const Eigen::Array2d kRoom(4.2, 5.0);
+constexpr double kUnderHandle = 0.1;
+constexpr std::size_t kFilling = 1'150'000;
 
 struct Options {
   CommonOptions common;
@@ -61,29 +66,64 @@ GaussianScene truck(const AnalyticSurface& surface, std::uint64_t seed) {
   return make_capture(surface, made, defects);
 }
 
-/// As large as fits, beside where the handle rests. What is too low for the handle is not touched.
-void place_in_room(const GaussianScene& scene, SceneConfig& config, double tool_radius) {
-  double most = std::numeric_limits<double>::infinity();  // else the tool falls between its Gaussians
-  config.frame = UpAxis::kAsIs;
-  if (scene.format != "procedural") {
-    const SceneSetup proposed = propose_setup(scene, tool_radius);
-    config.frame = proposed.frame.value;
-    most = proposed.scale.value;
-  }
-  config.registration = {};
+EllipsoidScene kept_of(const GaussianScene& scene, const SceneConfig& config) {
   FilterReport report;
-  const EllipsoidScene kept = filter_scene(scene, config.filter, config.world_from_scene(), report);
+  EllipsoidScene kept = filter_scene(scene, config.filter, config.world_from_scene(), report);
   if (kept.size() == 0) throw Error("{}: nothing is left to touch; lower --opacity-min", config.name());
-  const Eigen::AlignedBox3d box = central_box(kept);
-  const double scale = std::min(most, (kFits.array() / box.sizes().array()).minCoeff());
-  config.registration.scale = scale;
-  const Eigen::Vector3d top_middle(box.center().x(), box.center().y(), box.max().z());
-  config.registration.translation =
-      Eigen::Vector3d(0.0, -kAside - 0.5 * scale * box.sizes().y(), giant_reach().max().z() - kBelow) -
-      scale * top_middle;
+  return kept;
 }
 
-Ground ground_of(Options& options, const Progress& progress) {
+/// How much larger `kept` may be for kFilling of it to be left in kRoom about `middle`; at least 1.
+double enlarged_to_fill(const EllipsoidScene& kept, const Eigen::Vector3d& middle) {
+  if (kept.size() <= kFilling) return 1.0;
+  std::vector<double> share;  // of the room, in which a centre is
+  for (const Ellipsoid& e : kept.ellipsoids)
+    share.push_back(((e.center - middle).head<2>().array().abs() / (0.5 * kRoom)).maxCoeff());
+  std::nth_element(share.begin(), share.begin() + kFilling, share.end());
+  return std::max(1.0, 1.0 / share[kFilling]);
+}
+
+/// Leaves of a scene that is larger than the room what is about its middle. \returns the box of that.
+Eigen::AlignedBox3d crop_to_room(const GaussianScene& scene, SceneConfig& config, const EllipsoidScene& kept,
+                                 const Eigen::Vector3d& middle) {
+  const double larger = enlarged_to_fill(kept, middle);
+  config.registration.scale *= larger;
+  const Eigen::Vector3d half(0.5 * kRoom.x(), 0.5 * kRoom.y(), std::numeric_limits<double>::max());
+  auto& crop = config.filter.crop_box.emplace(larger * middle - half, larger * middle + half);
+  const Eigen::AlignedBox3d box = central_box(kept_of(scene, config));
+  crop.min().z() = box.min().z();
+  crop.max().z() = box.max().z();
+  return box;
+}
+
+/// A procedural scene as large as fits, a captured one as large as suits the tool: beside where the handle
+/// rests, or the middle of it below. What is too low for the handle is not touched.
+void place_in_room(const GaussianScene& scene, SceneConfig& config, double tool_radius,
+                   const Eigen::Vector3d& home) {
+  const bool captured = scene.format != "procedural";
+  Similarity& placed = config.registration = {};
+  config.frame = UpAxis::kAsIs;
+  if (captured) {
+    const SceneSetup proposed = propose_setup(scene, tool_radius);
+    config.frame = proposed.frame.value;
+    placed.scale = proposed.scale.value;
+  }
+  const EllipsoidScene kept = kept_of(scene, config);
+  Eigen::AlignedBox3d box = central_box(kept);
+  if (!captured) {
+    placed.scale = (kFits.array() / box.sizes().array()).minCoeff();
+    box = {placed.scale * box.min(), placed.scale * box.max()};
+  }
+  const bool below = (box.sizes().array() > 1.001 * kFits.array()).any() && !config.filter.crop_box;
+  if (below) box = crop_to_room(scene, config, kept, box.center());
+  const Eigen::Vector3d top =
+      below ? Eigen::Vector3d(0.0, 0.0, home.z() - kUnderHandle)
+            : Eigen::Vector3d(0.0, -kAside - 0.5 * box.sizes().y(), giant_reach().max().z() - kBelow);
+  placed.translation = top - Eigen::Vector3d(box.center().x(), box.center().y(), box.max().z());
+  if (below) config.filter.crop_box->translate(placed.translation);
+}
+
+Ground ground_of(Options& options, const Eigen::Vector3d& home, const Progress& progress) {
   Ground ground;
   SceneConfig& scene = options.live.scene;
   GaussianScene gaussians;
@@ -97,7 +137,7 @@ Ground ground_of(Options& options, const Progress& progress) {
     ground.name = std::filesystem::path(scene.name()).filename().string();
   }
   const double radius = options.live.tool.thinnest();
-  if (!options.registered) place_in_room(gaussians, scene, radius);
+  if (!options.registered) place_in_room(gaussians, scene, radius, home);
   const Similarity registration = scene.world_from_scene();
   ground.loaded.scene = std::move(gaussians);
   ground.loaded.kept = filter_scene(ground.loaded.scene, scene.filter, registration, ground.loaded.filtered);
@@ -139,14 +179,15 @@ void run(Options options) {
   const Progress progress = terminal_progress(options.common.quiet);
   LiveConfig& live = options.live;
   live.device.kind = options.plant == "mujoco" ? DeviceKind::kGiantMujoco : DeviceKind::kGiant;
-  const Ground ground = ground_of(options, progress);
   const GiantSetup setup = giant_setup(live.device, live.loop.rate, live.force.proxy.stiffness);
+  const Pose home = rest_of_handle(setup.chain);
+  const Ground ground = ground_of(options, home.position, progress);
 
   RoomPathOptions way;
   way.touches = static_cast<std::size_t>(options.touches);
   way.seed = options.seed;
   way.press = options.press;
-  way.home = rest_of_handle(setup.chain);
+  way.home = home;
   way.reach = giant_reach();
   ReproductionResult result;
   report(progress, "looking for places", 0.0);

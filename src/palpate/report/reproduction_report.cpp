@@ -46,7 +46,7 @@ std::string run_name(const ReproductionRun& run) {
 
 /// A run in a few figures, the worst of its contacts.
 struct RunFigures {
-  int felt = 0, changes = 0;
+  int felt = 0, bounces = 0;
   double force = 0.0, user_off = 0.0, swing = 0.0, overshoot = 0.0, off = 0.0, per_depth_low = 1e300,
          per_depth_high = 0.0;
 };
@@ -55,7 +55,7 @@ RunFigures figures_of(const ReproductionRun& run) {
   RunFigures f;
   for (const ReproductionContact& c : run.contacts) {
     f.felt += static_cast<int>(!std::isnan(c.begins));
-    f.changes += c.changes;
+    f.bounces += c.bounces;
     f.force = std::max(f.force, c.force);
     if (c.force > 0.0) f.user_off = std::max(f.user_off, std::abs(c.user - c.force) / c.force);
     f.swing = std::max(f.swing, c.swing);
@@ -174,7 +174,7 @@ std::string claims_table(const ReproductionResult& result) {
 std::string runs_table(const ReproductionResult& result) {
   std::string html =
       "<div class='table' tabindex='0'><table>\n<tr><th>run</th><th>places felt</th><th>force at rest N</th>"
-      "<th>hand off it</th><th>swing mm</th><th>overshoot mm</th><th>contact changes</th><th>off true "
+      "<th>hand off it</th><th>swing mm</th><th>overshoot mm</th><th>bounces</th><th>off true "
       "normal</th><th>N a metre of true depth</th><th>energy mJ</th><th>held "
       "ticks</th><th>faults</th></tr>\n";
   for (const ReproductionRun& run : result.runs) {
@@ -184,7 +184,7 @@ std::string runs_table(const ReproductionResult& result) {
         "%</td><td>{:.3f}</td><td>{:.2f}</td><td>{}</td><td>{:.1f} deg</td>"
         "<td>{}</td><td>{:.3f}</td><td>{}</td><td>{}</td></tr>\n",
         markup_escaped(run_name(run)), f.felt, f.force, 100.0 * f.user_off, kMilli * f.swing,
-        kMilli * f.overshoot, f.changes, f.off, per_depth_text(f), kMilli * run.port_energy, run.held_ticks,
+        kMilli * f.overshoot, f.bounces, f.off, per_depth_text(f), kMilli * run.port_energy, run.held_ticks,
         faults_text(run));
   }
   return html + "</table></div>\n";
@@ -200,7 +200,7 @@ OrderedJson contact_json(const ReproductionContact& c) {
           {"direction", vector_json(c.direction)},
           {"swing_mm", kMilli * c.swing},
           {"overshoot_mm", kMilli * c.overshoot},
-          {"changes", c.changes},
+          {"bounces", c.bounces},
           {"true_depth_mm", number_or_null(kMilli * c.depth)},
           {"off_deg", number_or_null(c.off * 180.0 / std::numbers::pi)}};
 }
@@ -217,14 +217,14 @@ std::string reproduction_text(const ReproductionResult& result) {
   }
   fmt::format_to(std::back_inserter(text),
                  "\n{:<34} {:>5} {:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>12} {:>10}  {}\n", "run", "felt",
-                 "rest N", "hand off", "swing mm", "over mm", "changes", "off deg", "N/m of depth",
+                 "rest N", "hand off", "swing mm", "over mm", "bounces", "off deg", "N/m of depth",
                  "energy mJ", "faults");
   for (const ReproductionRun& run : result.runs) {
     const RunFigures f = figures_of(run);
     fmt::format_to(std::back_inserter(text),
                    "{:<34} {:>5} {:>7.2f} {:>8.1f}% {:>9.3f} {:>9.2f} {:>8} {:>8.1f} {:>12} {:>10.3f}  {}\n",
                    run_name(run), f.felt, f.force, 100.0 * f.user_off, kMilli * f.swing, kMilli * f.overshoot,
-                   f.changes, f.off, per_depth_text(f), kMilli * run.port_energy, faults_text(run));
+                   f.bounces, f.off, per_depth_text(f), kMilli * run.port_energy, faults_text(run));
   }
   return text;
 }
@@ -299,7 +299,8 @@ std::string reproduction_page(const ReproductionResult& result, const std::vecto
           "and as damped "
           "as the handle of the other in free space; and with forces that are computed for as long as "
           "stated, and held "
-          "meanwhile. At rest, the worst of all places: swing is peak to peak; the hand's force is off that "
+          "meanwhile. At rest, the worst of all places: swing is peak to peak about the line that the tool "
+          "goes; the hand's force is off that "
           "of the scene "
           "by friction; the true normal and depth are of the surface that the scene was made of.</p>\n" +
           runs_table(result),

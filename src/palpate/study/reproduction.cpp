@@ -20,6 +20,7 @@ constexpr double kMicro = 1e6;
 constexpr double kTremor = 2e-5;    // of the hand. [m]
 constexpr double kHoldEnd = 0.5;    // of a hold, that is taken for rest. [s]
 constexpr double kFelt = 0.05;      // [N]
+constexpr double kBack = 5e-5;      // of the deepest of a contact: a tool at its end is on its way out. [m]
 constexpr double kGyration = 0.05;  // of the hand. [m]
 
 /// A model whose contacts are found as the paper does, whose answers may come late, and whose time is taken.
@@ -147,13 +148,22 @@ double ball_radius(const Tool& tool) {
   return tool.parts().size() == 1 && tool.longest() == tool.thinnest() ? tool.thinnest() : 0.0;
 }
 
+/// Peak to peak of evenly spaced values about the straight line that fits them best.
+double swing_of(const std::vector<double>& values) {
+  const auto n = static_cast<Eigen::Index>(values.size());
+  const Eigen::ArrayXd y = Eigen::Map<const Eigen::ArrayXd>(values.data(), n) - values.front();
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(n, -1.0, 1.0);
+  const Eigen::ArrayXd about = y - (x * y).sum() / (x * x).sum() * x;
+  return about.maxCoeff() - about.minCoeff();
+}
+
 ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const RoomTouch& touch) {
   ReproductionContact contact;
   contact.begins = std::numeric_limits<double>::quiet_NaN();
   Vector3d force = Vector3d::Zero(), user = Vector3d::Zero(), normal = Vector3d::Zero();
-  double low = std::numeric_limits<double>::infinity(), high = -low, deepest = -low, mean = 0.0,
-         resting = 0.0;
-  bool felt = false;
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  double deepest = kNever, mean = 0.0, in_contact = kNever;
+  std::vector<double> resting;
   for (const ReproductionTick& tick : ticks) {
     if (tick.t < touch.begins || tick.t > touch.slides) continue;
     const bool now = tick.force.norm() > kFelt;
@@ -162,24 +172,24 @@ ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const
     const double way = (tick.tool - touch.place.touch.position).dot(touch.place.inward);
     deepest = std::max(deepest, way);
     if (tick.t <= touch.slides - kHoldEnd) {
-      contact.changes += static_cast<int>(now != felt);
-      felt = now;
+      // What is touched on the way in, and left behind, is left on the way in.
+      contact.bounces += static_cast<int>(!now && in_contact > way + kBack);
+      in_contact = now ? std::max(in_contact, way) : kNever;
       continue;
     }
-    low = std::min(low, way);
-    high = std::max(high, way);
+    resting.push_back(way);
     mean += way;
     force += tick.force;
     user += tick.user;
     normal += tick.normal;
     contact.depth += tick.depth;
-    resting += 1.0;
   }
-  contact.force = force.norm() / resting;
-  contact.user = user.norm() / resting;
-  contact.depth /= resting;
-  contact.swing = high - low;
-  contact.overshoot = deepest - mean / resting;
+  const auto count = static_cast<double>(resting.size());
+  contact.force = force.norm() / count;
+  contact.user = user.norm() / count;
+  contact.depth /= count;
+  contact.swing = swing_of(resting);
+  contact.overshoot = deepest - mean / count;
   if (force.norm() > 0.0) contact.direction = force.normalized();
   contact.off = std::isnan(contact.depth) || force.isZero(0.0)
                     ? std::numeric_limits<double>::quiet_NaN()

@@ -67,9 +67,11 @@ struct ReproductionContact {
   std::size_t colliding = 0;       ///< the most
   double force = 0.0, user = 0.0;  ///< means of the last half second of the hold. Unit: [N].
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of that force, unit
-  double swing = 0.0;      ///< peak to peak of the tool along the way in, then. Unit: [m].
+  /// Peak to peak of the tool along the way in, then, about the straight line that it goes: what slides down
+  /// a slope does not swing. Unit: [m].
+  double swing = 0.0;
   double overshoot = 0.0;  ///< of the deepest over the mean of then. Unit: [m].
-  int changes = 0;         ///< how often force began or ended before then
+  int bounces = 0;         ///< how often the force ended before then on the way back out
   double depth = 0.0;      ///< true, mean of then. Unit: [m].
   double off = 0.0;        ///< of `direction` from the true normal. Unit: [rad].
 };

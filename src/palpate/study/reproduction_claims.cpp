@@ -58,16 +58,10 @@ std::vector<double> ranks(const std::vector<double>& values) {
   return rank;
 }
 
-/// Spearman's rank correlation of collision count and force, in contact.
-double grows_with_count(const ReproductionRun& run) {
-  std::vector<double> count, force;
-  for (const ReproductionTick& tick : run.ticks) {
-    if (tick.colliding == 0) continue;
-    count.push_back(static_cast<double>(tick.colliding));
-    force.push_back(tick.felt.norm());
-  }
-  if (count.size() < 2) return kNone;
-  const std::vector<double> x = ranks(count), y = ranks(force);
+/// Spearman's rank correlation; NaN where one of them does not vary.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() < 2) return kNone;
+  const std::vector<double> x = ranks(a), y = ranks(b);
   const double mx = mean(x), my = mean(y);
   double xy = 0.0, xx = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -76,6 +70,23 @@ double grows_with_count(const ReproductionRun& run) {
     yy += (y[i] - my) * (y[i] - my);
   }
   return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : kNone;
+}
+
+/// Of collision count and force while the hand presses, the mean of all places. Two places differ in how
+/// dense the scene is there.
+double grows_with_count(const ReproductionRun& run, const RoomPath& path) {
+  std::vector<double> all;
+  for (const RoomTouch& touch : path.touches) {
+    std::vector<double> count, force;
+    for (const ReproductionTick& tick : run.ticks) {
+      if (tick.colliding == 0 || tick.t < touch.begins || tick.t > touch.pressed) continue;
+      count.push_back(static_cast<double>(tick.colliding));
+      force.push_back(tick.felt.norm());
+    }
+    const double correlation = rank_correlation(count, force);
+    if (!std::isnan(correlation)) all.push_back(correlation);
+  }
+  return mean(all);
 }
 
 double felt_contacts(const ReproductionRun& run) {
@@ -105,6 +116,18 @@ double degrees_off(const ReproductionRun& run) {
   return worst;
 }
 
+/// The largest force of a contact that nothing has collided in yet: from one tick without force to the next.
+/// A tool behind a thin layer, through which a proxy does not let it be pulled, is still in contact with it.
+double without_contact(const ReproductionRun& run) {
+  double largest = 0.0;
+  bool contact = false;
+  for (const ReproductionTick& tick : run.ticks) {
+    contact = tick.colliding > 0 || (contact && !tick.felt.isZero(0.0));
+    if (!contact) largest = std::max(largest, tick.felt.norm());
+  }
+  return largest;
+}
+
 /// The least over all contacts of the user's force there, over its median while nothing is touched.
 double spike(const ReproductionRun& run) {
   std::vector<double> free = values_of(run, [&](const ReproductionTick& tick) {
@@ -119,7 +142,7 @@ double spike(const ReproductionRun& run) {
 double oscillating(const ReproductionRun& run) {
   return static_cast<double>(
       std::count_if(run.contacts.begin(), run.contacts.end(),
-                    [](const ReproductionContact& c) { return c.changes > 1 || c.swing > kAtRest; }));
+                    [](const ReproductionContact& c) { return c.bounces > 0 || c.swing > kAtRest; }));
 }
 
 double cpu_ms(const ReproductionTick& tick) { return kMilli * tick.cpu_us; }
@@ -169,15 +192,14 @@ std::vector<Claim> claims(std::size_t gaussians, std::size_t kept, const RoomPat
       Bound::kAtLeast, 100.0, [](const auto& run) {
         return most(run, [](const auto& t) { return static_cast<double>(t.colliding); });
       });
-  add("No repulsion is calculated without contact", "0 N", "largest force while nothing collides, N",
-      Bound::kAtMost, 0.0, [](const auto& run) {
-        return most(run, [](const auto& t) { return t.colliding == 0 ? t.felt.norm() : 0.0; });
-      });
+  add("No repulsion is calculated without contact", "0 N", "largest force before anything collides, N",
+      Bound::kAtMost, 0.0, without_contact);
   add("Already single collisions result in low repulsive forces", "-",
       "mean force of one collision, share of the largest (true: at most 0.1)", Bound::kAtMost, 0.1,
       single_share);
   add("With increasing collision count, the repulsive force also increases", "-",
-      "rank correlation of both in contact (true: at least 0.5)", Bound::kAtLeast, 0.5, grows_with_count);
+      "rank correlation of both while the hand presses, mean of all places (true: at least 0.5)",
+      Bound::kAtLeast, 0.5, [&](const auto& run) { return grows_with_count(run, path); });
   add("The direction depends on the geometry of the object", "-",
       "force off the true normal at rest, the worst place, degrees (true: at most 18, which a person "
       "notices)",
