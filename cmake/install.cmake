@@ -9,4 +9,10 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/palpateConfigVersio
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/palpateConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/palpateConfigVersion.cmake DESTINATION ${package_dir})
+include(${CMAKE_CURRENT_LIST_DIR}/public_headers.cmake)
+palpate_with_included("${palpate_public_headers}" headers)
+foreach(header IN LISTS headers)
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES src/palpate/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpate/${folder})
+endforeach()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -41,5 +41,41 @@ done
 felt=$(timeout 60 "$work/client/palpate_client" 127.0.0.1 "$port" | grep -m 1 -E 'force +[1-9]' || true)
 echo "$felt"
 [[ -n $felt ]]
+
+# A consumer of `collision` alone gets the same contacts, bit by bit, whatever it is compiled with, and needs none of the other packages.
+alone=(--no-warn-unused-cli -G Ninja "-DCMAKE_PREFIX_PATH=$work/prefix")
+for package in Boost nlohmann_json orocos_kdl urdfdom; do alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+contacts_of() { # NAME CMAKE_OPTION...
+  cmake -S "$root/tests/project/consumer" -B "$work/$1" "${alone[@]}" "${@:2}" >/dev/null
+  cmake --build "$work/$1" >/dev/null
+  "$work/$1/consumer" "$work/sphere.ply"
+}
+expected=$(contacts_of plain)
+[[ $(wc -l <<<"$expected") -gt 100 ]]
+[[ $(contacts_of native -DCMAKE_CXX_STANDARD=23 "-DCMAKE_CXX_FLAGS=-march=native -O2") == "$expected" ]]
+if command -v clang++ >/dev/null; then [[ $(contacts_of clang -DCMAKE_CXX_COMPILER=clang++) == "$expected" ]]; fi
+load='import ctypes, sys; ctypes.CDLL(sys.argv[1]).touch(sys.argv[2].encode())'
+[[ $(python3 -c "$load" "$work/plain/libtouch.so" "$work/sphere.ply") == "$expected" ]]
+# A part of another project, as shared libraries.
+if [[ -n ${PALPATE_LONG:-} ]]; then
+  shared=$(alone=(-G Ninja) contacts_of shared "-DPALPATE_SOURCE=$root" -DBUILD_SHARED_LIBS=ON -DCMAKE_BUILD_TYPE=Release)
+  [[ $shared == "$expected" ]]
+fi
+# Where Eigen is aligned otherwise than in the library, linking fails and says so.
+if [[ $(uname -m) == x86_64 ]]; then
+  g++ -std=c++20 -mavx -c -I"$work/prefix/include" -I/usr/include/eigen3 "$root/tests/project/consumer/touch.cpp" -o "$work/avx.o"
+  said=$(g++ "$root/tests/project/consumer/main.cpp" "$work/avx.o" -L"$work/prefix/lib" -lpalpate_{collision,scene,geometry,base} 2>&1 || true)
+  [[ $said == *"undefined reference to \`palpate::internal::eigen_max_static_align_bytes_is_32"* ]]
+fi
+
+# Every installed header compiles after those before it in the alphabet, and after those behind it; none brings another library's headers
+# but Eigen's and fmt's. That of the contract of devices is for GoogleTest.
+headers=$(cd "$work/prefix/include" && find palpate -name '*.h' ! -name device_contract.h | sort)
+if grep -rlE '#include <(nlohmann|boost|CLI|toml|hwy|tbb|kdl|urdf|nanoflann)' "$work/prefix/include/palpate"; then exit 1; fi
+for order in sort 'sort -r'; do
+  $order <<<"$headers" | sed 's/.*/#include <&>/' >"$work/all.cpp"
+  g++ -std=c++20 -Wall -Wextra -Werror -fsyntax-only -DEIGEN_MAX_ALIGN_BYTES=16 -I"$work/prefix/include" -isystem /usr/include/eigen3 "$work/all.cpp"
+done
+
 # The installed program's completion scripts load.
 bash -n <("$work/prefix/bin/palpate" completion bash)

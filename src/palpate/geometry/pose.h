@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <palpate/geometry/eigen_alignment.h>
+
 namespace palpate {
 
 /// Pose of a body B in the world W: p_W = orientation * p_B + position.

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <palpate/geometry/eigen_alignment.h>
+
 namespace palpate {
 
 /// x_W = scale * rotation * M * x_S + translation, the transform of paper eq. 3 (s, R_g, t), from the
