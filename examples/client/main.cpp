@@ -6,12 +6,17 @@
 //     palpate run sphere.ply --device client --client-rate 1000 --tool 0.02,0.02,0.02
 //     ./palpate_client 127.0.0.1 9090
 //
+// With --local it renders the program's local model itself, for a link that is slow: docs/network.md.
+//
 // With a real device: read the pose from its driver in place of Hand::move(), and hand the wrench to its
 // motors.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "palpate_client.h"
 
@@ -24,9 +29,12 @@ constexpr double kTick = 1e-3;  // s
 /// A handle that a hand holds by a spring and a damper, and moves up and down. Along z; the rest is at zero.
 class Hand {
  public:
+  static constexpr double kBegin = 0.21;   // m
+  static constexpr double kDamping = 5.0;  // N s/m
+
   /// \param force on the handle. Unit: [N]. \returns where it is. Unit: [m].
   double move(double t, double force) {
-    constexpr double kMass = 0.15, kDamping = 5.0, kStiffness = 300.0;  // kg, N s/m, N/m
+    constexpr double kMass = 0.15, kStiffness = 300.0;  // kg, N/m
     constexpr double kMiddle = 0.18, kSwing = 0.03,
                      kPeriod = 4.0;  // m, m, s: the sphere is felt below 0.17 m
     const double target = kMiddle + kSwing * std::cos(2.0 * M_PI * t / kPeriod);
@@ -36,15 +44,16 @@ class Hand {
   }
 
  private:
-  double z_ = 0.21, velocity_ = 0.0;
+  double z_ = kBegin, velocity_ = 0.0;
 };
 
 void feel(Client& client) {
   Hand hand;
+  double z = Hand::kBegin;
   const auto begin = std::chrono::steady_clock::now();
   for (int tick = 0; client.is_connected(); ++tick) {
-    const double force = client.wrench().force[2];
-    const double z = hand.move(kTick * tick, force);
+    const double force = client.wrench({0.0, 0.0, z}).force[2];
+    z = hand.move(kTick * tick, force);
     client.send({{0.0, 0.0, z}, {1.0, 0.0, 0.0, 0.0}}, Client::now());
     if (tick % 100 == 0) std::printf("z %6.1f mm   force %5.2f N\n", 1e3 * z, force);
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(tick + 1));
@@ -54,15 +63,18 @@ void feel(Client& client) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 4) {
-    std::fputs("usage: palpate_client HOST PORT [TOKEN]\n", stderr);
+  const bool local = argc > 1 && std::string_view(argv[1]) == "--local";
+  const std::vector<std::string> arguments(argv + (local ? 2 : 1), argv + argc);
+  if (arguments.size() != 2 && arguments.size() != 3) {
+    std::fputs("usage: palpate_client [--local] HOST PORT [TOKEN]\n", stderr);
     return 2;
   }
   try {
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
-    Client client({.force_max = 12.0, .torque_max = 0.0});
+    Client client({.force_max = 12.0, .torque_max = 0.0, .damping = local ? Hand::kDamping : 0.0});
     client.on_status = [](const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); };
-    client.connect(argv[1], static_cast<std::uint16_t>(std::atoi(argv[2])), argc == 4 ? argv[3] : "");
+    client.connect(arguments[0], static_cast<std::uint16_t>(std::atoi(arguments[1].c_str())),
+                   arguments.size() == 3 ? arguments[2] : "");
     feel(client);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "palpate_client: %s\n", error.what());

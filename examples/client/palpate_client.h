@@ -33,6 +33,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -56,17 +57,81 @@ struct Pose {
   std::array<double, 4> orientation{1, 0, 0, 0};  ///< w, x, y, z; unit norm, handle to device
 };
 
+using Vector = std::array<double, 3>;
+
 /// What the hand receives at the handle, in the device's frame.
 struct Wrench {
-  std::array<double, 3> force{};   ///< Unit: [N].
-  std::array<double, 3> torque{};  ///< About the handle's origin. Unit: [N m].
+  Vector force{};   ///< Unit: [N].
+  Vector torque{};  ///< About the handle's origin. Unit: [N m].
 };
 
-/// The largest that the device may show.
+/// The largest that the device may show, and what it absorbs.
 struct Limits {
   double force_max = 0.0;   ///< Unit: [N]. > 0
   double torque_max = 0.0;  ///< 0 for a device without motors for the orientation. Unit: [N m]. >= 0
+  /// The least viscous damping of the device and the hand that holds it. Above 0 local models are rendered,
+  /// no stiffer than it keeps passive: see LocalRenderer. Unit: [N s/m]. >= 0
+  double damping = 0.0;
 };
+
+/// A plane that the handle stays before.
+struct Plane {
+  Vector point{};   ///< Unit: [m].
+  Vector normal{};  ///< unit, outward
+};
+
+/// The surface about the handle, as palpate/LocalModel of docs/gateway.md has it.
+struct LocalModel {
+  static constexpr std::size_t kMost = 4;
+
+  Vector position{};                  ///< of the handle that it was made for. Unit: [m].
+  std::array<Plane, kMost> planes{};  ///< the first `count`
+  std::size_t count = 0;
+  double stiffness = 0.0;  ///< 0: there is no local model, and the wrench is shown. Unit: [N/m].
+  double damping = 0.0;    ///< Unit: [N s/m].
+  double friction = 0.0;   ///< Coulomb's coefficient
+  double share = 0.0;      ///< of the force that the program lets through now, in [0, 1]
+};
+
+namespace vectors {
+
+inline double dot(const Vector& a, const Vector& b) noexcept {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+/// \pre finite: std::hypot may take a NaN for nothing.
+inline double norm(const Vector& v) noexcept { return std::hypot(v[0], v[1], v[2]); }
+inline Vector scaled(Vector v, double factor) noexcept {
+  for (double& x : v) x *= factor;
+  return v;
+}
+/// a + factor b.
+inline Vector sum(const Vector& a, const Vector& b, double factor = 1.0) noexcept {
+  return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
+}
+inline Vector clamped(const Vector& v, double most) noexcept {
+  const double length = norm(v);
+  return length > most ? scaled(v, most / length) : v;
+}
+inline bool is_finite(const Vector& v) noexcept {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+}  // namespace vectors
+
+/// Whether a model that has come may be rendered.
+inline bool is_good(const LocalModel& model) noexcept {
+  constexpr double kUnit = 1e-3;
+  const auto amount = [](double x) { return std::isfinite(x) && x >= 0.0; };
+  bool good = model.count <= LocalModel::kMost && vectors::is_finite(model.position) &&
+              amount(model.stiffness) && amount(model.damping) && amount(model.friction) &&
+              amount(model.share) && model.share <= 1.0;
+  for (std::size_t k = 0; good && k < model.count; ++k) {
+    const auto& [point, normal] = model.planes[k];
+    good = vectors::is_finite(point) && vectors::is_finite(normal) &&
+           std::abs(vectors::norm(normal) - 1.0) <= kUnit;
+  }
+  return good;
+}
 
 /// The newest value from one thread to another: a triple buffer. Neither thread locks, allocates or waits.
 template <class T>
@@ -93,132 +158,310 @@ class Newest {
   std::atomic<unsigned> between_ = 2;
 };
 
-/// Stands between the wrenches that come over the network and the motors. What show() returns is
+/// Makes the force of a LocalModel at the rate of the device, in place of one that is as late as the network
+/// is. A spring of the model's stiffness leads from the handle to a proxy: the nearest place before all
+/// planes on the way from where the proxy was, with friction (god-object, Zilles and Salisbury 1995), as
+/// ProxyForce of the program has it.
 ///
-///  - finite, and within the limits: a larger wrench is scaled down in its direction;
-///  - zero before the first wrench, and from kSilence on after the pose that the last wrench answers was
-///  measured:
-///    where none comes any longer, where they come ever later, and where no pose has gone out;
-///  - zero from kFall after the call that first sees a wrench that is not finite, a message that is none, or
-///  the
-///    loss of the connection;
-///  - after any of these, or after show() itself was not called for kSilence, zero until a wrench is small
-///  (kGate),
-///    and then a share that rises from zero to one within kRise. The program's own gate may not have noticed.
+/// Passive whatever planes come and however they differ from those before. With F the force that was shown
+/// since the last call, d the way of the handle since then, dt the time but no less than T = kPeriod, and b
+/// Limits::damping,
 ///
-/// A drop is a straight line of kFall and not a step, which a hand feels as a knock and which excites the
-/// device; the line begins early enough to end at kSilence.
+///     E' = E - F . d + b d^2 / dt           what the hand has put in, and what the device has absorbed
+///     |F'| <= 2 sqrt(b E' / T)              so that (F' - 2 b d / T)^2 >= 0 leaves E'' >= 0, whatever d is
+///     E  = min(E', max(k L^2 / 2, F'^2 T / 4 b))
 ///
-/// Has no clock: all times are arguments, in seconds on one clock that never falls. One thread calls take()
-/// and fail(), one calls show(); nothing here locks, allocates, throws or waits.
-class WrenchGovernor {
+/// where L is the length of the spring. Of that length, f = min(L, sqrt(2 E' / k)) is felt: a plane that
+/// comes towards the handle winds up nothing, and what is missing comes as the hand moves. A plane alone is
+/// felt in full if k <= 2 b / T (Colgate and Schenkel 1997); a stiffer model is rendered with that. The sum
+/// of F . d is thus never more than that of b d^2 / dt, which the device absorbs, but for what a call later
+/// than T makes; that is a debt, and no force is shown until it is paid.
+///
+/// Positions are taken as measured: a device that counts in coarse steps moves less than b d^2 / dt says.
+///
+/// One thread; nothing here locks, allocates, throws or waits.
+class LocalRenderer {
+ public:
+  static constexpr double kPeriod = 1e-3;    ///< between calls, at most. Unit: [s].
+  static constexpr double kSlewTime = 0.01;  ///< from no force to all. Unit: [s].
+  static constexpr double kGap = 0.05;       ///< between calls, after which it begins anew. Unit: [s].
+  static constexpr double kJump = 0.05;      ///< that no hand makes between calls. Unit: [m].
+
+  explicit LocalRenderer(const Limits& limits) noexcept : limits_(limits) {}
+
+  /// The force at `position`, and no more than most(). \pre is_good(model)
+  Vector ask(const LocalModel& model, const Vector& position, double now) noexcept {
+    const Vector way = vectors::sum(position, position_, -1.0);
+    if (!vectors::is_finite(position) || !(now - t_ <= kGap) || vectors::norm(way) > kJump) {
+      restart(position, now);
+      return {};
+    }
+    const double dt = std::max(now - t_, kPeriod);
+    energy_ += limits_.damping * vectors::dot(way, way) / dt - vectors::dot(shown_, way);
+    velocity_ = vectors::sum(velocity_, vectors::sum(vectors::scaled(way, 1.0 / dt), velocity_, -1.0),
+                             -std::expm1(-dt / kVelocityFilter));
+    position_ = position;
+    t_ = now;
+    proxy_ = nearest(model, proxy_, position);
+    const Vector pull = vectors::sum(proxy_, position, -1.0);
+    const double length = vectors::norm(pull);
+    const double k = std::min(model.stiffness * model.share, 2.0 * limits_.damping / kPeriod);
+    stored_ = 0.5 * k * length * length;
+    pressed_ = model.stiffness * length;
+    const Vector wanted = length > 0.0 ? spring(model, pull, k) : Vector{};
+    const Vector change = vectors::sum(wanted, shown_, -1.0);
+    return vectors::clamped(
+        vectors::sum(shown_, vectors::clamped(change, limits_.force_max * dt / kSlewTime)), most());
+  }
+
+  /// What is shown from now on, of what was asked for. \pre no more than most()
+  void show(const Vector& force) noexcept {
+    shown_ = force;
+    energy_ =
+        std::min(energy_, std::max(stored_, vectors::dot(force, force) * kPeriod / (4.0 * limits_.damping)));
+  }
+
+  /// The largest force that has the energy behind it. Unit: [N].
+  double most() const noexcept { return 2.0 * std::sqrt(limits_.damping * std::max(0.0, energy_) / kPeriod); }
+  /// That the whole of the spring would show, however stiff. Unit: [N].
+  double pressed() const noexcept { return pressed_; }
+  /// E; below zero a debt. Unit: [J].
+  double energy() const noexcept { return energy_; }
+
+  /// Forgets all but a debt.
+  void reset() noexcept { restart({}, -std::numeric_limits<double>::infinity()); }
+
+ private:
+  static constexpr double kVelocityFilter = 0.005;  ///< Unit: [s].
+  static constexpr int kSweeps = 32;                ///< of the planes: four that form a corner settle in ten
+
+  void restart(const Vector& position, double now) noexcept {
+    position_ = proxy_ = position;
+    t_ = vectors::is_finite(position) ? now : -std::numeric_limits<double>::infinity();
+    velocity_ = shown_ = {};
+    stored_ = pressed_ = 0.0;
+    energy_ = std::min(0.0, energy_);
+  }
+
+  /// What is felt of the spring, with the model's damping: at most twice as much, and never a pull.
+  Vector spring(const LocalModel& model, const Vector& pull, double k) const noexcept {
+    const double length = vectors::norm(pull);
+    const double force = std::min(k * length, std::sqrt(2.0 * k * std::max(0.0, energy_)));
+    const double outward = vectors::dot(velocity_, pull) / length;
+    const double damped = force - std::min(model.damping, limits_.damping) * model.share * outward;
+    return vectors::scaled(pull, std::clamp(damped, 0.0, 2.0 * force) / length);
+  }
+
+  /// Projected Gauss-Seidel sweeps over pushes and drags, as constrained_motion() of the program.
+  static Vector nearest(const LocalModel& model, const Vector& from, const Vector& to) noexcept {
+    Vector motion = vectors::sum(to, from, -1.0);
+    std::array<double, LocalModel::kMost> pushes{};
+    std::array<Vector, LocalModel::kMost> drags{};
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (std::size_t k = 0; k < model.count; ++k) {
+        const auto& [point, normal] = model.planes[k];
+        const double gap = vectors::dot(normal, vectors::sum(from, point, -1.0));
+        const double step = std::max(-pushes[k], -(gap + vectors::dot(normal, motion)));
+        pushes[k] += step;
+        motion = vectors::sum(motion, normal, step);
+        const Vector slip = vectors::sum(motion, normal, -vectors::dot(normal, motion));
+        const Vector drag = vectors::clamped(vectors::sum(drags[k], slip, -1.0), model.friction * pushes[k]);
+        motion = vectors::sum(motion, vectors::sum(drag, drags[k], -1.0));
+        drags[k] = drag;
+      }
+    }
+    return vectors::sum(from, motion);
+  }
+
+  const Limits limits_;
+  Vector position_{}, proxy_{}, velocity_{};             ///< of the last call. Unit: [m], [m/s].
+  double t_ = -std::numeric_limits<double>::infinity();  ///< likewise. Unit: [s].
+  Vector shown_{};                                       ///< Unit: [N].
+  double energy_ = 0.0, stored_ = 0.0;                   ///< E, and what the whole spring holds. Unit: [J].
+  double pressed_ = 0.0;                                 ///< Unit: [N].
+};
+
+/// Where a force begins and ends. After a loss it falls to zero along a straight line, since a step is felt
+/// as a knock and excites the device; it is zero until what is asked for is small, and then a share of it
+/// that rises from zero to one.
+class ForceGate {
  public:
   static constexpr double kSilence = 0.05;  ///< Unit: [s].
   static constexpr double kFall = 0.005;    ///< Unit: [s].
   static constexpr double kRise = 0.1;      ///< Unit: [s].
-  static constexpr double kGate = 0.05;     ///< Share of force_max and of torque_max.
 
-  /// \throws std::invalid_argument for limits that are none
-  explicit WrenchGovernor(const Limits& limits) : limits_(limits) {
-    if (!(limits.force_max > 0.0 && std::isfinite(limits.force_max)))
-      throw std::invalid_argument("force_max must be above 0 N");
-    if (!(limits.torque_max >= 0.0 && std::isfinite(limits.torque_max)))
-      throw std::invalid_argument("torque_max must be 0 N m or more");
-  }
-
-  /// A wrench came at `t`, as the answer to a pose that was measured at `measured_at`.
-  void take(const Wrench& wrench, double measured_at, double t) noexcept {
-    if (!is_finite(wrench)) return fail();
-    if (!(t - measured_at <= kSilence)) return;  // also where it answers none
-    if (t - last_.t > kSilence) ++last_.breaks;
-    last_ = {{clamped(wrench.force, limits_.force_max), clamped(wrench.torque, limits_.torque_max)},
-             std::min(measured_at, t),
-             true,
-             last_.breaks};
-    heard_.put(last_);
-  }
-
-  /// Something came that is no wrench, or the connection is lost.
-  void fail() noexcept {
-    last_.good = false;
-    ++last_.breaks;
-    heard_.put(last_);
-  }
-
-  /// What the motors shall show at `now`.
-  Wrench show(double now) noexcept {
-    heard_.update();
-    const Heard& heard = heard_.get();
-    const double zero_at = heard.t + kSilence;
-    const bool lost =
-        !heard.good || heard.breaks != breaks_ || now > zero_at - kFall || now - shown_at_ > kSilence;
-    breaks_ = heard.breaks;
-    shown_at_ = now;
+  /// \param small what is asked for may open it \param broken zero within kFall \param zero_at nothing is
+  /// left from then on. Unit: [s]. Also closed by not being called for kSilence.
+  Wrench pass(const Wrench& asked, bool small, bool broken, double zero_at, double now) noexcept {
+    const bool lost = broken || now > zero_at - kFall || now - passed_at_ > kSilence;
+    passed_at_ = now;
     if (state_ == State::kOpen && lost) {
       state_ = State::kFalling;
       since_ = now;
       fall_end_ = std::min(now + kFall, zero_at);
-      falls_from_ = shown_;
+      falls_from_ = passed_;
     }
     if (state_ == State::kFalling && now >= fall_end_) state_ = State::kClosed;
-    if (state_ == State::kClosed && !lost && is_small(heard.wrench)) {
+    if (state_ == State::kClosed && !lost && small) {
       state_ = State::kOpen;
       since_ = now;
     }
-    shown_ = in_this_state(now);
-    return shown_;
+    passed_ = in_this_state(asked, now);
+    return passed_;
   }
 
  private:
   enum class State { kClosed, kOpen, kFalling };
-  struct Heard {
-    Wrench wrench;
-    double t =
-        -std::numeric_limits<double>::infinity();  ///< when the pose was measured that it answers. Unit: [s].
-    bool good = false;
-    std::uint64_t breaks = 0;  ///< silences and failures so far: show() may be too slow to see each
-  };
 
-  static double norm(const std::array<double, 3>& v) noexcept { return std::hypot(v[0], v[1], v[2]); }
-  static bool is_finite(const Wrench& w) noexcept {
-    const auto finite = [](double x) { return std::isfinite(x); };
-    return std::all_of(w.force.begin(), w.force.end(), finite) &&
-           std::all_of(w.torque.begin(), w.torque.end(), finite);
-  }
-  static std::array<double, 3> scaled(std::array<double, 3> v, double factor) noexcept {
-    for (double& x : v) x *= factor;
-    return v;
-  }
   static Wrench scaled(const Wrench& w, double factor) noexcept {
-    return {scaled(w.force, factor), scaled(w.torque, factor)};
+    return {vectors::scaled(w.force, factor), vectors::scaled(w.torque, factor)};
   }
-  static std::array<double, 3> clamped(const std::array<double, 3>& v, double most) noexcept {
-    const double length = norm(v);
-    return length > most ? scaled(v, most / length) : v;
-  }
-  bool is_small(const Wrench& w) const noexcept {
-    return norm(w.force) <= kGate * limits_.force_max && norm(w.torque) <= kGate * limits_.torque_max;
-  }
-
-  Wrench in_this_state(double now) const noexcept {
+  Wrench in_this_state(const Wrench& asked, double now) const noexcept {
     switch (state_) {
-      case State::kOpen: return scaled(heard_.get().wrench, std::min(1.0, (now - since_) / kRise));
+      case State::kOpen: return scaled(asked, std::min(1.0, (now - since_) / kRise));
       case State::kFalling: return scaled(falls_from_, (fall_end_ - now) / (fall_end_ - since_));
       case State::kClosed: break;
     }
     return {};
   }
 
+  State state_ = State::kClosed;
+  double passed_at_ = -std::numeric_limits<double>::infinity();  ///< Unit: [s].
+  double since_ = 0.0, fall_end_ = 0.0;                          ///< of the state. Unit: [s].
+  Wrench passed_, falls_from_;
+};
+
+/// Stands between what comes over the network and the motors. What show() returns is
+///
+///  - finite, and within the limits: a larger wrench is scaled down in its direction;
+///  - zero before the first wrench, and from kSilence on after the pose that the last wrench answers was
+///    measured: where none comes any longer, where they come ever later, and where no pose has gone out;
+///  - zero from kFall after the call that first sees a wrench that is not finite, a message that is none, or
+///    the loss of the connection;
+///  - after any of these, or after show() itself was not called for kSilence, zero until a wrench is small
+///    (kGate), and then a share that rises from zero to one within kRise. The program's own gate may not have
+///    noticed.
+///
+/// A drop is a straight line of kFall that begins early enough to end at kSilence: see ForceGate.
+///
+/// Where local models come, and Limits::damping is known, the force is that of LocalRenderer, and the torque
+/// that of the last wrench. A force that is made here is not late, and planes are right for longer than
+/// forces: it is zero from kSilence on after the last model came, from kModelAge on after the pose was
+/// measured that that answers, and kFall after the handle is farther than kNear from there. All else is as
+/// above.
+///
+/// Has no clock: all times are arguments, in seconds on one clock that never falls. One thread calls take(),
+/// take_model() and fail(), one calls show(); nothing here locks, allocates, throws or waits.
+class WrenchGovernor {
+ public:
+  static constexpr double kSilence = ForceGate::kSilence;  ///< Unit: [s].
+  static constexpr double kFall = ForceGate::kFall;        ///< Unit: [s].
+  static constexpr double kRise = ForceGate::kRise;        ///< Unit: [s].
+  static constexpr double kGate = 0.05;                    ///< Share of force_max and of torque_max.
+  static constexpr double kModelAge = 0.1;                 ///< Unit: [s].
+  /// Over which a ball of 0.1 m is flat to half a millimetre. Unit: [m].
+  static constexpr double kNear = 0.01;
+
+  /// \throws std::invalid_argument for limits that are none
+  explicit WrenchGovernor(const Limits& limits) : limits_(limits), renderer_(limits) {
+    if (!(limits.force_max > 0.0 && std::isfinite(limits.force_max)))
+      throw std::invalid_argument("force_max must be above 0 N");
+    if (!(limits.torque_max >= 0.0 && std::isfinite(limits.torque_max)))
+      throw std::invalid_argument("torque_max must be 0 N m or more");
+    if (!(limits.damping >= 0.0 && std::isfinite(limits.damping)))
+      throw std::invalid_argument("damping must be 0 N s/m or more");
+  }
+
+  /// A wrench came at `t`, as the answer to a pose that was measured at `measured_at`.
+  void take(const Wrench& wrench, double measured_at, double t) noexcept {
+    if (!vectors::is_finite(wrench.force) || !vectors::is_finite(wrench.torque)) return fail();
+    if (!(t - measured_at <= kSilence)) return;  // also where it answers none
+    if (t - last_.t > kSilence) ++last_.breaks;
+    last_ = {{vectors::clamped(wrench.force, limits_.force_max),
+              vectors::clamped(wrench.torque, limits_.torque_max)},
+             std::min(measured_at, t),
+             true,
+             last_.breaks};
+    heard_.put(last_);
+  }
+
+  /// A local model, likewise.
+  void take_model(const LocalModel& model, double measured_at, double t) noexcept {
+    if (!is_good(model)) return fail();
+    if (!(t - measured_at <= kModelAge)) return;
+    if (t > last_model_.zero_at()) ++last_model_.breaks;
+    last_model_ = {model, std::min(measured_at, t), t, true, last_model_.breaks};
+    models_.put(last_model_);
+  }
+
+  /// Something came that is no wrench, or the connection is lost.
+  void fail() noexcept {
+    last_.good = last_model_.good = false;
+    ++last_.breaks;
+    ++last_model_.breaks;
+    heard_.put(last_);
+    models_.put(last_model_);
+  }
+
+  /// What the motors shall show at `now`, of the wrenches alone.
+  Wrench show(double now) noexcept {
+    heard_.update();
+    const Heard& heard = heard_.get();
+    const bool broken = !heard.good || heard.breaks != breaks_;
+    breaks_ = heard.breaks;
+    const bool small = is_small(vectors::norm(heard.wrench.force)) &&
+                       vectors::norm(heard.wrench.torque) <= kGate * limits_.torque_max;
+    return gate_.pass(heard.wrench, small, broken, heard.t + kSilence, now);
+  }
+
+  /// What the motors shall show at `now` with the handle at `position`.
+  Wrench show(const Vector& position, double now) noexcept {
+    Wrench shown = show(now);
+    models_.update();
+    const HeardModel& heard = models_.get();
+    if (limits_.damping == 0.0 || heard.model.stiffness == 0.0) {
+      renderer_.reset();
+      return shown;
+    }
+    const bool far = vectors::norm(vectors::sum(position, heard.model.position, -1.0)) > kNear;
+    const bool broken = !heard.good || heard.breaks != model_breaks_ || far;
+    model_breaks_ = heard.breaks;
+    const Wrench asked{vectors::clamped(renderer_.ask(heard.model, position, now), limits_.force_max), {}};
+    const Wrench passed =
+        model_gate_.pass(asked, is_small(renderer_.pressed()), broken, heard.zero_at(), now);
+    shown.force = vectors::clamped(passed.force, renderer_.most());
+    renderer_.show(shown.force);
+    return shown;
+  }
+
+ private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+  struct Heard {
+    Wrench wrench;
+    double t = kNever;  ///< when the pose was measured that it answers. Unit: [s].
+    bool good = false;
+    std::uint64_t breaks = 0;  ///< silences and failures so far: show() may be too slow to see each
+  };
+  struct HeardModel {
+    LocalModel model;
+    double measured_at = kNever, came = kNever;  ///< Unit: [s].
+    bool good = false;
+    std::uint64_t breaks = 0;  ///< likewise
+    double zero_at() const noexcept { return std::min(came + kSilence, measured_at + kModelAge); }
+  };
+
+  bool is_small(double force) const noexcept { return force <= kGate * limits_.force_max; }
+
   const Limits limits_;
   Heard last_;  ///< the network's thread
+  HeardModel last_model_;
   Newest<Heard> heard_;
+  Newest<HeardModel> models_;
 
   // The servo thread.
-  State state_ = State::kClosed;
-  std::uint64_t breaks_ = 0;
-  double shown_at_ = -std::numeric_limits<double>::infinity();  ///< Unit: [s].
-  double since_ = 0.0, fall_end_ = 0.0;                         ///< of the state. Unit: [s].
-  Wrench shown_, falls_from_;
+  ForceGate gate_, model_gate_;
+  LocalRenderer renderer_;
+  std::uint64_t breaks_ = 0, model_breaks_ = 0;
 };
 
 /// The messages of rosbridge v2 that a client needs.
@@ -228,6 +471,7 @@ using Json = nlohmann::json;
 
 inline constexpr const char* kPose = "/palpate/client/measured_cp";
 inline constexpr const char* kWrench = "/palpate/client/servo_cf";
+inline constexpr const char* kLocalModel = "/palpate/client/local_model";
 inline constexpr const char* kEcho = "/palpate/client/echo";
 inline constexpr const char* kEchoed = "/palpate/client/echoed";
 inline constexpr double kBillion = 1e9;
@@ -273,12 +517,33 @@ inline std::array<double, 3> vector3(const Json& json) {
   return {number(at(json, "x")), number(at(json, "y")), number(at(json, "z"))};
 }
 
-/// A WrenchStamped, and the time that it is stamped with; NaN for what is missing.
-inline std::pair<Wrench, double> wrench(const Json& message) {
+/// The time that a message is stamped with. Unit: [s].
+inline double stamp_of(const Json& message) {
   const Json& stamp = at(at(message, "header"), "stamp");
+  return number(at(stamp, "secs")) + number(at(stamp, "nsecs")) / kBillion;
+}
+
+/// A WrenchStamped; NaN for what is missing.
+inline Wrench wrench(const Json& message) {
   const Json& wrench = at(message, "wrench");
-  return {{vector3(at(wrench, "force")), vector3(at(wrench, "torque"))},
-          number(at(stamp, "secs")) + number(at(stamp, "nsecs")) / kBillion};
+  return {vector3(at(wrench, "force")), vector3(at(wrench, "torque"))};
+}
+
+/// A palpate/LocalModel; NaN for what is missing, and a count of kMost + 1 for planes that are none.
+inline LocalModel local_model(const Json& message) {
+  LocalModel model;
+  model.position = vector3(at(message, "position"));
+  const Json& planes = at(message, "planes");
+  model.count = planes.is_array() ? planes.size() : LocalModel::kMost + 1;
+  if (model.count <= LocalModel::kMost) {
+    for (std::size_t k = 0; k < model.count; ++k)
+      model.planes[k] = {vector3(at(planes[k], "point")), vector3(at(planes[k], "normal"))};
+  }
+  model.stiffness = number(at(message, "stiffness"));
+  model.damping = number(at(message, "damping"));
+  model.friction = number(at(message, "friction"));
+  model.share = number(at(message, "share"));
+  return model;
 }
 
 }  // namespace messages
@@ -294,7 +559,7 @@ class Client {
  public:
   /// \param limits of the device. \throws std::invalid_argument, std::system_error
   explicit Client(const Limits& limits)
-      : governor_(limits), ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+      : governor_(limits), local_(limits.damping > 0.0), ready_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
     if (ready_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
   }
   ~Client() {
@@ -353,9 +618,14 @@ class Client {
   /// What the motors shall show now: see WrenchGovernor. The servo thread, at least every 50 ms: neither
   /// locks, allocates nor blocks.
   Wrench wrench() noexcept { return governor_.show(now()); }
+  /// The same with the handle at `position`, of the local model where Limits::damping is known: then 1000
+  /// times a second, and with each position that is sent. Unit: [m].
+  Wrench wrench(const Vector& position) noexcept { return governor_.show(position, now()); }
 
   /// How many wrenches have come so far. Any thread.
   std::uint64_t wrench_count() const noexcept { return wrench_count_; }
+  /// When the pose was measured that the newest wrench answers; 0 before the first. Any thread. Unit: [s].
+  double answered() const noexcept { return answered_; }
 
   static constexpr std::chrono::seconds kPatience{5};
 
@@ -416,7 +686,9 @@ class Client {
       throw std::runtime_error("refuses the connection: " + std::string(connection.response.reason()) +
                                (connection.response.result_int() == 401 ? "; give its token" : ""));
     }
-    for (const char* topic : {messages::kWrench, messages::kEcho}) {
+    std::vector<const char*> topics{messages::kWrench, messages::kEcho};
+    if (local_) topics.push_back(messages::kLocalModel);
+    for (const char* topic : topics) {
       connection.sent = messages::subscribe(topic);
       finish(connection.socket.async_write(net::buffer(connection.sent), net::use_future));
     }
@@ -459,9 +731,12 @@ class Client {
     if (at(message, "op") != "publish") return governor_.fail();
     const nlohmann::json& content = at(message, "msg");
     if (at(message, "topic") == messages::kEcho) return answer(connection, at(content, "seq"), t);
+    const double measured_at = messages::stamp_of(content);
+    if (at(message, "topic") == messages::kLocalModel)
+      return governor_.take_model(messages::local_model(content), measured_at, t);
     if (at(message, "topic") != messages::kWrench) return governor_.fail();
-    const auto [wrench, measured_at] = messages::wrench(content);
-    governor_.take(wrench, measured_at, t);
+    governor_.take(messages::wrench(content), measured_at, t);
+    answered_.store(measured_at, std::memory_order_relaxed);
     wrench_count_.fetch_add(1, std::memory_order_relaxed);
   }
 
@@ -505,10 +780,12 @@ class Client {
   }
 
   WrenchGovernor governor_;
+  bool local_;  ///< models are wanted
   Newest<TimedPose> poses_;
   int ready_;  ///< an eventfd: how the servo thread wakes the network's without a lock
   std::atomic<bool> connected_ = false;
   std::atomic<std::uint64_t> wrench_count_ = 0;
+  std::atomic<double> answered_ = 0.0;  ///< Unit: [s].
   std::unique_ptr<Connection> connection_;
 };
 

@@ -463,7 +463,7 @@ class AgainstTheProgram : public testing::Test {
       z += std::clamp(height - z, -1e-4, 1e-4);
       if (speaks) client.send({{0, 0, z}, {1, 0, 0, 0}}, Client::now() - late);
       const double t = Client::now();
-      all.push_back({t, client.wrench().force[2]});
+      all.push_back({t, client.wrench({0, 0, z}).force[2]});
       if (all.back().force > until_force) break;
       std::this_thread::sleep_for(std::chrono::duration<double>(begin + 1e-3 * tick - Client::now()));
     }
@@ -490,8 +490,10 @@ class AgainstTheProgram : public testing::Test {
     return told;
   }
 
+  explicit AgainstTheProgram(double damping = 0.0) : client({kForceMax, 0.0, damping}) {}
+
   Program program;
-  Client client{{kForceMax, 0.0}};
+  Client client;
   double z = kFree, late = 0.0;
   bool speaks = true;
   std::mutex mutex;
@@ -531,6 +533,48 @@ TEST_F(AgainstTheProgram, AHandThatWasSilentFeelsNoStep) {
   speaks = true;
   expect_no_force(lead(kPressed, 0.5), silent);
   EXPECT_TRUE(press());
+}
+
+/// The same with the force of the local model.
+class WithALocalModel : public AgainstTheProgram {
+ protected:
+  WithALocalModel() : AgainstTheProgram(1.0) {}  // N s/m
+
+  /// Of what was shown while the handle was nowhere else; NaN if there was a fault.
+  double force_at(double height) {
+    lead(height, 0.2);
+    const std::vector<Shown> all = lead(height, 0.3);
+    const auto [least, most] = std::minmax_element(
+        all.begin(), all.end(), [](const Shown& a, const Shown& b) { return a.force < b.force; });
+    return most->force - least->force < 0.05 ? most->force : std::nan("");
+  }
+};
+
+// 500 N/m as it is set. The program's own force is softer: for poses that may be 1/60 s apart, 3 N s/m / 8
+// ms.
+TEST_F(WithALocalModel, ItIsAsStiffAsTheProgramIsSet) {
+  double deep = std::nan(""), deeper = std::nan("");
+  for (int k = 0; k < 5 && !(std::isfinite(deep) && std::isfinite(deeper)); ++k) {
+    ASSERT_TRUE(press());
+    deep = force_at(0.166);
+    deeper = force_at(0.163);
+  }
+  EXPECT_NEAR(deep, 500.0 * (0.170 - 0.166), 0.3) << "the sphere of Gaussians is a little larger";
+  EXPECT_NEAR(deeper - deep, 500.0 * 0.003, 0.05);
+}
+
+TEST_F(WithALocalModel, AProgramThatIsKilledEndsInZero) {
+  ASSERT_TRUE(press());
+  program.signal(SIGKILL);
+  const double killed = Client::now();
+  expect_no_force(lead(kPressed, 0.3), killed + kOnTheWay + WrenchGovernor::kSilence);
+}
+
+TEST_F(WithALocalModel, AProgramThatIsStoppedEndsInZero) {
+  ASSERT_TRUE(press());
+  program.signal(SIGSTOP);
+  const double stopped = Client::now();
+  expect_no_force(lead(kPressed, 0.3), stopped + kOnTheWay + WrenchGovernor::kSilence);
 }
 
 TEST_F(AgainstTheProgram, ItsEchoesTellHowOldItsPosesAre) {

@@ -222,6 +222,42 @@ TEST_F(LiveTopicsTest, TheFallToZeroReachesAClientThatHasFallenSilent) {
   }
 }
 
+TEST_F(LiveTopicsTest, WhoHoldsItGetsTheSurfaceAboutTheToolInItsOwnFrame) {
+  constexpr const char* kModel = "/palpate/client/local_model";
+  begin(true);
+  subscribe(*first, {kModel});
+  subscribe(*second, {kModel});
+  put(*first, {1, 0, 0}, "device", 7);
+  record.reading.pose.position = {0.5, 0, 0};
+  record.let_through = 0.25;
+  record.felt.local.stiffness = 300.0;
+  record.felt.local.damping = 2.0;
+  record.felt.local.friction = 0.5;
+  record.felt.local.count = 1;
+  record.felt.local.planes[0] = {{1, 0, 4}, {0, 1, 0}};
+  tick();
+  live->answer();
+  EXPECT_THAT(all(*second), IsEmpty());
+  const std::vector<Json> told = all(*first)[kModel];
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0]["header"]["frame_id"], "device");
+  EXPECT_EQ(told[0]["header"]["stamp"]["secs"], 7) << "of the pose";
+  EXPECT_EQ(told[0]["position"], to_json(Vector3d(0.5, 0, 0)));
+  ASSERT_EQ(told[0]["planes"].size(), 1U);
+  // Turned back by 90 degrees about z, half as far from the offset.
+  EXPECT_NEAR(told[0]["planes"][0]["normal"]["x"].get<double>(), 1.0, 1e-12);
+  EXPECT_NEAR(told[0]["planes"][0]["point"]["x"].get<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(told[0]["planes"][0]["point"]["z"].get<double>(), 2.0, 1e-12);
+  EXPECT_EQ(told[0]["stiffness"], 300.0);
+  EXPECT_EQ(told[0]["damping"], 2.0);
+  EXPECT_EQ(told[0]["friction"], 0.5);
+  EXPECT_EQ(told[0]["share"], 0.25);
+
+  clock.sleep_until(clock.now() + LiveTopics::kSilence + 0.01);
+  live->publish();
+  EXPECT_EQ(all(*first)[kModel].back()["share"], 0.0) << "who loses the tool";
+}
+
 TEST_F(LiveTopicsTest, WhatADeviceShallShowGoesToNobodyElse) {
   begin(true);
   for (Client* client : {first.get(), second.get()}) subscribe(*client, {kAnswer});

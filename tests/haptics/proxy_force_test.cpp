@@ -104,6 +104,32 @@ double quantile(std::vector<double> values, double p) {
 
 class OnShapes : public testing::TestWithParam<const char*> {};
 
+/// The force of a spring to the nearest place before a plane alone.
+Vector3d force_of(const LocalSurface& local, std::size_t k, const Vector3d& at) {
+  const ContactPlane& plane = local.planes[k];
+  return local.stiffness * std::max(0.0, plane.normal.dot(plane.point - at)) * plane.normal;
+}
+
+// A ball that a single plane holds: what the client renders is what the model shows.
+TEST(TheLocalSurface, HasTheForceOfTheModelInIt) {
+  Bench bench("sphere", even(0.004));
+  const double touches =
+      *bench.seen.first_touch(Tool(Vector3d::Constant(kRadius)), Vector3d(0, 0, 0.3), Vector3d(0, 0, -1));
+  const double height = 0.3 - touches;
+  for (double depth = -0.02; depth < 0.01; depth += 1e-4) {
+    const Vector3d place(0, 0, height - depth);
+    const ForceOutput felt = bench.at(place);
+    ASSERT_NEAR(felt.local.planes[0].normal.norm(), 1.0, 1e-9);
+    if (depth < -0.01) {
+      EXPECT_EQ(felt.local.count, 0U) << "far from everything";
+      EXPECT_EQ(felt.local.stiffness, kStiffness);
+    }
+    if (depth < 0.002) continue;
+    ASSERT_GE(felt.local.count, 1U);
+    EXPECT_LT((force_of(felt.local, 0, place) - felt.wrench.force).norm(), 0.02 * felt.wrench.force.norm());
+  }
+}
+
 TEST_P(OnShapes, PushesAlongTheNormalAsASpringDoesHoweverDeep) {
   Bench bench(GetParam(), noisy(921));
   std::vector<double> angles, ratios;

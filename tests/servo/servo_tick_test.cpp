@@ -111,6 +111,26 @@ TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {
   EXPECT_NEAR(run(0.01).margin, 3.0 / 1e-3 / 500.0, 1e-6);
 }
 
+// Who renders it without this loop's delay needs no softer one, and gets none where a fault holds the force.
+TEST_F(ServoTickTest, TheLocalSurfaceIsAsStiffAsItIsSetHoweverLateTheForce) {
+  begin();
+  EXPECT_EQ(run(0.02).let_through, 0.0) << "the gate";
+  run(1.0);
+  loop->set_delay(0.02);
+  go_to(-0.005);
+  const TickRecord& pressed = run(1.0);
+  EXPECT_EQ(pressed.felt.local.stiffness, wall.k);
+  EXPECT_LT(pressed.felt.stiffness, 0.5 * wall.k);
+  EXPECT_EQ(pressed.let_through, 1.0);
+  loop->set_gain(0.5);
+  EXPECT_EQ(run(kTick).felt.local.stiffness, 0.5 * wall.k);
+  loop->governor().stop();
+  const TickRecord& stopped = run(kTick);
+  EXPECT_EQ(stopped.let_through, 0.0);
+  EXPECT_EQ(stopped.felt.local.count, 0U);
+  EXPECT_GT(stopped.felt.local.stiffness, 0.0) << "of no plane, and not another kind of force";
+}
+
 TEST_F(ServoTickTest, MotorsThatAreLateAreALesserMargin) {
   device.can.delay = 0.5e-3;
   begin();

@@ -20,6 +20,9 @@ struct Wall final : ForceModel {
     out.proxy = input.tool;
     out.stored = 0.5 * k * depth * depth;
     out.stiffness = depth > 0.0 ? k : 0.0;
+    out.local.planes[0] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX()};
+    out.local.count = 1;
+    out.local.stiffness = k;
     return out;
   }
   double k;  ///< Unit: [N/m].

@@ -33,6 +33,7 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
       tool_topic_(hub.add_topic("/palpate/tool", "visualization_msgs/MarkerArray")),
       diagnostics_(hub.add_topic("/palpate/diagnostics", "diagnostic_msgs/DiagnosticArray")),
       client_(hub.add_topic("/palpate/client/servo_cf", "geometry_msgs/WrenchStamped")),
+      local_model_(hub.add_topic("/palpate/client/local_model", "palpate/LocalModel")),
       echo_(hub.add_topic("/palpate/client/echo", "std_msgs/Header")) {
   const Marker reset = ContactMarkers::reset();
   contacts_.set_reset(marker_array(header({}, kWorld, 0), {&reset, 1}), ContactMarkers::kReach);
@@ -95,6 +96,7 @@ void LiveTopics::hold(Client& client) {
 
 void LiveTopics::release() {
   publish_device_wrench({});
+  publish_local_model(0.0);
   holder_->set_urgent(false);
   holder_ = nullptr;
   waiting_.reset();
@@ -135,6 +137,25 @@ void LiveTopics::publish_device_wrench(const Wrench& wrench) {
   client_.publish_to(*holder_, {{"header", head}, {"wrench", to_json(wrench)}});
 }
 
+void LiveTopics::publish_local_model(double share) {
+  if (!local_model_.is_watched()) return;
+  const TickRecord& tick = feed_.newest().record;
+  const LocalSurface& local = tick.felt.local;
+  Json planes = Json::array();
+  for (std::size_t k = 0; k < local.count; ++k)
+    planes.push_back(
+        {{"point", to_json(tick.map.to_device(Pose{local.planes[k].point}).position)},
+         {"normal", to_json(Eigen::Vector3d(tick.map.rotation.conjugate() * local.planes[k].normal))}});
+  const Json head = header(stamps_[answered_ % stamps_.size()], "device", feed_.newest().answers);
+  local_model_.publish_to(*holder_, {{"header", head},
+                                     {"position", to_json(tick.reading.pose.position)},
+                                     {"planes", std::move(planes)},
+                                     {"stiffness", local.stiffness},
+                                     {"damping", local.damping},
+                                     {"friction", local.friction},
+                                     {"share", share}});
+}
+
 void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
   if (!spatial_.is_watched() && !body_.is_watched()) return;
   const TickRecord& tick = feed_.newest().record;
@@ -161,7 +182,9 @@ void LiveTopics::answer() {
   answered_ = feed_.newest().answers;
   if (waits_since_) hand_over();
   // What the hand before it is still sent is not for this one.
-  publish_device_wrench(waits_since_ ? Wrench{} : feed_.newest().record.sent);
+  const TickRecord& tick = feed_.newest().record;
+  publish_device_wrench(waits_since_ ? Wrench{} : tick.sent);
+  publish_local_model(waits_since_ ? 0.0 : tick.let_through);
   if (!another) return;
   told_ = true;
   publish_world_wrenches(Stamp::now(), holder_);

@@ -79,6 +79,8 @@ class LiveTopics {
   void look();
   bool force_has_fallen() const;
   void publish_device_wrench(const Wrench& wrench);
+  /// \param share of the governor, 0 where nothing is to be felt
+  void publish_local_model(double share);
   void publish_world_wrenches(const Stamp& stamp, Client* only);
   void publish_contacts(const Stamp& stamp);
   void look_up_ellipsoids();
@@ -93,7 +95,7 @@ class LiveTopics {
   WorkspaceMap map_;
   bool client_is_device_;
   Topic &pose_, &velocity_, &spatial_, &body_, &proxy_, &contacts_, &tool_topic_, &diagnostics_, &client_,
-      &echo_;
+      &local_model_, &echo_;
 
   std::shared_ptr<const SceneIndex> index_;
   /// Of an index; made when someone wants to see contacts.

@@ -6,6 +6,7 @@
 
 #include <palpate/collision/contact.h>
 #include <palpate/geometry/pose.h>
+#include <palpate/haptics/local_surface.h>
 
 namespace palpate {
 
@@ -35,6 +36,7 @@ struct ForceOutput {
   double stored = 0.0;
   /// Of that spring, as it is felt now; 0 where nothing is. Unit: [N/m].
   double stiffness = 0.0;
+  LocalSurface local = {};  ///< about the tool, world frame
 };
 
 /// Turns contacts into a wrench on the tool. A model may keep state between calls (filters), so an

@@ -1,6 +1,7 @@
 #include <palpate/haptics/proxy_force.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -124,6 +125,8 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
 void ProxyForce::reset() {
   started_ = held_ = trails_ = waits_ = false;
   hold_ = {};
+  obstacles_.planes.clear();
+  obstacles_.properties.clear();
   spring_ = {};
   spring_.reserve = most_reserve();
   velocity_.setZero();
@@ -228,6 +231,7 @@ bool ProxyForce::look_around(const Goal& goal) {
 void ProxyForce::find_obstacles() {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
+  step_taken_ = {proxy_.position, {}};
   for (const Part& part : parts_) {
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -339,15 +343,47 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   const double length = length_of(motion, gyration_);
   const double share =
       std::min({1.0, step_ / std::max(farthest, 1e-300), goal_.longest / std::max(length, 1e-300)});
+  if (share < 1.0) motion = blend({}, motion, share);
+  step_taken_.motion = motion;
   if (!held_ && share == 1.0) {
     proxy_ = goal_.target;  // not to rounding
     trails_ = false;
   } else {
-    motion = blend({}, motion, share);
     proxy_.position += motion.translation;
     proxy_.orientation = (rotation_by(motion.rotation) * proxy_.orientation).normalized();
   }
   return share * length;
+}
+
+LocalSurface ProxyForce::local() const {
+  const std::vector<MotionConstraint>& planes = obstacles_.planes;
+  const auto matters_more = [&](std::size_t a, std::size_t b) {
+    return planes[a].push != planes[b].push ? planes[a].push > planes[b].push : planes[a].gap < planes[b].gap;
+  };
+  std::array<std::size_t, LocalSurface::kMost> chosen{};
+  LocalSurface found;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    std::size_t place = found.count;
+    while (place > 0 && matters_more(i, chosen[place - 1])) --place;
+    if (place == LocalSurface::kMost) continue;
+    found.count = std::min(found.count + 1, LocalSurface::kMost);
+    std::copy_backward(chosen.begin() + place, chosen.begin() + found.count - 1,
+                       chosen.begin() + found.count);
+    chosen[place] = i;
+  }
+  for (std::size_t k = 0; k < found.count; ++k) {
+    const MotionConstraint& plane = planes[chosen[k]];
+    // What the turn of the proxy takes of the gap.
+    const double gap = plane.gap + plane.normal.dot(step_taken_.motion.rotation.cross(plane.arm));
+    found.planes[k] = {step_taken_.from - gap * plane.normal, plane.normal};
+  }
+  const bool any = found.count > 0;
+  const Properties of = any ? obstacles_.properties[chosen[0]]
+                            : Properties{parameters_.stiffness, parameters_.friction, 0.0, 1.0};
+  found.stiffness = spring_.felt > 0.0 && trails_ ? spring_.stiffness : of.stiffness * of.confidence;
+  found.damping = std::min(of.damping, damping_max_);
+  found.friction = of.friction;
+  return found;
 }
 
 /// At most nothing is left of the push, or twice as much: it begins with none, and never pulls.
@@ -445,19 +481,20 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // On its way through free space, nothing is felt.
   if (!trails_) {
     spring_.felt = 0.0;
-    return {Wrench{}, proxy_, 1.0, spring_.reserve};
+    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   }
   const Motion pull = motion_between(input.tool, proxy_);
   const double length = length_of(pull, gyration_);
   wind(pull, length, first ? std::nullopt : std::optional(moved), input.dt);
-  if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve};
+  if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   const double k = spring_.stiffness, of_length = k * spring_.felt / length;
   const double push = of_length * damped(of_length * pull.translation);
   return {{push * pull.translation, push * gyration_ * gyration_ * pull.rotation},
           proxy_,
           hold_.confidence,
           0.5 * k * spring_.felt * spring_.felt + spring_.reserve,
-          k};
+          k,
+          local()};
 }
 
 }  // namespace palpate

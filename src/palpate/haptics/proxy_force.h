@@ -168,6 +168,12 @@ class ProxyForce final : public ForceModel {
     double stiffness = 0.0, damping = 0.0;
   };
 
+  /// The last step: where the proxy went from, and how.
+  struct Step {
+    Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< of the handle, world frame
+    Motion motion;
+  };
+
   /// What the hand feels.
   struct Spring {
     Motion along;               ///< from tool to proxy, of length 1; zero where both are in one place
@@ -201,6 +207,8 @@ class ProxyForce final : public ForceModel {
   void start_patches(Part& part);
   Properties properties_of(const SurfacePatches& patches, std::size_t i) const;
   Hold hold() const;
+  /// The obstacles of the last step that matter most.
+  LocalSurface local() const;
   /// How much faster than the tool the proxy may move now. Unit: [m/s].
   double catch_up() const;
   void remember(const Eigen::Vector3d& moved);
@@ -230,9 +238,10 @@ class ProxyForce final : public ForceModel {
   bool waits_ = false;   ///< for the time to look where it goes
   Goal goal_;            ///< of the last step
   Hold hold_;            ///< of the last step in which it was held
-  Spring spring_;        ///< of the last call
-  Pose tool_;            ///< of the last call, world frame
-  Pose proxy_;           ///< world frame
+  Step step_taken_;
+  Spring spring_;  ///< of the last call
+  Pose tool_;      ///< of the last call, world frame
+  Pose proxy_;     ///< world frame
 };
 
 }  // namespace palpate

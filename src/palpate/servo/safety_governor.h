@@ -134,6 +134,9 @@ class SafetyGovernor {
   /// Takes back stop(Fault::kPaused), and nothing else. Likewise.
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
 
+  /// What share of what release() was asked for last goes through by and by: none in a fall. In [0, 1].
+  double let_through() const { return let_through_; }
+
   GovernorState state() const { return state_; }
   /// Why the force is held back; kNone if it is not.
   Fault fault() const { return fault_; }
@@ -197,6 +200,7 @@ class SafetyGovernor {
   double fresh_ = 1.0;     ///< share of the time that new readings speak for, filtered
   double energy_ = 0.0;
   Wrench sent_;
+  double let_through_ = 0.0;
   SustainedLimit force_, torque_;            ///< of what is sent
   Wrench at_fall_;                           ///< what was sent at fall_from_
   double fall_from_ = 0.0, fall_end_ = 0.0;  ///< a straight line to zero. Unit: [s].

@@ -90,6 +90,8 @@ void ServoTick::feel() {
   felt.wrench.torque *= gain;
   felt.stored = passive_gain_.stored();
   felt.stiffness *= gain_;
+  // Who renders the surface without this loop's delay has no need of a softer one.
+  felt.local.stiffness *= wanted_gain_.load(std::memory_order_relaxed);
   record_.margin = felt.stiffness > 0.0 ? margin : 0.0;
   Wrench wanted = map_.to_device(felt.wrench);
   if (device_.capabilities().torque_max == 0.0 && wanted.torque.allFinite()) wanted.torque.setZero();
@@ -142,6 +144,7 @@ void ServoTick::tell() {
   record_.fault = governor_.fault();
   record_.energy = governor_.energy();
   record_.put_out = passivity_.put_out();
+  record_.let_through = governor_.let_through();
   record_.added_damping = passivity_.added_damping();
 }
 
@@ -176,7 +179,9 @@ const TickRecord& ServoTick::run(double t) {
     passive_gain_.reset();
     asked_ = false;
     wanted_ = {};
+    const double stiffness = record_.felt.local.stiffness;
     record_.felt = {Wrench{}, record_.tool};
+    record_.felt.local.stiffness = stiffness;
     record_.margin = 0.0;
   } else if (fresh) {
     feel();

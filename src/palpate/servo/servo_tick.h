@@ -41,6 +41,7 @@ struct TickRecord {
   /// hand that damps by ServoTick::kHandDamping); 0 where there is none, or nothing is known of it. Below 1
   /// the spring is softer than it was set, by that.
   double margin = 0.0;
+  double let_through = 0.0;  ///< SafetyGovernor::let_through()
 };
 
 /// A force model, and what finds contacts for it.
