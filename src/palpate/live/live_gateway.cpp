@@ -412,7 +412,7 @@ void LiveGateway::Implementation::add_recording() {
                           };
                           const Json begun = answer_of([&] {
                             if (flag_of(arguments)) {
-                              recording_.begin(done);
+                              recording_.begin([this] { return to_toml(system_.provenance("run")); }, done);
                               tell(recording_notice_, "");
                             } else {
                               end_recording(done);
