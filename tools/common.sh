@@ -2,7 +2,7 @@
 # Shared by ./run and ./test: installs what is missing and builds. Sourced, not run.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev libnanoflann-dev libtbb-dev libhwy-dev libxxhash-dev
-  libboost-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev)
+  libboost-dev libssl-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev)
 
 say() { printf '\033[1m==> %s\033[0m\n' "$*" >&2; }
 die() {

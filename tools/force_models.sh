@@ -37,7 +37,8 @@ table() {
     function value(name) { return $column[name] }
     function text(name, format) { return value(name) == "" ? "- |" : sprintf(format " |", value(name)) }
     function line(a, b, c, d, e, f, g, h, i, j, k, l, m, n) { print a, b, c, d, e, f, g, h, i, j, k, l, m, n }
-    NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+    /^#/ { next }
+    !named++ { for (i = 1; i <= NF; ++i) column[$i] = i; next }
     '"$condition"' { line(sprintf("| %s | %g | %s |", $1, 1000 * $2, $3)'"$values"') }' "$csv" | sed 's/ *$//'
 }
 

@@ -22,6 +22,7 @@
 
 #include "bench_report.h"
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -164,7 +165,10 @@ void run(Options& options) {
   const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));
   if (!options.histogram.empty()) write_file(options.histogram, histogram_of(figures));
   if (options.common.json) {
-    print_json(to_json(figures));
+    using enum ConfigGroup;
+    Json json = to_json(figures);
+    json["made"] = made_json(made_by(options.common, options.live, {kScene, kTool, kForce}));
+    print_json(json);
     return;
   }
   if (options.common.quiet) return;

@@ -20,7 +20,8 @@ struct Command {
 struct CommonOptions {
   bool quiet = false;
   bool json = false;
-  std::string config;  ///< read before the arguments are parsed, see config.h
+  std::string config;             ///< read before the arguments are parsed, see config.h
+  const CLI::App* app = nullptr;  ///< the command's, which lives as long as the program
 };
 
 Command declare_info(CLI::App& parent);
@@ -36,6 +37,7 @@ Command declare_evaluate(CLI::App& parent);
 Command declare_stability(CLI::App& parent);
 Command declare_reproduce(CLI::App& parent);
 Command declare_completion(CLI::App& parent);
+Command declare_columns(CLI::App& parent);
 
 /// Adds --quiet and --config, and --json with `json_help` if that is not empty.
 void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help = "");

@@ -1,27 +1,17 @@
 #include "config.h"
 
 #include <algorithm>
-#include <optional>
 
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
 #include <palpate/base/toml_file.h>
+#include <palpate/live/config_toml.h>
+
+#include "run_origin.h"
 
 namespace palpate::cli {
 namespace {
-
-/// A scalar as it is, an array's joined by commas; nothing for other values.
-std::optional<std::string> value_text(const TomlValue& value) {
-  if (!value.is_array()) return value.scalar();
-  std::string joined;
-  for (const TomlValue& item : value.items()) {
-    const auto text = item.scalar();
-    if (!text) return std::nullopt;
-    joined += (joined.empty() ? "" : ",") + *text;
-  }
-  return joined;
-}
 
 /// True if `arguments` give option `name` ("--name", "--name=value").
 bool gives(const std::vector<std::string>& arguments, const std::string& name) {
@@ -30,9 +20,8 @@ bool gives(const std::vector<std::string>& arguments, const std::string& name) {
   });
 }
 
-/// The value of --config, if given.
-std::string config_path(const std::vector<std::string>& arguments) {
-  const std::string name = "--config";
+/// The value of the option `name`, if given.
+std::string value_given(const std::vector<std::string>& arguments, const std::string& name) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i].starts_with(name + "=")) return arguments[i].substr(name.size() + 1);
     if (arguments[i] == name && i + 1 < arguments.size()) return arguments[i + 1];
@@ -57,6 +46,37 @@ bool excluded(const CLI::Option& option, const std::vector<std::string>& argumen
                      [&](const CLI::Option* other) { return gives(arguments, other->get_name()); });
 }
 
+/// Appends those entries that `command` has an option for, and that what is given already neither sets nor
+/// excludes.
+void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
+         const std::vector<ConfigEntry>& entries) {
+  const std::vector<std::string> given = arguments.all;
+  std::vector<ConfigEntry> added;
+  for (const ConfigEntry& entry : entries) {
+    const std::string name = "--" + entry.key;
+    if (!known_anywhere(app, name) || name == "--config" || name == "--help") {
+      throw Error("{}: line {}: '{}' is not an option of any command; see palpate --help", entry.file,
+                  entry.line, entry.key);
+    }
+    const CLI::Option* option = find_option(command, name);
+    if (option == nullptr || gives(given, name) || excluded(*option, given)) continue;
+    const bool flag = option->get_expected_max() == 0;
+    if (flag && entry.value != "true" && entry.value != "false") {
+      throw Error("{}: line {}: '{}' must be true or false", entry.file, entry.line, entry.key);
+    }
+    if (flag && entry.value == "false") continue;
+    arguments.all.push_back(flag ? name : name + "=" + entry.value);
+    for (const ConfigEntry& other : added) {
+      if (excluded(*option, {"--" + other.key})) {
+        throw Error("{}: line {}: '{}' cannot go with '{}'; keep one of them", entry.file, entry.line,
+                    entry.key, other.key);
+      }
+    }
+    added.push_back(entry);
+  }
+  arguments.from_files.insert(arguments.from_files.end(), added.begin(), added.end());
+}
+
 }  // namespace
 
 const CLI::App* find_command(const CLI::App& app, const std::string& name) {
@@ -67,40 +87,20 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name) {
 std::vector<ConfigEntry> read_config(const std::string& path) {
   const TomlFile file(path);
   std::vector<ConfigEntry> entries;
-  for (const TomlValue& value : file.root().values()) {
-    const auto text = value_text(value);
-    if (!text) throw value.must_be("a number, text, true, false or an array of these");
-    entries.push_back({std::string(value.key()), *text, value.line()});
-  }
+  for (const TomlValue& value : file.root().values())
+    entries.push_back({std::string(value.key()), value_text(value), path, value.line()});
   return entries;
 }
 
 Arguments with_config(const CLI::App& app, const std::vector<std::string>& arguments) {
-  Arguments result{arguments, config_path(arguments), {}};
-  if (result.config_path.empty() || arguments.empty()) return result;
-  const CLI::App* command = find_command(app, arguments.front());
+  Arguments result{arguments, {}};
+  const CLI::App* command = arguments.empty() ? nullptr : find_command(app, arguments.front());
   if (command == nullptr) return result;
-  for (const ConfigEntry& entry : read_config(result.config_path)) {
-    const std::string name = "--" + entry.key;
-    if (!known_anywhere(app, name) || name == "--config" || name == "--help") {
-      throw Error("{}: line {}: '{}' is not an option of any command; see palpate --help", result.config_path,
-                  entry.line, entry.key);
-    }
-    const CLI::Option* option = find_option(*command, name);
-    if (option == nullptr || gives(arguments, name) || excluded(*option, arguments)) continue;
-    const bool flag = option->get_expected_max() == 0;
-    if (flag && entry.value != "true" && entry.value != "false") {
-      throw Error("{}: line {}: '{}' must be true or false", result.config_path, entry.line, entry.key);
-    }
-    if (flag && entry.value == "false") continue;
-    result.all.push_back(flag ? name : name + "=" + entry.value);
-    for (const ConfigEntry& other : result.from_config) {
-      if (excluded(*option, {"--" + other.key})) {
-        throw Error("{}: line {}: '{}' cannot go with '{}'; keep one of them", result.config_path, entry.line,
-                    entry.key, other.key);
-      }
-    }
-    result.from_config.push_back(entry);
+  if (const std::string path = value_given(arguments, "--config"); !path.empty())
+    add(result, app, *command, read_config(path));
+  if (command->get_name() == "replay") {
+    if (const std::string run = value_given(result.all, kFromRun); !run.empty())
+      add(result, app, *command, RunOrigin(run).entries());
   }
   return result;
 }

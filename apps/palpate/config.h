@@ -16,7 +16,8 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name);
 struct ConfigEntry {
   std::string key;    ///< long option name without dashes
   std::string value;  ///< text of the value; arrays joined by commas
-  std::size_t line;   ///< where, for messages
+  std::string file;   ///< where it is, for messages
+  std::size_t line;
 };
 
 /// Reads a TOML file whose keys are long option names (`opacity-min = 0.2`, `tool = [0.01, 0.01,
@@ -25,14 +26,16 @@ struct ConfigEntry {
 /// line (tables, dates).
 std::vector<ConfigEntry> read_config(const std::string& path);
 
-/// `arguments` (without the program name) plus what its --config FILE adds: entries that the
-/// command has an option for and that the arguments neither set nor exclude.
-/// \throws Error for a broken file, a key that is no option of any command, or two that exclude each
-/// other.
+/// The option of `replay` that names a run whose settings are the defaults, and its poses the trajectory.
+inline constexpr const char* kFromRun = "--from";
+
+/// `arguments` (without the program name) plus what its --config FILE adds, and then the settings of the run
+/// of `replay --from RUN` (see run_origin.h): entries that the command has an option for and that the
+/// arguments neither set nor exclude. \throws Error for a broken file, a key that is no option of any
+/// command, or two that exclude each other.
 struct Arguments {
   std::vector<std::string> all;
-  std::string config_path;               ///< empty without --config
-  std::vector<ConfigEntry> from_config;  ///< what was added
+  std::vector<ConfigEntry> from_files;  ///< what was added
 };
 Arguments with_config(const CLI::App& app, const std::vector<std::string>& arguments);
 

@@ -1,11 +1,15 @@
 #include "declare.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include <palpate/live/config_fields.h>
 #include <palpate/scene/gaussian_scene.h>
 
 namespace palpate::cli {
@@ -13,6 +17,26 @@ namespace {
 
 /// Values in one text, and repeated options, both make lists.
 CLI::Option* listed(CLI::Option* option) { return option->delimiter(',')->capture_default_str(); }
+
+/// Of a LiveConfig.
+bool is_field(const std::string& name) {
+  const auto fields = config_fields();
+  return name == "scene" || std::any_of(fields.begin(), fields.end(),
+                                        [&](const ConfigField& field) { return field.name == name; });
+}
+
+/// Where results go, or how soon they come.
+bool is_no_setting(const std::string& name) {
+  constexpr std::array<std::string_view, 13> kThose{"help",      "quiet",   "json", "config", "from",
+                                                    "out",       "record",  "csv",  "html",   "svg",
+                                                    "histogram", "threads", "worst"};
+  return std::find(kThose.begin(), kThose.end(), name) != kThose.end();
+}
+
+/// Lists that are shown as a default have some.
+std::string without_brackets(const std::string& text) {
+  return text.starts_with('[') && text.ends_with(']') ? text.substr(1, text.size() - 2) : text;
+}
 
 }  // namespace
 
@@ -38,6 +62,10 @@ DeclaredOption& DeclaredOption::excludes(const DeclaredOption& other) {
 
 CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& description) {
   return *parent.add_subcommand(name, description);
+}
+
+CLI::App& add_hidden_command(CLI::App& parent, const std::string& name, const std::string& description) {
+  return *parent.add_subcommand(name, description)->group("");
 }
 
 DeclaredOption add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& description) {
@@ -76,6 +104,11 @@ DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<s
 DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                          const std::string& type, const std::string& description) {
   return DeclaredOption(listed(app.add_option(name, values, description))->type_name(type));
+}
+
+DeclaredOption add_files(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                         const std::string& description) {
+  return DeclaredOption(app.add_option(name, values, description)->type_name(""));
 }
 
 DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
@@ -151,6 +184,27 @@ Pose parse_pose(const std::string& text) {
   }
   if (v.size() == 7) pose.orientation = parse_quaternion(v.data() + 3);
   return pose;
+}
+
+void need_one(CLI::App& app, const std::string& a, const std::string& b) {
+  app.parse_complete_callback([&app, a, b] {
+    if (!is_given(app, a) && !is_given(app, b)) throw CLI::RequiredError(a + " or " + b);
+  });
+}
+
+std::string command_name(const CLI::App& app) { return app.get_name(); }
+
+std::vector<std::pair<std::string, std::string>> other_options(const CLI::App& app) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_lnames().empty()) continue;
+    const std::string& name = option->get_lnames().front();
+    if (is_field(name) || is_no_setting(name)) continue;
+    const std::string text = option->count() > 0 ? fmt::format("{}", fmt::join(option->results(), ","))
+                                                 : option->get_default_str();
+    if (!text.empty()) all.emplace_back(name, without_brackets(text));
+  }
+  return all;
 }
 
 bool is_given(const CLI::App& app, const std::string& option) { return app.count(option) > 0; }

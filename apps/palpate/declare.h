@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,6 +44,8 @@ class DeclaredOption {
 /// @{
 CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& description);
 
+/// One that --help does not list.
+CLI::App& add_hidden_command(CLI::App& parent, const std::string& name, const std::string& description);
 DeclaredOption add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& description);
 
 DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& value, const std::string& type,
@@ -60,9 +63,22 @@ DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vec
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                            const std::vector<std::string>& choices, const std::string& description);
 
+/// Several files, one after the other.
+DeclaredOption add_files(CLI::App& app, const std::string& name, std::vector<std::string>& values,
+                         const std::string& description);
+
 /// Several texts, separated by commas.
 DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                          const std::string& type, const std::string& description);
+
+/// Usage is refused unless one of both options is given.
+void need_one(CLI::App& app, const std::string& a, const std::string& b);
+
+std::string command_name(const CLI::App& app);
+
+/// The options that decide what comes out and are no fields of a LiveConfig, with what is given or their
+/// default: long names without dashes, and text.
+std::vector<std::pair<std::string, std::string>> other_options(const CLI::App& app);
 
 /// True if the option was said on the command line or in its file.
 bool is_given(const CLI::App& app, const std::string& option);

@@ -19,6 +19,7 @@
 #include "command.h"
 #include "evaluate_capture.h"
 #include "evaluate_trials.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -141,11 +142,13 @@ void run(const Options& options) {
   const std::vector<EvaluationRow> rows = measure_all(options);
   const std::vector<Plot> figures = evaluation_figures(rows, options.live.force.proxy.stiffness);
   std::vector<std::string> written;
-  csv.write(evaluation_csv(rows), written);
-  html.write(evaluation_page(rows, figures, setup_text(options)), written);
+  const Provenance made =
+      made_by(options.common, SceneOrigin(), options.live, {ConfigGroup::kTool, ConfigGroup::kForce});
+  csv.write(head_of(made) + evaluation_csv(rows), written);
+  html.write(evaluation_page(rows, figures, setup_text(options), to_toml(made)), written);
   write_figures(figures, options.svg, "evaluate", written);
   if (options.common.json) {
-    print_json(evaluation_json(rows));
+    print_json(with_made(made, evaluation_json(rows)));
     return;
   }
   fmt::print("{}", evaluation_text(rows));

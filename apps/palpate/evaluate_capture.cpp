@@ -21,6 +21,7 @@
 #include <palpate/report/result_files.h>
 #include <palpate/study/capture_evaluation.h>
 
+#include "made.h"
 #include "output.h"
 #include "terminal.h"
 
@@ -147,6 +148,14 @@ std::string intro(const CaptureOptions& options, const CaptureTask& task) {
       task.force.proxy.stiffness);
 }
 
+Provenance provenance_of(const CaptureOptions& options, const CaptureTask& task) {
+  using enum ConfigGroup;
+  LiveConfig live = options.live;
+  live.tool = task.tool;
+  live.force = task.force;
+  return made_by(task.common, live, {kScene, kTool, kForce});
+}
+
 }  // namespace
 
 void CaptureOptions::declare(CLI::App& app) {
@@ -178,12 +187,14 @@ void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
     rows.push_back(study.measure(model));
     for (Plot& plot : study.worst(rows.back(), written)) plots.push_back(std::move(plot));
   }
-  csv.write(capture_csv(rows), written);
-  html.write(page_document("Felt where it is seen?", intro(options, task), plots, capture_html(rows)),
-             written);
+  const Provenance made = provenance_of(options, task);
+  csv.write(head_of(made) + capture_csv(rows), written);
+  html.write(
+      page_document("Felt where it is seen?", intro(options, task), plots, capture_html(rows), to_toml(made)),
+      written);
   write_figures(plots, task.svg, "evaluate", written);
   if (task.common.json) {
-    print_json(capture_json(rows));
+    print_json(with_made(made, capture_json(rows)));
     return;
   }
   fmt::print("{}", capture_text(rows));

@@ -19,6 +19,7 @@
 #include <palpate/study/trial_tools.h>
 #include <palpate/study/trials.h>
 
+#include "made.h"
 #include "output.h"
 #include "terminal.h"
 
@@ -145,14 +146,23 @@ std::string in_mm(const std::optional<double>& value) {
   return value ? fmt::format("{:.2f} mm", kToMm * *value) : "-";
 }
 
+/// Each tool that is tried is named among the settings.
+Provenance provenance_of(const TrialTask& task) {
+  LiveConfig live;
+  live.force = task.force;
+  return made_by(task.common, SceneOrigin(), live, {ConfigGroup::kForce});
+}
+
 void repeat(const Row& row, const TrialOptions& options, const TrialTask& task, ResultFile& csv) {
   std::vector<TrialTick> ticks;
   const TrialStroke stroke = repeat_trial(row.setup, static_cast<std::size_t>(options.stroke), &ticks);
   std::vector<std::string> written;
-  csv.write(ticks_csv(ticks), written);
+  const Provenance made = provenance_of(task);
+  csv.write(head_of(made) + ticks_csv(ticks), written);
   if (task.common.json) {
     const auto value = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
-    print_json(Json{{"tool", row.tool},
+    print_json(Json{{"made", made_json(made)},
+                    {"tool", row.tool},
                     {"place", row.place},
                     {"like", row.like},
                     {"stroke", stroke.number},
@@ -264,9 +274,10 @@ void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
   }
   measure(rows, terminal_progress(task.common.quiet));
   std::vector<std::string> written;
-  csv.write(to_csv(rows), written);
+  const Provenance made = provenance_of(task);
+  csv.write(head_of(made) + to_csv(rows), written);
   if (task.common.json) {
-    print_json(to_json(rows));
+    print_json(with_made(made, to_json(rows)));
     return;
   }
   print_table(rows);

@@ -19,11 +19,11 @@
 #include "config.h"
 #include "output.h"
 #include "terminal.h"
-#include "version.h"
 
 namespace palpate::cli {
 
 void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help) {
+  options.app = &app;
   add_flag(app, "-q,--quiet", options.quiet, "no progress and no summary");
   if (!json_help.empty()) add_flag(app, "--json", options.json, json_help);
   add_text(app, "--config", options.config, "FILE", "TOML file of options, keys as here without the dashes");
@@ -49,24 +49,22 @@ std::string one_line(std::string text) {
 /// A value that CLI11 refused: an error of the configuration file if it came from there, else usage.
 int refuse(const CLI::ParseError& error, const Arguments& arguments) {
   const std::string message = one_line(error.what());
-  for (const ConfigEntry& entry : arguments.from_config) {
-    if (message.starts_with("--" + entry.key + ":")) {
-      return fail(kExitError,
-                  fmt::format("{}: line {}: {}", arguments.config_path, entry.line, message.substr(2)));
-    }
+  for (const ConfigEntry& entry : arguments.from_files) {
+    if (message.starts_with("--" + entry.key + ":"))
+      return fail(kExitError, fmt::format("{}: line {}: {}", entry.file, entry.line, message.substr(2)));
   }
   return fail(kExitUsage, message + " (see --help)");
 }
 
 int run(const std::vector<std::string>& given) {
   CLI::App app("Feel captured 3D Gaussian Splatting scenes.", "palpate");
-  app.set_version_flag("--version", kVersion);
+  app.set_version_flag("--version", program_version());
   app.require_subcommand(1);
   const std::vector<Command> commands{declare_info(app),       declare_setup(app),     declare_query(app),
                                       declare_run(app),        declare_replay(app),    declare_report(app),
                                       declare_make_scene(app), declare_make_path(app), declare_bench(app),
                                       declare_evaluate(app),   declare_stability(app), declare_reproduce(app),
-                                      declare_completion(app)};
+                                      declare_completion(app), declare_columns(app)};
   if (given.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kExitUsage;

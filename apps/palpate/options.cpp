@@ -108,9 +108,9 @@ void QueryOptions::declare(CLI::App& app, LiveConfig& config) {
 std::unique_ptr<ContactQuery> QueryOptions::build(const LiveConfig& config, const Progress& progress) const {
   if (is_exact()) {
     const IndexFiles files = config.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
-    return std::make_unique<SceneIndex>(open_index(config.scene, files, notify, progress));
+    return std::make_unique<SceneIndex>(open_or_make_index(config.scene, files, notify, progress));
   }
-  EllipsoidScene scene = load(config.scene, progress).kept;
+  EllipsoidScene scene = load_or_make_scene(config.scene, notify, progress).kept;
   const double radius =
       search_radius.value_or(PaperPipeline::default_search_radius(scene, config.tool.longest()));
   return std::make_unique<PaperPipeline>(std::move(scene), radius, iterations);

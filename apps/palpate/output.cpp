@@ -6,8 +6,11 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
+#include <palpate/base/version.h>
 
 namespace palpate::cli {
+
+std::string program_version() { return fmt::format("palpate {}", version()); }
 
 std::string notice(std::string_view message) { return fmt::format("palpate: {}\n", message_line(message)); }
 

@@ -14,6 +14,9 @@ namespace palpate::cli {
 
 using Json = OrderedJson;
 
+/// "palpate 0.1.0"
+std::string program_version();
+
 /// One line on stderr: "palpate: " and the message, printable.
 void notify(std::string_view message);
 

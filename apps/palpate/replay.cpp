@@ -8,11 +8,15 @@
 #include <tbb/global_control.h>
 
 #include <palpate/base/error.h>
+#include <palpate/base/version.h>
 #include <palpate/record/playback.h>
 
 #include "command.h"
+#include "config.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
+#include "run_origin.h"
 #include "terminal.h"
 
 namespace palpate::cli {
@@ -22,6 +26,7 @@ struct Options {
   CommonOptions common;
   LiveConfig live;
   QueryOptions query;
+  std::string from;
   std::string trajectory;
   std::string out;
   int threads = 0;
@@ -68,9 +73,29 @@ void print_text(const std::vector<RunRow>& rows) {
       s.compute_us.p99, s.compute_us.max);
 }
 
-void run(const Options& options) {
-  check_output(options.out, {options.trajectory, options.live.scene.path, options.live.force.materials,
-                             options.common.config});
+/// Of the command with these options.
+Provenance provenance_of(const Options& options, const PaperPipeline* paper) {
+  using enum ConfigGroup;
+  LiveConfig live = options.live;
+  live.force.model = options.query.model(live);
+  Provenance known = made_by(options.common, live, {kScene, kTool, kForce});
+  if (paper != nullptr) set(known, "search-radius", fmt::format("{}", paper->search_radius()));
+  return known;
+}
+
+void settle(Options& options) {
+  const RunOrigin origin(options.from);
+  origin.settle(options.live);
+  if (origin.version() != version()) {
+    notify(fmt::format("note: {}: was made by palpate {}, and this is {}: figures may differ", options.from,
+                       origin.version(), version()));
+  }
+}
+
+void run(Options& options) {
+  if (!options.from.empty()) settle(options);
+  check_output(options.out, {options.from, options.trajectory, options.live.scene.path,
+                             options.live.force.materials, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const auto parallelism =
       options.threads > 0 ? static_cast<std::size_t>(options.threads)
@@ -81,11 +106,13 @@ void run(const Options& options) {
   const auto query = options.query.build(options.live, progress);
   const auto model = options.query.build_model(options.live, *query, progress);
   const std::vector<RunRow> rows = play_back(*query, options.live.tool, *model, trajectory, progress);
-  write_run(rows, options.out, progress);
-
   const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
+  const Provenance known = provenance_of(options, paper);
+  write_run(rows, options.out, to_toml(known), progress);
+
   if (options.common.json) {
     Json json = to_json(rows);
+    json["made"] = made_json(known);
     if (paper != nullptr) add_reach(*paper, options.live.tool, json);
     print_json(json);
   } else if (!options.common.quiet) {
@@ -101,7 +128,11 @@ Command declare_replay(CLI::App& parent) {
   CLI::App& app = add_command(parent, "replay", "Every pose of a trajectory file, offline and deterministic");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the summary as JSON");
-  declare_scene(app, options->live, SceneArgument::kPositional);
+  declare_scene(app, options->live, SceneArgument::kOptionalPositional);
+  need_one(app, "SCENE", kFromRun);
+  add_text(
+      app, kFromRun, options->from, "RUN.csv",
+      "repeat a run: its settings and its poses, where no option says otherwise; SCENE if that has moved");
   add_text(app, "--trajectory", options->trajectory, "T.csv", "tool poses in the world: t,x,y,z,qw,qx,qy,qz")
       .required();
   add_text(app, "--out", options->out, "RUN.csv", "the run: contacts, wrench and time of every pose")

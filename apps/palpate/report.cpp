@@ -2,8 +2,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,13 +12,14 @@
 #include <palpate/base/file.h>
 #include <palpate/report/markup.h>
 #include <palpate/report/report_data.h>
+#include <palpate/report/result_files.h>
+#include <palpate/report/run_figures.h>
 
 #include "command.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
 #include "terminal.h"
-#include "version.h"
 
 extern "C" {
 extern const char palpate_report_page_begin[];
@@ -30,9 +32,9 @@ namespace {
 struct Options {
   CommonOptions common;
   LiveConfig live;
-  std::string run;
+  std::vector<std::string> runs;  ///< the first, and those that are drawn over it
   RunWindow window;
-  std::string out;
+  std::string out, svg;
 };
 
 /// The page template with its one placeholder of each kind filled in.
@@ -48,32 +50,47 @@ std::string fill_page(const std::string& title, const std::string& json) {
 
 void warn_if_different(const RunContacts& contacts, const Options& options) {
   if (contacts.rows_differing == 0) return;
-  notify(
-      fmt::format("warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
-                  "scene options and --tool",
-                  options.run, contacts.rows_differing, contacts.rows_checked, options.live.scene.path));
+  notify(fmt::format(
+      "warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
+      "scene options and --tool",
+      options.runs.front(), contacts.rows_differing, contacts.rows_checked, options.live.scene.path));
+}
+
+std::vector<Run> read_all(const Options& options, const Progress& progress) {
+  std::vector<Run> all;
+  for (const std::string& path : options.runs) {
+    all.push_back(read_run(path, options.window, progress));
+    if (all.back().cut)
+      notify(fmt::format("{}: the last line is cut and left out (the recording was interrupted)", path));
+  }
+  return all;
 }
 
 void run(const Options& options) {
-  check_output(options.out, {options.run, options.live.scene.path, options.common.config});
+  check_output(options.out, {options.live.scene.path, options.common.config});
+  for (const std::string& path : options.runs) check_output(options.out, {path});
+  check_figure_folder(options.svg);
   const Progress progress = terminal_progress(options.common.quiet);
-  const Run recorded = read_run(options.run, options.window, progress);
-  if (recorded.cut)
-    notify(fmt::format("{}: the last line is cut and left out (the recording was interrupted)", options.run));
+  const std::vector<Run> runs = read_all(options, progress);
+  const Run& recorded = runs.front();
+  const std::span<const Run> others = std::span(runs).subspan(1);
   std::string json;
   if (options.live.scene.path.empty()) {
-    json = report_json(recorded, nullptr, nullptr, nullptr, kVersion);
+    json = report_json(recorded, nullptr, nullptr, nullptr, program_version(), others);
   } else {
     const LoadedScene loaded = load(options.live.scene, progress);
     const SceneIndex index(loaded.scene, options.live.scene.filter, options.live.scene.world_from_scene(),
                            progress);
     const RunContacts contacts = find_contacts(recorded, index, options.live.tool);
     warn_if_different(contacts, options);
-    json = report_json(recorded, &loaded.kept, &options.live.tool, &contacts, kVersion);
+    json = report_json(recorded, &loaded.kept, &options.live.tool, &contacts, program_version(), others);
   }
-  const std::string title = std::filesystem::path(options.run).filename().string();
+  const std::string title = std::filesystem::path(options.runs.front()).filename().string();
   write_file(options.out, fill_page(title, json));
-  if (!options.common.quiet) fmt::print("wrote {}\n", printable(options.out));
+  std::vector<std::string> written{options.out};
+  if (!options.svg.empty()) write_figures(run_figures(runs), options.svg, "report", written);
+  if (options.common.quiet) return;
+  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
 }
 
 void declare_window(CLI::App& app, RunWindow& window) {
@@ -90,7 +107,7 @@ void declare_window(CLI::App& app, RunWindow& window) {
 std::string recording_page(const std::string& csv) {
   try {
     const std::string title = std::filesystem::path(csv).filename().string();
-    return fill_page(title, report_json(read_run(csv), nullptr, nullptr, nullptr, kVersion));
+    return fill_page(title, report_json(read_run(csv), nullptr, nullptr, nullptr, program_version()));
   } catch (const std::exception& error) {  // also where there is no memory for a long one
     return "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
   }
@@ -100,8 +117,12 @@ Command declare_report(CLI::App& parent) {
   CLI::App& app = add_command(parent, "report", "The run as an interactive, self-contained page");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common);
-  add_text(app, "RUN.csv", options->run, "", "a run, as replay writes it, or a recording").required();
-  add_text(app, "--out", options->out, "R.html", "the page").required();
+  add_files(
+      app, "RUN.csv", options->runs,
+      "a run, as replay writes it, or a recording; others are drawn over the first, each on its own clock")
+      .required();
+  add_text(app, "--out,--html", options->out, "R.html", "the page").required();
+  add_text(app, "--svg", options->svg, "DIR", "a folder, for figures of counts, forces and times as files");
   declare_window(app, options->window);
   declare_scene(app, options->live, SceneArgument::kOption);
   declare_field(app, options->live, "tool");

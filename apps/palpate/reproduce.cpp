@@ -18,6 +18,7 @@
 #include <palpate/study/machine.h>
 
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -173,6 +174,13 @@ ReproductionModel model_of(const Options& options, const Ground& ground, ForceMo
   return model;
 }
 
+Provenance provenance_of(const Options& options, const Ground& ground) {
+  using enum ConfigGroup;
+  SceneOrigin scene{ground.name, {}};
+  if (!options.live.scene.path.empty()) scene = scene_origin(options.live.scene);
+  return made_by(options.common, scene, options.live, {kScene, kTool, kForce, kDevice, kLoop});
+}
+
 void run(Options options) {
   ResultFile csv(options.csv), html(options.html);
   check_figure_folder(options.svg);
@@ -214,11 +222,14 @@ void run(Options options) {
 
   const std::vector<Plot> figures = reproduction_figures(result, ground.loaded.kept);
   std::vector<std::string> written;
-  if (!options.csv.empty()) csv.write(reproduction_csv(result), written);
-  if (!options.html.empty()) html.write(reproduction_page(result, figures), written);
+  const Provenance made = provenance_of(options, ground);
+  if (!options.csv.empty()) csv.write(head_of(made) + reproduction_csv(result), written);
+  if (!options.html.empty()) html.write(reproduction_page(result, figures, to_toml(made)), written);
   write_figures(figures, options.svg, "reproduce", written);
   if (options.common.json) {
-    print_json(reproduction_json(result));
+    Json json = reproduction_json(result);
+    json["made"] = made_json(made);
+    print_json(json);
   } else if (!options.common.quiet) {
     fmt::print("{}", reproduction_text(result));
     for (const std::string& name : written) fmt::print("wrote {}\n", printable(name));

@@ -22,6 +22,7 @@
 
 #include "command.h"
 #include "keyboard.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
@@ -31,6 +32,7 @@
 namespace palpate::cli {
 namespace {
 
+constexpr const char* kCommand = "run";
 constexpr double kMicro = 1e6;
 /// Between two looks at the loop. Unit: [s].
 constexpr double kLook = 0.05;
@@ -302,7 +304,9 @@ void run(const Options& options) {
   const auto view = std::make_unique<LiveView>();
   std::vector<TickObserver*> observers{view.get()};
   if (!options.record.empty()) {
-    recorder = std::make_unique<Recorder>(options.record, recorder_options(system.device()));
+    RecorderOptions recorded = recorder_options(system.device());
+    recorded.made = to_toml(system.provenance(kCommand));
+    recorder = std::make_unique<Recorder>(options.record, recorded);
     recording = std::make_unique<RecordingObserver>(*recorder);
     observers.push_back(recording.get());
   }
@@ -361,7 +365,9 @@ void run(const Options& options) {
     failure = recorder->failure();
   }
   if (options.common.json) {
-    print_json(to_json(outcome, system));
+    Json json = to_json(outcome, system);
+    json["made"] = made_json(system.provenance(kCommand));
+    print_json(json);
   } else if (talks) {
     print_text(outcome, system);
     if (recorder && !failure) {
@@ -375,7 +381,8 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_run(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "run", "Feel a scene live: a servo loop between a device and a scene");
+  CLI::App& app =
+      add_command(parent, kCommand, "Feel a scene live: a servo loop between a device and a scene");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the summary as JSON");
   LiveConfig& live = options->live;

@@ -24,6 +24,7 @@
 #include <palpate/study/stability.h>
 
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -218,6 +219,13 @@ std::string setup_text(const Options& options, const Ground& ground) {
       1e3 * options.delay);
 }
 
+Provenance provenance_of(const Options& options, const Ground& ground) {
+  using enum ConfigGroup;
+  SceneOrigin scene{ground.name, {}};
+  if (!options.live.scene.path.empty()) scene = scene_origin(options.live.scene);
+  return made_by(options.common, scene, options.live, {kScene, kTool, kForce});
+}
+
 void run(const Options& options) {
   check_output(options.csv, {options.common.config, options.live.scene.path}, "--csv");
   check_output(options.html, {options.common.config, options.live.scene.path, options.csv}, "--html");
@@ -230,11 +238,12 @@ void run(const Options& options) {
   const std::vector<StabilityTrace> traces = traces_of(options, ground, tables, subtitle);
   const std::vector<Plot> figures = stability_figures(tables, traces, subtitle);
   std::vector<std::string> written;
-  csv.write(stability_csv(tables), written);
-  html.write(stability_page(tables, figures, setup_text(options, ground)), written);
+  const Provenance made = provenance_of(options, ground);
+  csv.write(head_of(made) + stability_csv(tables), written);
+  html.write(stability_page(tables, figures, setup_text(options, ground), to_toml(made)), written);
   write_figures(figures, options.svg, "stability", written);
   if (options.common.json) {
-    print_json(stability_json(tables));
+    print_json(with_made(made, stability_json(tables)));
     return;
   }
   fmt::print("{}\n\n{}", setup_text(options, ground), stability_text(tables));

@@ -1,9 +1,11 @@
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -56,6 +58,34 @@ TEST(Csv, AByteOrderMarkIsNoPartOfAName) {
 }
 
 TEST(Csv, AHeaderAloneIsATableWithoutRows) { EXPECT_EQ(table_of("a,b\n").rows(), 0U); }
+
+TEST(Csv, ACommentIsReadApartFromTheTable) {
+  const CsvTable table = table_of("# one\n#two \r\n#\n#  three\na,b\n1,2\n");
+  EXPECT_EQ(table.comment, "one\ntwo\n\n three\n");
+  EXPECT_THAT(table.columns, ElementsAre("a", "b"));
+  EXPECT_EQ(table.line, 5U);
+  EXPECT_EQ(table.values, (std::vector<double>{1, 2}));
+  EXPECT_EQ(table.lines, std::vector<std::size_t>{6});
+  EXPECT_EQ(table_of("\xef\xbb\xbf# one\na\n").comment, "one\n");
+  EXPECT_EQ(table_of("a\n1\n").comment, "");
+}
+
+TEST(Csv, ACommentIsReadAsItWasWritten) {
+  const std::string text = "[made]\nversion = \"1\"\n\ntool = '''\n[[ellipsoid]]\n  '''\n";
+  EXPECT_EQ(table_of(csv_comment("[made]\n\nx = 1\n") + "a\n").comment, "[made]\n\nx = 1\n");
+  EXPECT_EQ(csv_comment(text).find("\n["), std::string::npos) << "every line is one of a comment";
+  EXPECT_EQ(csv_comment("no end"), "# no end\n");
+  EXPECT_EQ(csv_comment(""), "");
+}
+
+TEST(Csv, RefusesACommentThatHasNoEndOrNoTable) {
+  EXPECT_THAT(message_for("# one\n# two\n"), HasSubstr("empty"));
+  EXPECT_THAT(message_for("# one\na,,c\n"), AllOf(HasSubstr("line 2"), HasSubstr("column 2")));
+  EXPECT_THAT(message_for("a,b\n# late\n1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("'a'")));
+  std::string endless;
+  while (endless.size() <= CsvReader::kMaxComment) endless += "# " + std::string(1000, 'x') + "\n";
+  EXPECT_THAT(message_for(endless + "a\n1\n"), HasSubstr("comment"));
+}
 
 TEST(Csv, RefusesWhatIsNotATable) {
   EXPECT_THAT(message_for(""), AllOf(HasSubstr("t.csv"), HasSubstr("empty")));
@@ -149,6 +179,30 @@ TEST(CsvReader, LeavesOutALastLineThatIsCut) {
   EXPECT_EQ(outcome_of("3,4\n5"), "2 cut");
   EXPECT_EQ(outcome_of("3,4"), "2");  // nothing tells that it is
   EXPECT_EQ(outcome_of("  "), "1");
+}
+
+TEST(CsvReader, TakesWordsWhereItIsToldTo) {
+  constexpr std::array<std::string_view, 3> kWords{"red", "green", "grey"};
+  const auto last_of = [&](const std::string& text) -> std::string {
+    const TemporaryFile file("a,b\n" + text, "t.csv");
+    CsvReader reader(file.path(), CsvReader::LastLine::kMaybeCut);
+    reader.take_words(1, kWords);
+    try {
+      double last = -1.0;
+      while (const auto row = reader.next()) last = (*row)[1];
+      return reader.cut() ? "cut" : std::to_string(static_cast<int>(last));
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(last_of("1,red\n"), "0");
+  EXPECT_EQ(last_of("1, grey \n"), "2");
+  EXPECT_EQ(last_of("1,2\n"), "2") << "as earlier files have it";
+  EXPECT_EQ(last_of("1,gre"), "cut");
+  EXPECT_THAT(last_of("1,blue\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("'b'"), HasSubstr("red, green, grey")));
+  EXPECT_THAT(last_of("1,blue"), HasSubstr("'blue'"));
+  EXPECT_THAT(last_of("red,1\n"), HasSubstr("'a'"));
 }
 
 TEST(CsvReader, RefusesALastLineThatIsMoreThanCut) {

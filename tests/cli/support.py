@@ -1,5 +1,6 @@
 """What the tests of the command line share: running palpate, and input files made byte by byte."""
 
+import itertools
 import json
 import os
 import random
@@ -192,9 +193,21 @@ def tapping_path(count=400, rate=1000.0):
     return path_csv(poses)
 
 
+def head_of(csv_bytes):
+    """How a table was made: the TOML in its comment, as text."""
+    lines = csv_bytes.decode().split("\n")
+    return "".join(line[2:] + "\n" for line in itertools.takewhile(lambda line: line.startswith("#"), lines))
+
+
+def table_of(csv_bytes):
+    """A table without its comment, as text."""
+    lines = csv_bytes.decode().split("\n")
+    return "\n".join(itertools.dropwhile(lambda line: line.startswith("#"), lines))
+
+
 def columns_of(csv_bytes):
     """A run as {column: [text]}."""
-    lines = csv_bytes.decode().split("\n")
+    lines = table_of(csv_bytes).split("\n")
     assert lines[-1] == "", "the last line is not ended"
     names = lines[0].split(",")
     rows = [line.split(",") for line in lines[1:-1]]

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ElementTree
 from support import Case, columns_of, path_csv, ply, tapping_path, wall_rows
 
 KEYS = ["machine", "scene", "scene_bytes", "gaussians", "pipeline", "simd", "model", "tool", "open", "path", "poses",
-        "contact_poses", "rounds", "latency_us", "sizes", "throughput"]
+        "contact_poses", "rounds", "latency_us", "sizes", "throughput", "made"]
 PHASES = ["query_contact", "query_free", "tracker_contact", "force_contact"]
 QUANTILES = ["p50", "p99", "p99.9", "max"]
 

@@ -3,7 +3,7 @@
 import math
 import unittest
 
-from support import COMMANDS, RUN_HEADER, Case, columns_of, path_csv, ply, random_rows, splat, tapping_path, wall_rows
+from support import COMMANDS, RUN_HEADER, Case, columns_of, path_csv, ply, random_rows, splat, table_of, tapping_path, wall_rows
 
 QUERY_KEYS = ["candidates", "filtered", "contacts", "force", "torque", "confidence"]
 CONTACT_KEYS = ["id", "k_min", "lambda", "opacity", "center", "point", "normal", "depth", "part", "confidence"]
@@ -232,7 +232,7 @@ class Replay(Case):
 
     def test_the_run_has_the_header_of_the_contract(self):
         _, run = self.replay(tapping_path())
-        self.assertEqual(run.split(b"\n")[0].decode(), RUN_HEADER)
+        self.assertEqual(table_of(run).split("\n")[0], RUN_HEADER)
         columns = columns_of(run)
         self.assertEqual(len(columns["t"]), 400)
         for name in ("candidates", "filtered", "colliding"):
@@ -265,7 +265,7 @@ class Replay(Case):
 
     def test_a_user_force_is_carried_over(self):
         _, run = self.replay(path_csv([(0, 0, 0, 1, 1, 2, 3), (1, 0, 0, 1, -1, 0.1, 0)], "t,x,y,z,ufx,ufy,ufz"))
-        self.assertEqual(run.split(b"\n")[0].decode(), RUN_HEADER + ",ufx,ufy,ufz")
+        self.assertEqual(table_of(run).split("\n")[0], RUN_HEADER + ",ufx,ufy,ufz")
         columns = columns_of(run)
         self.assertEqual([float(v) for v in columns["ufy"]], [2, 0.1])
 

@@ -4,11 +4,12 @@ import csv
 import io
 import math
 import re
+import tomllib
 import unittest
 import xml.etree.ElementTree as ElementTree
 from html.parser import HTMLParser
 
-from support import Case
+from support import Case, head_of, table_of
 
 KEYS = ["shape", "spacing_m", "model",
         "direction_p50_deg", "direction_p95_deg", "direction_p99_deg", "magnitude_p05", "magnitude_p50", "magnitude_p95",
@@ -34,7 +35,7 @@ def small(spacings="0.01", places=4, pushes=10, friction=0):
 
 class Evaluate(Case):
     def rows(self, *args, **amounts):
-        return self.succeed("evaluate", *small(**amounts), "--json", *args).json
+        return self.succeed("evaluate", *small(**amounts), "--json", *args).json["rows"]
 
 
 class Figures(Evaluate):
@@ -119,7 +120,10 @@ class Figures(Evaluate):
 
     def test_the_file_has_what_is_printed(self):
         rows = self.rows("--shapes", "sphere", "--models", "proxy,density", "--csv", "table.csv")
-        table = list(csv.DictReader(io.StringIO(self.read("table.csv").decode())))
+        table = list(csv.DictReader(io.StringIO(table_of(self.read("table.csv")))))
+        head = tomllib.loads(head_of(self.read("table.csv")))
+        self.assertEqual((head["made"]["command"], head["settings"]["shapes"], head["settings"]["seed"]), ("evaluate", "sphere", 1))
+        self.assertNotIn("scene", head["made"])
         self.assertEqual(list(table[0]), KEYS)
         for line, row in zip(table, rows, strict=True):
             for key in KEYS[3:]:
@@ -216,7 +220,7 @@ class Captures(Evaluate):
         self.succeed("make-scene", "sphere", "--spacing", "0.004", "--out", "ball.ply", "-q")
 
     def test_a_clean_ball_is_felt_where_it_is_seen(self):
-        (row,) = self.succeed(*self.ARGS, "--models", "proxy", "--json").json
+        (row,) = self.succeed(*self.ARGS, "--models", "proxy", "--json").json["rows"]
         self.assertEqual(list(row), self.KEYS)
         self.assertEqual((row["pushes"], row["slides"]), (6, 2))
         self.assertEqual((row["onset_within_5mm_percent"], row["late_percent"], row["early_percent"]), (100, 0, 0))
@@ -224,7 +228,7 @@ class Captures(Evaluate):
         self.assertIsNone(row["against_p10"])
 
     def test_the_same_capture_feels_the_same(self):
-        (row,) = self.succeed(*self.ARGS, "--models", "proxy", "--against", "ball.ply", "--json").json
+        (row,) = self.succeed(*self.ARGS, "--models", "proxy", "--against", "ball.ply", "--json").json["rows"]
         self.assertEqual((row["against_p10"], row["against_p90"], row["silent_in_one_percent"]), (1, 1, 0))
 
     def test_the_worst_pushes_are_drawn_and_can_be_replayed(self):
@@ -236,8 +240,8 @@ class Captures(Evaluate):
         page = self.read("p.html").decode()
         self.assertEqual(page.count("<svg"), 2 * 2 * 5)
         self.assertIn("ball.ply", page)
-        with open(self.path("t.csv"), newline="", encoding="utf-8") as file:
-            self.assertEqual([row["model"] for row in csv.DictReader(file)], ["proxy", "field"])
+        table = csv.DictReader(io.StringIO(table_of(self.read("t.csv"))))
+        self.assertEqual([row["model"] for row in table], ["proxy", "field"])
         name = next(f for f in pushes if "proxy" in f)
         run = self.succeed("replay", "ball.ply", "--trajectory", name, "--tool", "0.01,0.01,0.01", "--out", "run.csv",
                            "--json").json
@@ -254,7 +258,8 @@ class Trials(Evaluate):
     AMOUNTS = ["evaluate", "-q", "--trials", "6"]
 
     def trials(self, *args):
-        return self.succeed(*self.AMOUNTS, "--json", *args).json
+        told = self.succeed(*self.AMOUNTS, "--json", *args).json
+        return told.get("rows", told)
 
     def test_there_is_a_row_for_every_tool_place_and_kind_of_capture(self):
         self.write("two.toml", '[[ellipsoid]]\nname = "a"\nsemi_axes = [0.01, 0.01, 0.01]\n'
@@ -276,7 +281,7 @@ class Trials(Evaluate):
     def test_says_the_same_every_time_and_in_csv(self):
         arguments = ["--trial-tools", "ball10,disc", "--trial-places", "edge", "--csv", "t.csv"]
         rows, again = self.trials(*arguments), self.trials(*arguments)
-        (header, *lines) = list(csv.reader(io.StringIO(self.read("t.csv").decode())))
+        (header, *lines) = list(csv.reader(io.StringIO(table_of(self.read("t.csv")))))
         self.assertEqual(len(lines), 2)
         for row, other, line in zip(rows, again, lines):
             for key in [k for k in row if not k.startswith("tick")]:
@@ -289,7 +294,7 @@ class Trials(Evaluate):
         for stroke in range(3):
             told = self.trials(*one, "--stroke", str(stroke), "--csv", "ticks.csv")
             self.assertEqual(told["stroke"], stroke)
-            ticks = list(csv.DictReader(io.StringIO(self.read("ticks.csv").decode())))
+            ticks = list(csv.DictReader(io.StringIO(table_of(self.read("ticks.csv")))))
             speed = math.dist(*[[float(t[k]) for k in "xyz"] for t in ticks[:2]]) / 1e-3
             self.assertAlmostEqual(speed / told["speed"], 1.0, delta=0.01)
             self.assertGreater(max(float(t["fz"]) for t in ticks), 1.0)

@@ -12,7 +12,7 @@ import subprocess
 import time
 import unittest
 
-from support import PALPATE, SANITIZED, Case, path_csv, ply, stood_still, wall_rows
+from support import PALPATE, SANITIZED, Case, path_csv, ply, stood_still, wall_rows, table_of
 
 PATIENCE = 60 if SANITIZED else 20
 KEY = base64.b64encode(b"0123456789abcdef").decode()
@@ -301,7 +301,7 @@ class Recorded(Gateway):
         self.assertFalse(call("/palpate/record", data=False)["success"], "it has ended")
         status, _, body = self.ask("/recording")
         self.assertEqual(status, 200)
-        lines = body.decode().split("\n")
+        lines = table_of(body).split("\n")
         self.assertGreater(len(lines), 100)
         self.assertEqual({line.count(",") for line in lines[:-1]}, {lines[0].count(",")}, "whole to the last row")
         self.assertEqual(lines[-1], "")

@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from support import PALPATE, SANITIZED, Case, ply, random_rows, tapping_path, wall_rows
+from support import PALPATE, SANITIZED, Case, ply, random_rows, table_of, tapping_path, wall_rows
 
 
 class Output(Case):
@@ -63,7 +63,7 @@ class Output(Case):
     def test_an_earlier_output_is_replaced_whole(self):
         self.write("run.csv", "x" * 1_000_000)
         self.succeed(*self.replay("run.csv"))
-        self.assertTrue(self.read("run.csv").startswith(b"t,x,"))
+        self.assertTrue(table_of(self.read("run.csv")).startswith("t,x,"))
         self.assertNotIn(b"xxx", self.read("run.csv"))
 
     def test_an_output_has_the_permissions_of_any_new_file(self):
@@ -78,7 +78,7 @@ class Output(Case):
         os.symlink("there/run.csv", self.path("run.csv"))
         self.succeed(*self.replay("run.csv"))
         self.assertTrue(os.path.islink(self.path("run.csv")))
-        self.assertTrue(self.read("there/run.csv").startswith(b"t,x,"))
+        self.assertTrue(table_of(self.read("there/run.csv")).startswith("t,x,"))
         self.assertEqual(os.listdir(self.path("there")), ["run.csv"])
 
     def test_a_symbolic_link_to_nothing_yet_is_followed(self):
@@ -86,7 +86,7 @@ class Output(Case):
         os.symlink("there/run.csv", self.path("run.csv"))
         self.succeed(*self.replay("run.csv"))
         self.assertTrue(os.path.islink(self.path("run.csv")))
-        self.assertTrue(self.read("there/run.csv").startswith(b"t,x,"))
+        self.assertTrue(table_of(self.read("there/run.csv")).startswith("t,x,"))
 
     def test_other_names_for_an_output(self):
         os.mkdir(self.path("there"))
@@ -148,8 +148,8 @@ class Output(Case):
         script = '"$0" replay a.ply --trajectory path.csv --out /dev/stdout -q | cat > copied.csv'
         subprocess.run(["bash", "-c", script, PALPATE], cwd=self.folder, check=True)
         copied = self.read("copied.csv")
-        self.assertTrue(copied.startswith(b"t,x,"))
-        self.assertEqual(copied.count(b"\n"), 51)
+        self.assertTrue(table_of(copied).startswith("t,x,"))
+        self.assertEqual(table_of(copied).count("\n"), 51)
 
     def test_a_kill_leaves_nothing(self):
         count = 10_000 if SANITIZED else 100_000
@@ -165,7 +165,7 @@ class Output(Case):
             self.assertEqual(self.files(), before)
             run = self.read("run.csv")
             if killed:
-                self.assertTrue(run == b"precious" or run.count(b"\n") == count + 1)
+                self.assertTrue(run == b"precious" or table_of(run).count("\n") == count + 1)
 
 
 if __name__ == "__main__":

@@ -5,8 +5,9 @@ import json
 import os
 import re
 import unittest
+from xml.etree import ElementTree
 
-from support import LIVE_HEADER, Case, columns_of, ply, random_rows, tapping_path, wall_rows
+from support import LIVE_HEADER, Case, columns_of, head_of, path_csv, ply, random_rows, table_of, tapping_path, wall_rows
 
 LOADING_ATTRIBUTES = {"src", "href", "srcset", "action", "formaction", "poster", "data", "background", "ping"}
 RUN_COLUMNS = ("t x y z qw qx qy qz candidates filtered colliding k_max fx fy fz tx ty tz px py pz "
@@ -86,6 +87,44 @@ class Report(Case):
         for n in zip(*(document["contacts"][k] for k in ("nx", "ny", "nz"))):
             self.assertAlmostEqual(sum(c * c for c in n), 1, delta=0.01)
 
+    def test_the_page_says_how_the_run_was_made(self):
+        self.assertEqual(json.loads(self.report().document)["made"], head_of(self.read("run.csv")))
+        self.write("bare.csv", table_of(self.read("run.csv")))
+        self.assertEqual(json.loads(self.report("bare.csv").document)["made"], "")
+        self.write("odd.csv", "# </script><b>\n" + table_of(self.read("run.csv")))
+        self.assertEqual(json.loads(self.report("odd.csv").document)["made"], "</script><b>\n")
+
+    def test_runs_are_drawn_over_one_another(self):
+        self.succeed("replay", "a.ply", "--trajectory", "path.csv", "--model", "field", "--out", "field.csv", "-q")
+        self.write("late.csv", path_csv([(5 + k / 100, 0, 0, 0.03) for k in range(10)]))
+        self.succeed("replay", "a.ply", "--trajectory", "late.csv", "--out", "late run.csv", "-q")
+        document = json.loads(self.report("run.csv", "field.csv", "late run.csv").document)
+        self.assertEqual((document["title"], len(document["columns"]["t"])), ("run.csv", 600))
+        self.assertEqual([other["title"] for other in document["others"]], ["field.csv", "late run.csv"])
+        field, late = document["others"]
+        self.assertEqual(list(field["columns"]), ["t", "colliding", "fx", "fy", "fz", "compute_us"])
+        self.assertEqual(field["made"], head_of(self.read("field.csv")))
+        written = columns_of(self.read("field.csv"))
+        for shown, value in zip(field["columns"]["fz"], written["fz"], strict=True):
+            self.assertAlmostEqual(shown, float(value), delta=1e-6 * abs(float(value)))
+        self.assertEqual(late["columns"]["t"][0], 5)
+        self.assertEqual(late["summary"][0], {"label": "Poses", "value": "10"})
+        self.assertNotIn("others", json.loads(self.report().document))
+        self.refuse(1, "field.csv", "report", "run.csv", "field.csv", "--out", "field.csv")
+        self.refuse(1, "no.csv", "report", "run.csv", "no.csv", "--out", "page.html")
+
+    def test_figures_are_written_as_files(self):
+        os.mkdir(self.path("one"))
+        out = self.succeed("report", "run.csv", "--out", "page.html", "--svg", "one").out.decode()
+        names = [f"report-{name}.svg" for name in ("compute", "counts", "force")]
+        self.assertEqual(sorted(os.listdir(self.path("one"))), names)
+        for name in names:
+            self.assertIn(name, out)
+            texts = [text for text in ElementTree.fromstring(self.read(f"one/{name}")).itertext()]
+            self.assertTrue(any("run.csv" in text for text in texts), name)
+        self.succeed("report", "run.csv", "run.csv", "--html", "page.html", "--svg", "one", "-q")
+        self.refuse(1, "--svg", "report", "run.csv", "--out", "page.html", "--svg", "nowhere")
+
     def test_another_scene_is_noticed(self):
         self.write("b.ply", ply(random_rows(50, 6)))
         result = self.succeed("report", "run.csv", "--scene", "b.ply", "--out", "page.html", "-q")
@@ -113,7 +152,7 @@ class Report(Case):
         self.assertEqual(json.loads(self.report("run.csv", "--to", "0.5").document)["columns"]["t"][-1], 0.5)
 
     def test_a_live_run_tells_what_the_governor_did(self):
-        header, *lines = self.read("run.csv").decode().splitlines()
+        header, *lines = table_of(self.read("run.csv")).splitlines()
         # (state, fault) from row to row: waiting, active, falling and stopped for over-speed, waiting, and a jump
         # that comes on top of a stale pose.
         changes = {0: (0, 0), 5: (2, 0), 100: (3, 5), 130: (4, 5), 300: (0, 0), 400: (3, 2), 401: (3, 4)}
@@ -180,7 +219,7 @@ class Report(Case):
         self.read("page.html").decode()  # the page says that it is UTF-8, so it must be
 
     def test_hostile_runs_are_drawn_or_refused_but_end(self):
-        header, row = self.read("run.csv").decode().split("\n")[:2]
+        header, row = table_of(self.read("run.csv")).split("\n")[:2]
         cells = row.split(",")
         for changes in ({4: "0", 5: "0", 6: "0", 7: "0"}, {1: "1e308", 2: "-1e308"}, {3: "1e-320"}, {12: "1e300"},
                         {8: "4294967295"}):

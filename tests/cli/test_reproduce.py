@@ -2,7 +2,7 @@
 
 import unittest
 
-from support import Case
+from support import Case, table_of
 
 # A scene and a path that are small enough for a test.
 QUICK = ("--touches", "2", "--stall", "0")
@@ -30,7 +30,7 @@ class Reproduce(Case):
         self.assertNotIn("http://", page.replace("http://www.w3.org", ""))
         for part in ("TCP path from above", "Repulsive force", "User force", "Computation time", ">tb<"):
             self.assertIn(part, page)
-        rows = self.read("ticks.csv").decode().splitlines()
+        rows = table_of(self.read("ticks.csv")).splitlines()
         self.assertEqual(rows[0].split(",")[:3], ["run", "t", "x"])
         self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"density", "proxy"})
 
@@ -50,7 +50,7 @@ class RunOnTheGiant(Case):
         self.assertGreater(run["contact_ticks"], 0)
         self.assertGreater(run["force_max"], 0.5)
         self.assertLess(run["port_energy"], 1e-3)
-        names, *rows = self.read("giant.csv").decode().splitlines()
+        names, *rows = table_of(self.read("giant.csv")).splitlines()
         column = names.split(",").index("ufz")
         self.assertGreater(max(abs(float(row.split(",")[column])) for row in rows), 0.5)
 

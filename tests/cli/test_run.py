@@ -10,13 +10,14 @@ import select
 import signal
 import subprocess
 import time
+import tomllib
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 
-from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, path_csv, ply, stood_still, wall_rows
+from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, columns_of, head_of, path_csv, ply, stood_still, table_of, wall_rows
 
 KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "cpu_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
-        "port_energy", "margin_min", "state", "faults"]
+        "port_energy", "margin_min", "state", "faults", "made"]
 RATE = "200" if SANITIZED else "1000"
 
 
@@ -72,7 +73,7 @@ class Live(Case):
 
     def rows(self, name="run.csv"):
         """Of a record, also of one that is being written, whose last line may not be whole."""
-        text = self.read(name).decode()
+        text = table_of(self.read(name))
         return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
 
 
@@ -163,9 +164,25 @@ class Recording(Live):
     def record(self, *more):
         return self.succeed(*self.arguments("--seconds", "3", "--record", "run.csv", *more))
 
+    def test_says_how_it_was_made(self):
+        document = self.record("--stiffness", "432", "--token", "0123456789abcdef-secret", "--json").json
+        head = tomllib.loads(head_of(self.read("run.csv")))
+        made, settings = head["made"], head["settings"]
+        self.assertEqual((made["command"], made["scene"], made["device"]), ("run", "wall.ply", "omega (simulated)"))
+        self.assertRegex(made["scene-checksum"], r"^xxh3-16MiB:[0-9a-f]{16}$")
+        self.assertEqual((settings["stiffness"], settings["profile"], settings["rate"]), (432, "omega", float(RATE)))
+        self.assertNotIn(b"secret", self.read("run.csv"))
+        told = document["made"]
+        self.assertEqual((told.pop("settings"), told["scene_checksum"]), (settings, made["scene-checksum"]))
+        self.succeed("replay", "--from", "run.csv", "--out", "again.csv", "-q")
+        again, rows = columns_of(self.read("again.csv")), self.rows()
+        self.assertEqual([row["z"] for row in rows], again["z"])
+        self.assertGreater(max(map(int, again["colliding"])), 0)
+        self.assertEqual({row["state"] for row in rows} - {"waiting", "rising", "active", "falling", "stopped"}, set())
+
     def test_has_every_tick_in_the_run_format(self):
         document = self.record("--json").json
-        self.assertEqual(self.read("run.csv").split(b"\n", 1)[0].decode(), RUN_HEADER + LIVE_HEADER)
+        self.assertEqual(table_of(self.read("run.csv")).split("\n", 1)[0], RUN_HEADER + LIVE_HEADER)
         rows = self.rows("run.csv")
         self.assertGreaterEqual(len(rows), document["ticks"])  # and those in which it came to its end
         self.assertLess(len(rows) - document["ticks"], float(RATE))

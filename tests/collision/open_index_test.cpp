@@ -124,6 +124,21 @@ TEST_F(OpenIndex, OfASceneThatChangedIsMadeAgain) {
   EXPECT_FALSE(open(Origin::kFile).rejected);
 }
 
+TEST_F(OpenIndex, KnowsTheHashOfItsSceneAsLongAsThatStaysAsItIs) {
+  const std::uint64_t hash = content_hash(scene_.path());
+  EXPECT_EQ(scene_hash(scene_.path()), hash) << "no index yet";
+  open(Origin::kNewFile);
+  ASSERT_TRUE(index_source(index_));
+  EXPECT_EQ(index_source(index_)->content, hash);
+  EXPECT_EQ(scene_hash(scene_.path()), hash);
+  std::ofstream(scene_.path(), std::ios::app) << '\n';
+  EXPECT_EQ(scene_hash(scene_.path()), content_hash(scene_.path()));
+  EXPECT_NE(scene_hash(scene_.path()), hash);
+  std::ofstream(index_, std::ios::trunc) << "no index";
+  EXPECT_FALSE(index_source(index_));
+  EXPECT_THROW(scene_hash(scene_.path() + ".no"), Error);
+}
+
 TEST_F(OpenIndex, OfASceneThatWasOnlyTouchedIsKept) {
   open(Origin::kNewFile);
   scene_.touch(1'234'567'890'000'000'000);

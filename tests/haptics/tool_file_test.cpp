@@ -57,7 +57,7 @@ TEST(ToolFile, IsReadAsTheToolItWasWrittenFrom) {
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.semi_axes, b.semi_axes);
     EXPECT_EQ(a.pose.position, b.pose.position);
-    EXPECT_LE((a.pose.orientation.coeffs() - b.pose.orientation.coeffs()).norm(), 1e-11);
+    EXPECT_EQ(a.pose.orientation.coeffs(), b.pose.orientation.coeffs());
   }
 }
 

@@ -67,6 +67,24 @@ TEST(ConfigToml, ReadsBackWhatItWrites) {
   EXPECT_EQ(read(to_toml(config, TomlFields::kAll)), config);
 }
 
+TEST(ConfigToml, AGroupIsWrittenAsTheWholeIs) {
+  const LiveConfig config = other_config();
+  std::string text;
+  for (const SettingText& setting : settings_text(config, ConfigGroup::kScene)) {
+    EXPECT_THAT(to_toml(config, TomlFields::kAll),
+                HasSubstr("\n" + setting.name + " = " + setting.value + "\n"));
+    text += setting.name + " = " + setting.value + "\n";
+  }
+  EXPECT_EQ(read(text).scene.path, config.scene.path);
+  EXPECT_THAT(text, testing::Not(HasSubstr("token")));
+}
+
+TEST(ConfigToml, QuotesWhateverANameIs) {
+  for (const std::string name : {"plain.ply", "a \"b\" \\c", "two\nlines\t", "\x7f\x01", "\xc3\xbc"})
+    EXPECT_EQ(read("scene = " + toml_quoted(name)).scene.path, name);
+  EXPECT_EQ(read("scene = " + toml_quoted("bad\xff.ply")).scene.path, "bad?.ply");
+}
+
 TEST(ConfigToml, SavesTheSettingsThatAPersonWorksOut) {
   EXPECT_EQ(
       to_toml({}, TomlFields::kSaved),

@@ -49,6 +49,19 @@ TEST(RunColumns, AGroupIsThereOrNot) {
   }
 }
 
+TEST(RunColumns, EveryWordIsAnotherAndThereIsOneForEachNumber) {
+  std::size_t found = 0;
+  for (const RunColumn& column : run_columns()) {
+    if (column.words.empty()) continue;
+    ++found;
+    EXPECT_EQ(column.words.size(), static_cast<std::size_t>(column.most) + 1U) << column.name;
+    const std::set<std::string_view> different(column.words.begin(), column.words.end());
+    EXPECT_EQ(different.size(), column.words.size()) << column.name;
+    EXPECT_FALSE(different.contains("")) << column.name;
+  }
+  EXPECT_EQ(found, 2U);
+}
+
 TEST(RunColumns, AWholeNumberIsOneUpToItsMost) {
   std::size_t found = 0;
   for (const RunColumn& column : run_columns()) {

@@ -66,7 +66,7 @@ TEST(WriteRun, AddsTheUserForceWhereThereIsOne) {
 
 const std::string kLiveHeader =
     ",vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,stx,sty,stz,state,fault,energy,stored,damping,margin,age_us";
-const std::string kLiveLine = ",23,24,25,26,27,28,29,30,31,34,35,36,3,5,-0.5,0.25,32,1.5,33";
+const std::string kLiveLine = ",23,24,25,26,27,28,29,30,31,34,35,36,falling,over-speed,-0.5,0.25,32,1.5,33";
 
 LiveColumns numbered_live() {
   LiveColumns live;
@@ -94,6 +94,17 @@ TEST(WriteRun, AddsWhatALiveLoopKnows) {
   write_run({row}, file.path());
   EXPECT_EQ(file.bytes(),
             kHeader + ",ufx,ufy,ufz" + kLiveHeader + "\n" + kNumberedLine + ",20,21,22" + kLiveLine + "\n");
+}
+
+TEST(WriteRun, SaysHowTheRunWasMadeBeforeTheColumns) {
+  const TemporaryFile file("");
+  const std::string made = "[made]\nversion = \"1\"\n";
+  write_run({numbered_row()}, file.path(), made);
+  EXPECT_EQ(file.bytes(), "# [made]\n# version = \"1\"\n" + kHeader + "\n" + kNumberedLine + "\n");
+  const palpate::Run run = read_run(file.path());
+  EXPECT_EQ(run.made, made);
+  ASSERT_EQ(run.rows.size(), 1U);
+  EXPECT_EQ(run.rows[0].t, 1.5);
 }
 
 TEST(WriteRun, WritesTheHeaderOfAnEmptyRun) {
@@ -285,6 +296,15 @@ TEST(ReadRun, TakesARecordingOfBeforeTheTorqueThatWasSent) {
   EXPECT_EQ(live.age_us, 33.0);
 }
 
+TEST(ReadRun, TakesARecordingOfBeforeStatesAndFaultsWereWords) {
+  std::string line = kNumberedLine + kLiveLine;
+  line.replace(line.find("falling,over-speed"), std::string("falling,over-speed").size(), "3,5");
+  const TemporaryFile file(kHeader + kLiveHeader + "\n" + line + "\n");
+  const LiveColumns& live = read_run(file.path()).rows.front().live.value();
+  EXPECT_EQ(live.state, GovernorState::kFalling);
+  EXPECT_EQ(live.fault, Fault::kOverSpeed);
+}
+
 TEST(ReadRun, NamesLineAndColumnOfWhatIsNoStateOrFault) {
   // The last of each is read; the next is not.
   const auto lines = [](const std::string& state, const std::string& fault) {
@@ -361,6 +381,14 @@ std::string text_of(const std::vector<RunRow>& rows) {
   std::string text = run_header(columns);
   for (const RunRow& row : rows) append_run_row(text, row, columns);
   return text;
+}
+
+TEST(ReadRun, APartOfARunWithAComment) {
+  const TemporaryFile file("# one\n# two\n" + text_of(rows_at({1.0, 2.0, 3.0}, true)), "run.csv");
+  const palpate::Run run = read_run(file.path(), {.from = 1.5, .to = 2.5});
+  ASSERT_EQ(run.rows.size(), 1U);
+  EXPECT_EQ(run.rows[0].t, 2.0);
+  EXPECT_EQ(run.made, "one\ntwo\n");
 }
 
 TEST(ReadRun, OfARecordingCutAnywhereTakesTheWholeLines) {

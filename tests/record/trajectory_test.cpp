@@ -1,4 +1,5 @@
 // Trajectory files, sound and broken.
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -6,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <palpate/base/csv.h>
 #include <palpate/base/error.h>
 #include <palpate/record/trajectory.h>
 
@@ -48,6 +50,33 @@ TEST(Trajectory, TakesColumnsInAnyOrderAndIgnoresOthers) {
   EXPECT_EQ(t[0].t, -7.0);
   EXPECT_EQ(t[0].pose.position, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(t[0].pose.orientation.z(), 1.0);
+}
+
+TEST(Trajectory, IgnoresWhatARecordingHasBesides) {
+  const Trajectory t =
+      read("# [made]\nt,x,y,z,state,fault\n0,1,2,3,active,none\n1,1,2,3,falling,over-speed\n");
+  ASSERT_EQ(t.size(), 2U);
+  EXPECT_EQ(t[1].t, 1.0);
+}
+
+TEST(Trajectory, IsTheSameToTheBitHoweverOftenItIsWritten) {
+  const auto unit = [](const std::string& csv) {
+    std::string out = "t,x,y,z,qw,qx,qy,qz\n";
+    const TemporaryFile file(csv, "path.csv");
+    for (const TimedPose& p : read_trajectory(file.path())) {
+      const Eigen::Quaterniond& q = p.pose.orientation;
+      append_csv_row(out, std::array{p.t, 0.0, 0.0, 0.0, q.w(), q.x(), q.y(), q.z()});
+    }
+    return out;
+  };
+  std::string rounded = "t,x,y,z,qw,qx,qy,qz\n";
+  for (int k = 1; k < 200; ++k) {
+    const Eigen::Quaterniond q = Eigen::Quaterniond(1.0, 0.02 * k, -0.007 * k, 0.01).normalized();
+    append_csv_row(rounded, std::array{1.0 * k, 0.0, 0.0, 0.0, 1.001 * q.w(), 1.001 * q.x(), 1.001 * q.y(),
+                                       1.001 * q.z()});
+  }
+  const std::string once = unit(rounded);
+  EXPECT_EQ(unit(once), once);
 }
 
 TEST(Trajectory, ReadsTheUserForce) {

@@ -33,6 +33,13 @@ TEST(Access, IsForHostsThatAreAddressesOfThisServer) {
   }
 }
 
+TEST(Access, KnowsThePortThatABrowserLeavesOut) {
+  Access secure("127.0.0.1", 443, "", kSession), plain("127.0.0.1", 80, "", kSession);
+  EXPECT_EQ(status_of_host(secure, "127.0.0.1"), 0);
+  EXPECT_EQ(status_of_host(plain, "127.0.0.1"), 0);
+  EXPECT_EQ(status_of_host(secure, "127.0.0.1:80"), 403);
+}
+
 // A page of anybody's may have its own name resolve to this machine, and then ask it as its own origin.
 TEST(Access, RefusesNamesOfOthersAndOtherPorts) {
   Access local("127.0.0.1", 9090, "", kSession);

@@ -555,6 +555,46 @@ describe('other runs', () => {
     for (const [min, max] of Object.values(await rangesOf(page))) assert.ok(min < max);
   }));
 
+  test('how it was made is told as it is, and nothing where the run does not say', async () => {
+    await withReport({ ...tinyRun(), made: '[made]\nscene = "<b>&"\n' }, {}, async (page) => {
+      await page.locator('#made summary').click();
+      assert.equal(await page.locator('#made pre').textContent(), '[made]\nscene = "<b>&"\n');
+    });
+    await withReport(tinyRun(), {}, async (page) => assert.ok(!(await page.locator('#made').isVisible())));
+  });
+
+  test('runs over one another: each at its own times, with a colour and figures of its own', async () => {
+    const run = smallRun();
+    const { t, colliding, fx, fy, fz, compute_us: times } = run.columns;
+    // The same half as long with every third row and twice the force, and one that comes later than all.
+    const every = (column, change = (v) => v) => column.filter((_, i) => i % 3 === 0 && i < 3000).map(change);
+    const twice = { t: every(t), colliding: every(colliding), compute_us: every(times),
+      fx: every(fx, (v) => 2 * v), fy: every(fy, (v) => 2 * v), fz: every(fz, (v) => 2 * v) };
+    const later = Object.fromEntries(Object.entries(twice).map(([name, column]) => [name, column.slice(0, 9)]));
+    later.t = later.t.map((v) => v + 1e6);
+    const summary = [{ label: 'Poses', value: '1000' }, { label: 'Odd', value: '<i>' }];
+    const others = [{ title: 'twice.csv', made: 'x = 1\n', summary, columns: twice }, { title: 'later.csv', columns: later }, 7];
+    await withReport({ ...run, others }, {}, async (page) => {
+      const seen = await page.evaluate(() => {
+        const u = palpateReport.plots.force;
+        const k = u.series.findIndex(({ label }) => label === 'twice.csv');
+        const own = u.series.findIndex(({ label }) => label === 'force');
+        return { t: u.data[0], own: u.data[own], other: u.data[k], labels: u.series.map(({ label }) => label) };
+      });
+      assert.equal(seen.labels.at(-1), 'twice.csv'); // of the others nothing is in sight
+      assert.ok(!seen.labels.includes('later.csv'));
+      for (const i of [0, 300, 1500, 2997]) close(seen.other[i], 2 * seen.own[i], 1e-9, `row ${i}`);
+      assert.equal(seen.other[5000], null);
+      const head = await page.locator('#runs thead th').allTextContents();
+      assert.deepEqual(head.slice(1, 4), [run.title, 'twice.csv', 'later.csv']);
+      assert.match(await page.locator('#runs').textContent(), /<i>/);
+      assert.equal(await page.locator('[data-chart="counts"] [data-series="twice.csv"]').count(), 1);
+      await page.locator('#made summary').click();
+      assert.match(await page.locator('#made pre').textContent(), /# twice\.csv\nx = 1/);
+    });
+    await withReport(run, {}, async (page) => assert.ok(!(await page.locator('#runs-card').isVisible())));
+  });
+
   test('user force only where it was recorded', () =>
     withReport(smallRun({ userForce: false }), {}, async (page) => {
       assert.equal(await page.locator('[data-chart="user"]').count(), 0);

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <palpate/base/error.h>
 
@@ -33,22 +34,34 @@ void for_each_cell(std::string_view line, Visit&& visit) {
   }
 }
 
-CsvHeader read_header(const std::string& source, std::string_view line) {
-  CsvHeader header{source, {}};
+/// Reads the names of `line` into `header`.
+void read_names(CsvHeader& header, std::string_view line) {
+  const std::string where = fmt::format("{}: line {}", header.source, header.line);
   for_each_cell(line, [&](std::string_view name, bool) {
-    if (header.columns.size() == kMaxColumns) {
-      throw Error("{}: line 1: more than {} columns; it is not a table of this kind", source, kMaxColumns);
-    }
-    if (name.empty()) throw Error("{}: line 1: column {} has no name", source, header.columns.size() + 1);
-    if (header.has(name)) throw Error("{}: line 1: two columns are called '{}'", source, name);
+    if (header.columns.size() == kMaxColumns)
+      throw Error("{}: more than {} columns; it is not a table of this kind", where, kMaxColumns);
+    if (name.empty()) throw Error("{}: column {} has no name", where, header.columns.size() + 1);
+    if (header.has(name)) throw Error("{}: two columns are called '{}'", where, name);
     header.columns.emplace_back(name);
   });
-  return header;
 }
 
-/// True if more characters could make it a number.
-bool begins_a_number(std::string_view cell) {
-  return cell.find_first_not_of("0123456789+-.eE") == std::string_view::npos;
+/// True if more characters could make it a number, or one of `words`.
+bool may_become_one(std::string_view cell, std::span<const std::string_view> words) {
+  return cell.find_first_not_of("0123456789+-.eE") == std::string_view::npos ||
+         std::any_of(words.begin(), words.end(), [&](auto word) { return word.starts_with(cell); });
+}
+
+/// \param line without white space around it
+void add_to_comment(CsvHeader& header, std::string_view line) {
+  line.remove_prefix(1);
+  if (line.starts_with(' ')) line.remove_prefix(1);
+  if (header.comment.size() + line.size() >= CsvReader::kMaxComment) {
+    throw Error("{}: line {}: more than {} bytes of comment; it is not a table of this kind", header.source,
+                header.line, CsvReader::kMaxComment);
+  }
+  header.comment += line;
+  header.comment += '\n';
 }
 
 }  // namespace
@@ -56,7 +69,7 @@ bool begins_a_number(std::string_view cell) {
 std::size_t CsvHeader::column(std::string_view name) const {
   const auto found = std::find(columns.begin(), columns.end(), name);
   if (found == columns.end())
-    throw Error("{}: line 1: column '{}' is missing; the header must name it", source, name);
+    throw Error("{}: line {}: column '{}' is missing; the header must name it", source, line, name);
   return static_cast<std::size_t>(found - columns.begin());
 }
 
@@ -65,11 +78,19 @@ bool CsvHeader::has(std::string_view name) const {
 }
 
 CsvReader::CsvReader(const std::string& path, LastLine last_line) : file_(path), last_line_(last_line) {
-  const auto line = lines_.emplace(file_, 0).next();
-  if (!line) throw Error("{}: is empty; a header line and rows are needed", path);
-  std::string_view names = trimmed(lines_->line_number() == 1 ? *line : "");
-  while (names.starts_with(kByteOrderMark)) names = trimmed(names.substr(kByteOrderMark.size()));
-  header_ = read_header(path, names);
+  header_.source = path;
+  lines_.emplace(file_, 0);
+  std::optional<std::string_view> line;
+  for (;; ++header_.line) {
+    line = lines_->next();
+    if (!line) throw Error("{}: is empty; a header line and rows are needed", path);
+    line = trimmed(lines_->line_number() == header_.line ? *line : "");
+    while (line->starts_with(kByteOrderMark)) line = trimmed(line->substr(kByteOrderMark.size()));
+    if (!line->starts_with('#')) break;
+    add_to_comment(header_, *line);
+  }
+  read_names(header_, *line);
+  words_.resize(header_.columns.size());
   row_.reserve(header_.columns.size());
 }
 
@@ -93,12 +114,17 @@ std::optional<std::span<const double>> CsvReader::next() {
 bool CsvReader::read_cell(std::string_view cell, bool last) {
   const std::size_t width = header_.columns.size();
   if (row_.size() == width) throw Error("{}: {}: more than {} values", header_.source, where(), width);
+  const std::span<const std::string_view> words = words_[row_.size()];
+  if (const auto word = std::find(words.begin(), words.end(), cell); word != words.end()) {
+    row_.push_back(static_cast<double>(word - words.begin()));
+    return true;
+  }
   double value = 0.0;
   const auto [end, error] = std::from_chars(cell.begin(), cell.end(), value);
   if (cell.empty() || error != std::errc{} || end != cell.end() || !std::isfinite(value)) {
-    if (last && may_be_cut() && begins_a_number(cell)) return false;
-    throw Error("{}: {}: column '{}': '{}' is not a finite number", header_.source, where(),
-                header_.columns[row_.size()], cell);
+    if (last && may_be_cut() && may_become_one(cell, words)) return false;
+    throw Error("{}: {}: column '{}': '{}' is not {}", header_.source, where(), header_.columns[row_.size()],
+                cell, words.empty() ? "a finite number" : fmt::format("one of {}", fmt::join(words, ", ")));
   }
   row_.push_back(value);
   return true;
@@ -115,11 +141,15 @@ std::string CsvReader::where() const {
 }
 
 CsvTable read_csv(const std::string& path, const Progress& progress) {
-  constexpr std::size_t kRowsPerReport = 1 << 16;
   CsvReader reader(path);
+  return read_csv(reader, progress);
+}
+
+CsvTable read_csv(CsvReader& reader, const Progress& progress) {
+  constexpr std::size_t kRowsPerReport = 1 << 16;
   if (reader.size() > kMaxBytes) {
-    throw Error("{}: is {} bytes, more than the {} this kind of file may have", path, reader.size(),
-                kMaxBytes);
+    throw Error("{}: is {} bytes, more than the {} this kind of file may have", reader.header().source,
+                reader.size(), kMaxBytes);
   }
   CsvTable table{reader.header(), {}, {}};
   while (const auto row = reader.next()) {
@@ -131,6 +161,16 @@ CsvTable read_csv(const std::string& path, const Progress& progress) {
     }
   }
   return table;
+}
+
+std::string csv_comment(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    out += fmt::format("# {}\n", text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
 }
 
 void append_csv_row(std::string& out, std::span<const double> values) {

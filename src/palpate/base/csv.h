@@ -16,18 +16,21 @@
 
 namespace palpate {
 
-/// What the header line of a CSV file says.
+/// What a CSV file says before its rows.
 struct CsvHeader {
   std::string source;                ///< file name, for messages
   std::vector<std::string> columns;  ///< names
+  std::string comment;               ///< see csv_comment(); empty if the file has none
+  std::size_t line = 1;              ///< of the names, from 1
 
   /// Index of the column `name`. \throws Error if there is none.
   std::size_t column(std::string_view name) const;
   bool has(std::string_view name) const;
 };
 
-/// Reads a CSV file of finite numbers row by row, in little memory: one header line of distinct names, then
-/// rows of as many numbers; LF or CR LF; blank lines are skipped. On one thread at a time.
+/// Reads a CSV file of finite numbers row by row, in little memory: lines of a comment, each of which begins
+/// with '#', if there are any; one header line of distinct names; then rows of as many numbers; LF or CR LF;
+/// blank lines are skipped. On one thread at a time.
 class CsvReader {
  public:
   /// What is thought of a last line without a terminator and with too few values or a part of a number.
@@ -36,12 +39,19 @@ class CsvReader {
     kMaybeCut,  ///< the writer was interrupted: it is left out
   };
 
+  /// The most of a comment. Unit: [bytes].
+  static constexpr std::size_t kMaxComment = std::size_t{1} << 18;
+
   /// \throws Error if the file cannot be read or its header is not one.
   explicit CsvReader(const std::string& path, LastLine last_line = LastLine::kWhole);
 
   const CsvHeader& header() const { return header_; }
   /// Of the file, when it was opened. Unit: [bytes].
   std::uint64_t size() const { return file_.size(); }
+
+  /// Cells of this column may be one of `words`, too, which reads as its number among them. \param words live
+  /// as long as this
+  void take_words(std::size_t column, std::span<const std::string_view> words) { words_[column] = words; }
 
   /// The next row, valid until the next call; nothing at the end.
   /// \throws Error naming the place of the first thing that is not a row of finite numbers.
@@ -69,6 +79,7 @@ class CsvReader {
   LastLine last_line_;
   std::optional<LineReader> lines_;
   CsvHeader header_;
+  std::vector<std::span<const std::string_view>> words_;  ///< by column; empty for numbers alone
   std::vector<double> row_;
   bool sought_ = false;
   bool cut_ = false;
@@ -87,6 +98,11 @@ struct CsvTable : CsvHeader {
 /// Reads all of a CSV file as CsvReader does.
 /// \throws Error naming the line and column of the first thing that is not a table of finite numbers.
 CsvTable read_csv(const std::string& path, const Progress& progress = {});
+/// What `reader` has not read yet.
+CsvTable read_csv(CsvReader& reader, const Progress& progress = {});
+
+/// The lines of `text` as those of a comment, each after "# ".
+std::string csv_comment(std::string_view text);
 
 /// Appends `values` as one line, each number as short as reads back exactly.
 void append_csv_row(std::string& out, std::span<const double> values);

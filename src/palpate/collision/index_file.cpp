@@ -224,6 +224,23 @@ std::string index_options(const SceneFilter& filter, const Similarity& world) {
   return text;
 }
 
+std::optional<IndexSource> index_source(const std::string& path) {
+  try {
+    const InputFile file(path);
+    IndexFront front{};
+    IndexTrailer t{};
+    if (file.size() < 2 * kPage) return std::nullopt;
+    file.read(0, {reinterpret_cast<char*>(&front), sizeof front});
+    file.read(file.size() - sizeof t, {reinterpret_cast<char*>(&t), sizeof t});
+    const bool known = front.magic == kMagic && front.byte_order == kByteOrder && front.version == kVersion;
+    if (!known || t.magic != kMagic || t.file_size != file.size() || t.own_hash != own_hash(t))
+      return std::nullopt;
+    return unpack(t).source;
+  } catch (const Error&) {
+    return std::nullopt;  // there is none
+  }
+}
+
 IndexWriter::IndexWriter(const std::string& path) : file_(path) {
   const IndexFront front{kMagic, kByteOrder, kVersion, {}};
   write({reinterpret_cast<const char*>(&front), sizeof front});

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,6 +52,10 @@ struct IndexDescription {
   std::uint64_t gaussians = 0;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< IndexView::origin
 };
+
+/// What the index file `path` was made of, from its last page alone; nothing where that is none of this
+/// version.
+std::optional<IndexSource> index_source(const std::string& path);
 
 /// Writes an index file front to back.
 class IndexWriter {

@@ -175,6 +175,12 @@ OpenedIndex make_index(const Request& request, const std::string& options, const
 
 std::string index_path(const std::string& scene_path) { return scene_path + ".palpate"; }
 
+std::uint64_t scene_hash(const std::string& scene_path) {
+  const FileStamp now = stamp_of(scene_path);
+  const auto seen = index_source(index_path(scene_path));
+  return seen && seen->stamp == now ? seen->content : content_hash(scene_path);
+}
+
 OpenedIndex open_index(const std::string& path, const SceneFilter& filter, const Similarity& world_from_scene,
                        IndexFiles files, const Progress& progress) {
   const FileMemory memory = files == IndexFiles::kCopy ? FileMemory::kOwn : FileMemory::kShared;

@@ -2,6 +2,7 @@
 /// From a scene file to an index, the fastest way there is.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,10 @@ namespace palpate {
 
 /// Where the index file of a scene file is: beside it. `garden.ply` and `garden.splat` have one each.
 std::string index_path(const std::string& scene_path);
+
+/// content_hash() of a scene file, from the index beside it where that was made of the file as it is now,
+/// which needs no reading. \throws Error.
+std::uint64_t scene_hash(const std::string& scene_path);
 
 /// An index, and what is worth knowing about how it came to be.
 struct OpenedIndex {

@@ -6,6 +6,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/toml_file.h>
+#include <palpate/geometry/unit_quaternion.h>
 
 namespace palpate {
 namespace {
@@ -15,7 +16,7 @@ Eigen::Quaterniond orientation_of(const TomlValue& value) {
   const Eigen::Quaterniond orientation(q[0], q[1], q[2], q[3]);
   if (!(orientation.norm() > 1e-6 && orientation.norm() < 1e6))
     throw value.must_be("a quaternion qw, qx, qy, qz that is not zero");
-  return orientation.normalized();
+  return normalized_once(orientation);
 }
 
 ToolPart part_of(TomlTable table) {
@@ -68,8 +69,8 @@ std::string tool_text(const Tool& tool) {
     const Eigen::Quaterniond& q = part.pose.orientation;
     text += fmt::format("[[ellipsoid]]\nname = {}\nsemi_axes = [{}, {}, {}]\n", quoted(part.name), a.x(),
                         a.y(), a.z());
-    text += fmt::format("position = [{}, {}, {}]\norientation = [{:.12g}, {:.12g}, {:.12g}, {:.12g}]\n",
-                        p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+    text += fmt::format("position = [{}, {}, {}]\norientation = [{}, {}, {}, {}]\n", p.x(), p.y(), p.z(),
+                        q.w(), q.x(), q.y(), q.z());
   }
   return text;
 }

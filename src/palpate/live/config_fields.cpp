@@ -213,6 +213,10 @@ std::vector<ConfigField> make_fields() {
      TextField{[](auto& c) -> auto& { return c.gateway.address; }}},
     {"token", "", kGateway, "TEXT", "that clients must bring, 16 characters or more (default: with --listen one is made and printed)",
      TextField{[](auto& c) -> auto& { return c.gateway.token; }, token_problem}},
+    {"tls-cert", "", kGateway, "CERT.pem", "serve HTTPS and WSS with this certificate and its chain, as a headset on the network wants it; with --tls-key",
+     TextField{[](auto& c) -> auto& { return c.gateway.tls_certificate; }}},
+    {"tls-key", "", kGateway, "KEY.pem", "its private key, without a password",
+     TextField{[](auto& c) -> auto& { return c.gateway.tls_key; }}},
     {"no-gateway", "", kGateway, "", "serve nothing", FlagField{[](auto& c) -> auto& { return c.gateway.off; }}},
 
     {"", "room.scale", kRoom, "1", "world metres per metre of the room",

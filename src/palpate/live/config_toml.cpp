@@ -18,19 +18,6 @@ namespace {
 
 constexpr const char* kScenePath = "scene";
 
-/// As a basic string.
-std::string quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
 std::string array_of(const std::vector<double>& all) { return fmt::format("[{}]", fmt::join(all, ", ")); }
 
 /// The value of a field; nothing if it is not set.
@@ -41,7 +28,7 @@ struct TomlText {
   Text operator()(const FlagField& field) const { return field.member(config) ? Text("true") : std::nullopt; }
   Text operator()(const TextField& field) const {
     const std::string& text = field.member(config);
-    return text.empty() ? std::nullopt : Text(quoted(text));
+    return text.empty() ? std::nullopt : Text(toml_quoted(text));
   }
   Text operator()(const CountField& field) const {
     const int count = field.member(config);
@@ -52,7 +39,7 @@ struct TomlText {
     const std::optional<double>& number = field.member(config);
     return number ? Text(fmt::format("{}", *number)) : std::nullopt;
   }
-  Text operator()(const ChoiceField& field) const { return quoted(field.chosen(config)); }
+  Text operator()(const ChoiceField& field) const { return toml_quoted(field.chosen(config)); }
   Text operator()(const NumbersField& field) const {
     const std::vector<double> all = field.get(config);
     return all.empty() ? std::nullopt : Text(array_of(all));
@@ -61,7 +48,7 @@ struct TomlText {
     const Tool& tool = field.member(config);
     const ToolPart& part = tool.parts()[0];
     const bool one = tool.parts().size() == 1 && part.pose.position.isZero(0.0) &&
-                     part.pose.orientation.isApprox(Eigen::Quaterniond::Identity());
+                     part.pose.orientation.isApprox(Eigen::Quaterniond::Identity(), 0.0);
     const Eigen::Vector3d& a = part.semi_axes;
     // A literal string, whose first line break is no part of it.
     return one ? array_of({a.x(), a.y(), a.z()}) : fmt::format("'''\n{}'''", tool_text(tool));
@@ -77,15 +64,10 @@ bool is_replaced(const ConfigField& field, const LiveConfig& config) {
   });
 }
 
-/// A scalar as it is, an array's values joined by commas.
-std::string text_of(const TomlValue& value) {
-  std::vector<std::string> parts;
-  for (const TomlValue& item : value.is_array() ? value.items() : std::vector{value}) {
-    const auto text = item.scalar();
-    if (!text) throw value.must_be("a number, text, true, false or an array of these");
-    parts.push_back(*text);
-  }
-  return fmt::format("{}", fmt::join(parts, ","));
+/// The value of a field that has a name, unless it is not set or another replaces it.
+std::optional<std::string> value_of(const ConfigField& field, const LiveConfig& config) {
+  if (field.name.empty() || is_replaced(field, config)) return std::nullopt;
+  return std::visit(TomlText{config}, field.type);
 }
 
 }  // namespace
@@ -93,14 +75,50 @@ std::string text_of(const TomlValue& value) {
 std::string to_toml(const LiveConfig& config, TomlFields fields) {
   std::string text = "# For palpate --config.\n";
   if (fields == TomlFields::kAll && !config.scene.path.empty())
-    text += fmt::format("{} = {}\n", kScenePath, quoted(config.scene.path));
+    text += fmt::format("{} = {}\n", kScenePath, toml_quoted(config.scene.path));
   for (const ConfigField& field : config_fields()) {
-    if (field.name.empty() || (fields == TomlFields::kSaved && !field.traits.saved)) continue;
-    if (is_replaced(field, config)) continue;
-    if (const auto value = std::visit(TomlText{config}, field.type))
-      text += fmt::format("{} = {}\n", field.name, *value);
+    if (fields == TomlFields::kSaved && !field.traits.saved) continue;
+    if (const auto value = value_of(field, config)) text += fmt::format("{} = {}\n", field.name, *value);
   }
   return text;
+}
+
+std::vector<SettingText> settings_text(const LiveConfig& config, ConfigGroup group) {
+  std::vector<SettingText> all;
+  if (group == ConfigGroup::kScene && !config.scene.path.empty())
+    all.push_back({kScenePath, toml_quoted(config.scene.path)});
+  for (const ConfigField& field : config_fields()) {
+    if (field.group != group) continue;
+    if (const auto value = value_of(field, config)) all.push_back({std::string(field.name), *value});
+  }
+  return all;
+}
+
+std::string toml_quoted(std::string_view text) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  std::string out = "\"";
+  while (!text.empty()) {
+    const auto control = std::find_if(text.begin(), text.end(), is_control);
+    const auto plain = static_cast<std::size_t>(control - text.begin());
+    for (const char c : printable(text.substr(0, plain))) {
+      if (c == '"' || c == '\\') out += '\\';
+      out += c;
+    }
+    if (plain == text.size()) break;
+    out += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[plain]));
+    text.remove_prefix(plain + 1);
+  }
+  return out + '"';
+}
+
+std::string value_text(const TomlValue& value) {
+  std::vector<std::string> parts;
+  for (const TomlValue& item : value.is_array() ? value.items() : std::vector{value}) {
+    const auto text = item.scalar();
+    if (!text) throw value.must_be("a number, text, true, false or an array of these");
+    parts.push_back(*text);
+  }
+  return fmt::format("{}", fmt::join(parts, ","));
 }
 
 LiveConfig read_live_config(const std::string& path, LiveConfig config) {
@@ -112,7 +130,7 @@ LiveConfig read_live_config(const std::string& path, LiveConfig config) {
     const auto value = root.find(field.name);
     if (!value) continue;
     try {
-      set_from_text(field, config, text_of(*value));
+      set_from_text(field, config, value_text(*value));
     } catch (const BadValue& error) {
       throw Error("{}: line {}: '{}': {}", path, value->line(), field.name, error.what());
     }

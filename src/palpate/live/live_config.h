@@ -139,6 +139,8 @@ struct GatewayConfig {
   int port = -1;                      ///< 0: any that is free; -1: kPort, or another if that is taken
   std::string address = "127.0.0.1";  ///< of this machine
   std::string token;  ///< that clients must bring; empty: made at random where `address` is no loopback
+  /// Files in PEM, both or neither: everything is served over TLS.
+  std::string tls_certificate = {}, tls_key = {};
 
   bool operator==(const GatewayConfig&) const = default;
 };

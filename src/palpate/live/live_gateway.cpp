@@ -219,6 +219,10 @@ LiveGateway::Implementation::Implementation(LiveSystem& system, GatewayPages pag
   server.uploads = uploads();
   server.address = options.address;
   server.real_time = ThreadPriority{.priority = ThreadPriority().priority - 10, .cpu = {}};  // below the loop
+  if (options.tls_certificate.empty() != options.tls_key.empty())
+    throw Error("--tls-cert and --tls-key belong together: give both, or neither");
+  server.tls_certificate = options.tls_certificate;
+  server.tls_key = options.tls_key;
   server.token = options.token.empty() && !is_loopback(options.address) ? random_text() : options.token;
   const auto site = [this](const std::string& path) { return page(path); };
   const auto listen = [&](int port) {
@@ -412,7 +416,7 @@ void LiveGateway::Implementation::add_recording() {
                           };
                           const Json begun = answer_of([&] {
                             if (flag_of(arguments)) {
-                              recording_.begin(done);
+                              recording_.begin([this] { return to_toml(system_.provenance("run")); }, done);
                               tell(recording_notice_, "");
                             } else {
                               end_recording(done);

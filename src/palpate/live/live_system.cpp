@@ -90,6 +90,7 @@ void LiveSystem::read_scene(const Progress& progress) {
     throw Error("--device playback has nothing to play; give --trajectory T.csv");
   const IndexFiles files = scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
   index_ = std::make_shared<SceneIndex>(open_or_make_index(scene, files, notify_, progress));
+  scene_origin_ = scene_origin(scene);
   if (owns_device_ && is_giant(kind)) place_giant();
   explores_ = owns_device_ && path_.empty() && (kind == DeviceKind::kSimulated || is_giant(kind));
   if (explores_) find_way();
@@ -228,6 +229,21 @@ void LiveSystem::resume() {
 LiveConfig LiveSystem::settings() const {
   const std::scoped_lock lock(mutex_);
   return settings_;
+}
+
+Provenance LiveSystem::provenance(std::string_view command) const {
+  using enum ConfigGroup;
+  LiveConfig config;
+  SceneOrigin scene;
+  {
+    const std::scoped_lock lock(mutex_);
+    config = settings_;
+    if (felt_) config.scene.path = felt_->path();  // another may be in the making
+    scene = scene_origin_;
+  }
+  Provenance known = palpate::provenance(command, scene, config, {kScene, kTool, kForce, kDevice, kLoop});
+  known.made.push_back({"device", toml_quoted(fmt::format("{} ({})", device().name, device_kind()))});
+  return known;
 }
 
 std::string LiveSystem::busy() const {
@@ -376,6 +392,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
                           wanted.force.density != now.force.density;
   std::shared_ptr<const SceneIndex> index = index_;
   Materials materials = materials_;
+  SceneOrigin origin = scene_origin_;
   if (other_file) {
     const std::string name = std::filesystem::path(wanted.scene.name()).filename().string();
     const Progress progress = progress_of("opening " + name);
@@ -384,6 +401,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
     index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, files, notify_, progress));
     if (index->size() == 0) throw Error("{}: nothing of it can be touched; what was felt stays", name);
     materials = load_materials(wanted.force, wanted.scene.path, progress);
+    origin = scene_origin(wanted.scene);
   } else if (other_gaussians) {
     say("looking which Gaussians can be felt");
     index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
@@ -418,6 +436,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
     const std::scoped_lock lock(mutex_);
     felt_.swap(next_);
     index_ = index;
+    scene_origin_ = std::move(origin);
   }
   materials_ = std::move(materials);
   next_.reset();  // what was felt before, with its worker

@@ -18,6 +18,7 @@
 #include <palpate/live/felt_scene.h>
 #include <palpate/live/live_config.h>
 #include <palpate/live/live_scene.h>
+#include <palpate/live/provenance.h>
 #include <palpate/record/trajectory.h>
 #include <palpate/servo/admittance_loop.h>
 #include <palpate/servo/servo_loop.h>
@@ -68,6 +69,9 @@ class LiveSystem {
   /// \throws Error where that cannot be: with a giant, whose scene is where its handle rests, and where poses
   /// are played back.
   void open_scene(const std::string& path);
+  /// How what is felt and recorded now is made. Reads the file of the materials, where there is one. \throws
+  /// Error if that cannot be read.
+  Provenance provenance(std::string_view command) const;
   /// What is being made; empty if nothing is.
   std::string busy() const;
   /// Why the last change failed; empty if it did not.
@@ -156,6 +160,7 @@ class LiveSystem {
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable wanted_;
   LiveConfig settings_;  ///< of which device, loop and gateway never change
+  SceneOrigin scene_origin_;
   std::string busy_, message_;
   std::uint64_t version_ = 0, settings_version_ = 0;
   bool ends_ = false;

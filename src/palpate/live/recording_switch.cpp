@@ -26,11 +26,12 @@ void RecordingSwitch::see(const TickRecord& record, const TickTimes& times) {
   ticks_.fetch_add(1, std::memory_order_release);
 }
 
-void RecordingSwitch::begin(Done done) {
+void RecordingSwitch::begin(std::function<std::string()> made, Done done) {
   if (state_ != State::kOff)
     throw Error("a recording is {}", state_ == State::kEnding ? "being ended" : "under way");
   state_ = State::kBeginning;
   job_ = std::make_shared<Job>();
+  job_->made = std::move(made);
   elsewhere_([this, job = job_] { make(*job); },
              [this, job = job_, done = std::move(done)] {
                state_ = job->failure.empty() ? State::kOn : State::kOff;
@@ -49,7 +50,9 @@ void RecordingSwitch::make(Job& job) {
       folder_ = pattern;
     }
     job.path = fmt::format("{}/recording-{}.csv", folder_, ++count_);
-    job.recorder = std::make_unique<Recorder>(job.path, rows_);
+    RecorderOptions options = rows_;
+    options.made = job.made();
+    job.recorder = std::make_unique<Recorder>(job.path, options);
   } catch (const Error& error) {
     job.failure = error.what();
   } catch (const std::exception& error) {  // there is no such folder, no thread, or no memory

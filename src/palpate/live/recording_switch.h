@@ -40,8 +40,9 @@ class RecordingSwitch final : public TickObserver {
 
   /// \name One other thread, that of the `then` of `elsewhere`; it never waits
   /// @{
-  /// \throws Error if one is being recorded, begun or ended.
-  void begin(Done done);
+  /// \param made tells how it is made, elsewhere: RecorderOptions::made; may throw Error \throws Error if one
+  /// is being recorded, begun or ended.
+  void begin(std::function<std::string()> made, Done done);
   /// Rows end at once. What was recorded is then there, also where that failed before, up to its last row.
   /// \throws Error if nothing is being recorded.
   void end(Done done);
@@ -63,6 +64,7 @@ class RecordingSwitch final : public TickObserver {
   /// What is made or ended elsewhere.
   struct Job {
     std::unique_ptr<Recorder> recorder;
+    std::function<std::string()> made;
     std::string path, failure;
   };
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <palpate/geometry/unit_quaternion.h>
+
 namespace palpate {
 
 double parse_number(std::string_view text) {
@@ -46,7 +48,7 @@ Eigen::Quaterniond parse_quaternion(const double* wxyz) {
   if (!(q.norm() > 1e-6 && q.norm() < 1e6)) {
     throw BadValue("the quaternion qw,qx,qy,qz must not be zero");
   }
-  return q.normalized();
+  return normalized_once(q);
 }
 
 HandProperties parse_hand(const double* mbk) {

@@ -36,6 +36,7 @@ RunGroups groups_of(const CsvHeader& header) {
 class RunReader {
  public:
   explicit RunReader(const std::string& path) : csv_(path, CsvReader::LastLine::kMaybeCut) {
+    take_run_words(csv_);
     next();  // what is no table at all is told by its first row rather than by a missing column
     const RunGroups groups = groups_of(csv_.header());
     live_ = groups.live;
@@ -118,7 +119,7 @@ void RunReader::make_room(std::vector<RunRow>& rows, std::uint64_t start, std::s
 
 Run RunReader::read(const RunWindow& window, const Progress& progress) {
   constexpr std::size_t kRowsPerReport = 1 << 16;
-  Run run{csv_.header().source, {}, false};
+  Run run{csv_.header().source, {}, csv_.header().comment, false};
   if (values_ && time() < window.from) find(window.from);
   std::optional<double> before;
   for (; values_ && time() < window.from; next()) before = time();

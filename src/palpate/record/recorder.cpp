@@ -32,7 +32,7 @@ RecorderOptions recorder_options(const DeviceCapabilities& device) {
 
 Recorder::Recorder(const std::string& path, const RecorderOptions& options)
     : columns_(run_columns({.user_force = options.user_force, .live = true})),
-      file_(path, run_header(columns_)),
+      file_(path, csv_comment(options.made) + run_header(columns_)),
       ring_(options.room) {
   text_.reserve(kTextBytes + kLineBytes);
   writer_ = std::thread([this] { write_until_closed(); });

@@ -24,6 +24,7 @@ namespace palpate {
 struct RecorderOptions {
   bool user_force = false;                  ///< the rows have one
   std::size_t room = std::size_t{1} << 15;  ///< rows that may wait for the writer: three seconds at 10 kHz
+  std::string made = {};                    ///< as write_run() writes it
 };
 
 /// Of a loop with this device.

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <type_traits>
 
-#include <palpate/base/csv.h>
+#include <fmt/format.h>
 
 namespace palpate {
 namespace {
@@ -15,21 +15,29 @@ using enum ColumnGroup;
 
 /// \param field a lambda without captures that gives the place of the value in a row.
 template <typename Field>
-constexpr RunColumn column(ColumnGroup group, std::string_view name, Field, int digits = 7) {
+constexpr RunColumn column(ColumnGroup group, std::string_view name, std::string_view unit,
+                           std::string_view help, Field, int digits = 7) {
   const auto get = [](const RunRow& row) { return static_cast<double>(Field{}(row)); };
   const auto set = [](RunRow& row, double value) {
     auto& place = Field{}(row);
     place = static_cast<std::remove_reference_t<decltype(place)>>(value);
   };
-  return {name, group, get, set, digits};
+  return {name, unit, help, group, get, set, digits};
 }
 
 template <typename Field>
-constexpr RunColumn whole(ColumnGroup group, std::string_view name, Field field, std::string_view what,
-                          double most) {
-  RunColumn made = column(group, name, field);
+constexpr RunColumn count(std::string_view name, std::string_view unit, std::string_view help, Field field) {
+  RunColumn made = column(kAlways, name, unit, help, field);
+  made.whole_number = "a count";
+  made.most = 4294967295.0;
+  return made;
+}
+
+/// One of `words`.
+RunColumn worded(RunColumn made, std::string_view what, std::span<const std::string_view> words) {
   made.whole_number = what;
-  made.most = most;
+  made.most = static_cast<double>(words.size() - 1);
+  made.words = words;
   return made;
 }
 
@@ -37,11 +45,6 @@ constexpr RunColumn whole(ColumnGroup group, std::string_view name, Field field,
 constexpr RunColumn later(RunColumn made) {
   made.may_lack = true;
   return made;
-}
-
-template <typename Field>
-constexpr RunColumn count(std::string_view name, Field field) {
-  return whole(kAlways, name, field, "a count", 4294967295.0);
 }
 
 const Eigen::Vector3d& user(const RunRow& row) {
@@ -60,55 +63,76 @@ const LiveColumns& live(const RunRow& row) {
 }
 LiveColumns& live(RunRow& row) { return row.live ? *row.live : row.live.emplace(); }
 
-constexpr auto kLastState = static_cast<double>(GovernorState::kStopped);
-constexpr auto kLastFault = static_cast<double>(kFaultCount - 1);
+constexpr std::size_t kStateCount = static_cast<std::size_t>(GovernorState::kStopped) + 1;
 
-constexpr std::array kColumns{
-    column(kAlways, "t", [](auto& r) -> auto& { return r.t; }, 12),
-    column(kAlways, "x", [](auto& r) -> auto& { return r.tool.position.x(); }),
-    column(kAlways, "y", [](auto& r) -> auto& { return r.tool.position.y(); }),
-    column(kAlways, "z", [](auto& r) -> auto& { return r.tool.position.z(); }),
-    column(kAlways, "qw", [](auto& r) -> auto& { return r.tool.orientation.w(); }),
-    column(kAlways, "qx", [](auto& r) -> auto& { return r.tool.orientation.x(); }),
-    column(kAlways, "qy", [](auto& r) -> auto& { return r.tool.orientation.y(); }),
-    column(kAlways, "qz", [](auto& r) -> auto& { return r.tool.orientation.z(); }),
-    count("candidates", [](auto& r) -> auto& { return r.candidates; }),
-    count("filtered", [](auto& r) -> auto& { return r.filtered; }),
-    count("colliding", [](auto& r) -> auto& { return r.colliding; }),
-    column(kAlways, "k_max", [](auto& r) -> auto& { return r.k_max; }),
-    column(kAlways, "fx", [](auto& r) -> auto& { return r.wrench.force.x(); }),
-    column(kAlways, "fy", [](auto& r) -> auto& { return r.wrench.force.y(); }),
-    column(kAlways, "fz", [](auto& r) -> auto& { return r.wrench.force.z(); }),
-    column(kAlways, "tx", [](auto& r) -> auto& { return r.wrench.torque.x(); }),
-    column(kAlways, "ty", [](auto& r) -> auto& { return r.wrench.torque.y(); }),
-    column(kAlways, "tz", [](auto& r) -> auto& { return r.wrench.torque.z(); }),
-    column(kAlways, "px", [](auto& r) -> auto& { return r.proxy.x(); }),
-    column(kAlways, "py", [](auto& r) -> auto& { return r.proxy.y(); }),
-    column(kAlways, "pz", [](auto& r) -> auto& { return r.proxy.z(); }),
-    column(kAlways, "compute_us", [](auto& r) -> auto& { return r.compute_us; }, 4),
-    column(kUserForce, "ufx", [](auto& r) -> auto& { return user(r).x(); }),
-    column(kUserForce, "ufy", [](auto& r) -> auto& { return user(r).y(); }),
-    column(kUserForce, "ufz", [](auto& r) -> auto& { return user(r).z(); }),
-    column(kLive, "vx", [](auto& r) -> auto& { return live(r).velocity.linear.x(); }),
-    column(kLive, "vy", [](auto& r) -> auto& { return live(r).velocity.linear.y(); }),
-    column(kLive, "vz", [](auto& r) -> auto& { return live(r).velocity.linear.z(); }),
-    column(kLive, "wx", [](auto& r) -> auto& { return live(r).velocity.angular.x(); }, 0),
-    column(kLive, "wy", [](auto& r) -> auto& { return live(r).velocity.angular.y(); }, 0),
-    column(kLive, "wz", [](auto& r) -> auto& { return live(r).velocity.angular.z(); }, 0),
-    column(kLive, "sfx", [](auto& r) -> auto& { return live(r).sent.force.x(); }),
-    column(kLive, "sfy", [](auto& r) -> auto& { return live(r).sent.force.y(); }),
-    column(kLive, "sfz", [](auto& r) -> auto& { return live(r).sent.force.z(); }),
-    later(column(kLive, "stx", [](auto& r) -> auto& { return live(r).sent.torque.x(); }, 0)),
-    later(column(kLive, "sty", [](auto& r) -> auto& { return live(r).sent.torque.y(); }, 0)),
-    later(column(kLive, "stz", [](auto& r) -> auto& { return live(r).sent.torque.z(); }, 0)),
-    whole(kLive, "state", [](auto& r) -> auto& { return live(r).state; }, "a state", kLastState),
-    whole(kLive, "fault", [](auto& r) -> auto& { return live(r).fault; }, "a fault", kLastFault),
-    column(kLive, "energy", [](auto& r) -> auto& { return live(r).energy; }),
-    column(kLive, "stored", [](auto& r) -> auto& { return live(r).stored; }),
-    column(kLive, "damping", [](auto& r) -> auto& { return live(r).damping; }, 0),
-    column(kLive, "margin", [](auto& r) -> auto& { return live(r).margin; }, 0),
-    column(kLive, "age_us", [](auto& r) -> auto& { return live(r).age_us; }, 4),
-};
+/// to_string() of a governor's states.
+std::span<const std::string_view> state_words() {
+  static const auto words = [] {
+    std::array<std::string_view, kStateCount> all;
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = to_string(static_cast<GovernorState>(k));
+    return all;
+  }();
+  return words;
+}
+
+std::span<const std::string_view> fault_words() {
+  static const auto words = [] {
+    std::array<std::string_view, kFaultCount> all;
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = traits(static_cast<Fault>(k)).name;
+    return all;
+  }();
+  return words;
+}
+
+const auto& columns() {
+  static const std::array all{
+    column(kAlways, "t", "s", "time, on the run's clock", [](auto& r) -> auto& { return r.t; }, 12),
+    column(kAlways, "x", "m", "tool centre, world", [](auto& r) -> auto& { return r.tool.position.x(); }),
+    column(kAlways, "y", "m", "likewise", [](auto& r) -> auto& { return r.tool.position.y(); }),
+    column(kAlways, "z", "m", "likewise", [](auto& r) -> auto& { return r.tool.position.z(); }),
+    column(kAlways, "qw", "1", "orientation of the tool, a unit quaternion, world", [](auto& r) -> auto& { return r.tool.orientation.w(); }),
+    column(kAlways, "qx", "1", "likewise", [](auto& r) -> auto& { return r.tool.orientation.x(); }),
+    column(kAlways, "qy", "1", "likewise", [](auto& r) -> auto& { return r.tool.orientation.y(); }),
+    column(kAlways, "qz", "1", "likewise", [](auto& r) -> auto& { return r.tool.orientation.z(); }),
+    count("candidates", "1", "Gaussians after the broad phase", [](auto& r) -> auto& { return r.candidates; }),
+    count("filtered", "1", "of them, those whose bounding spheres meet (paper eq. 4)", [](auto& r) -> auto& { return r.filtered; }),
+    count("colliding", "1", "of them, those that overlap the tool", [](auto& r) -> auto& { return r.colliding; }),
+    column(kAlways, "k_max", "1", "largest K_min of the contacts (paper eq. 6); 0 without contact", [](auto& r) -> auto& { return r.k_max; }),
+    column(kAlways, "fx", "N", "force of the model on the tool, world", [](auto& r) -> auto& { return r.wrench.force.x(); }),
+    column(kAlways, "fy", "N", "likewise", [](auto& r) -> auto& { return r.wrench.force.y(); }),
+    column(kAlways, "fz", "N", "likewise", [](auto& r) -> auto& { return r.wrench.force.z(); }),
+    column(kAlways, "tx", "N m", "torque of the model about the tool centre, world", [](auto& r) -> auto& { return r.wrench.torque.x(); }),
+    column(kAlways, "ty", "N m", "likewise", [](auto& r) -> auto& { return r.wrench.torque.y(); }),
+    column(kAlways, "tz", "N m", "likewise", [](auto& r) -> auto& { return r.wrench.torque.z(); }),
+    column(kAlways, "px", "m", "proxy, world; the tool centre where the model has none", [](auto& r) -> auto& { return r.proxy.x(); }),
+    column(kAlways, "py", "m", "likewise", [](auto& r) -> auto& { return r.proxy.y(); }),
+    column(kAlways, "pz", "m", "likewise", [](auto& r) -> auto& { return r.proxy.z(); }),
+    column(kAlways, "compute_us", "us", "time for the contacts and the force", [](auto& r) -> auto& { return r.compute_us; }, 4),
+    column(kUserForce, "ufx", "N", "force of the user, measured at the handle, world", [](auto& r) -> auto& { return user(r).x(); }),
+    column(kUserForce, "ufy", "N", "likewise", [](auto& r) -> auto& { return user(r).y(); }),
+    column(kUserForce, "ufz", "N", "likewise", [](auto& r) -> auto& { return user(r).z(); }),
+    column(kLive, "vx", "m/s", "velocity of the tool centre, world", [](auto& r) -> auto& { return live(r).velocity.linear.x(); }),
+    column(kLive, "vy", "m/s", "likewise", [](auto& r) -> auto& { return live(r).velocity.linear.y(); }),
+    column(kLive, "vz", "m/s", "likewise", [](auto& r) -> auto& { return live(r).velocity.linear.z(); }),
+    column(kLive, "wx", "rad/s", "angular velocity of the tool, world", [](auto& r) -> auto& { return live(r).velocity.angular.x(); }, 0),
+    column(kLive, "wy", "rad/s", "likewise", [](auto& r) -> auto& { return live(r).velocity.angular.y(); }, 0),
+    column(kLive, "wz", "rad/s", "likewise", [](auto& r) -> auto& { return live(r).velocity.angular.z(); }, 0),
+    column(kLive, "sfx", "N", "force that the motors were told, after safety, along the axes of the world", [](auto& r) -> auto& { return live(r).sent.force.x(); }),
+    column(kLive, "sfy", "N", "likewise", [](auto& r) -> auto& { return live(r).sent.force.y(); }),
+    column(kLive, "sfz", "N", "likewise", [](auto& r) -> auto& { return live(r).sent.force.z(); }),
+    later(column(kLive, "stx", "N m", "torque that the motors were told, likewise", [](auto& r) -> auto& { return live(r).sent.torque.x(); }, 0)),
+    later(column(kLive, "sty", "N m", "likewise", [](auto& r) -> auto& { return live(r).sent.torque.y(); }, 0)),
+    later(column(kLive, "stz", "N m", "likewise", [](auto& r) -> auto& { return live(r).sent.torque.z(); }, 0)),
+    worded(column(kLive, "state", "word", "state of the safety governor", [](auto& r) -> auto& { return live(r).state; }), "a state", state_words()),
+    worded(column(kLive, "fault", "word", "why force is held back", [](auto& r) -> auto& { return live(r).fault; }), "a fault", fault_words()),
+    column(kLive, "energy", "J", "net energy put into the hand", [](auto& r) -> auto& { return live(r).energy; }),
+    column(kLive, "stored", "J", "energy of the model's spring; 0 for a model without a potential", [](auto& r) -> auto& { return live(r).stored; }),
+    column(kLive, "damping", "N s/m", "added by the passivity controller", [](auto& r) -> auto& { return live(r).damping; }, 0),
+    column(kLive, "margin", "1", "how many times stiffer the spring may be before it is active; 0 if unknown", [](auto& r) -> auto& { return live(r).margin; }, 0),
+    column(kLive, "age_us", "us", "of the force when it was sent, from the reading it answers", [](auto& r) -> auto& { return live(r).age_us; }, 4),
+  };
+  return all;
+}
 // clang-format on
 
 }  // namespace
@@ -130,13 +154,20 @@ bool RunGroups::has(ColumnGroup group) const {
   return false;
 }
 
-std::span<const RunColumn> run_columns() { return kColumns; }
+std::span<const RunColumn> run_columns() { return columns(); }
 
 std::vector<RunColumn> run_columns(const RunGroups& groups) {
-  std::vector<RunColumn> columns;
-  std::copy_if(kColumns.begin(), kColumns.end(), std::back_inserter(columns),
+  std::vector<RunColumn> those;
+  std::copy_if(columns().begin(), columns().end(), std::back_inserter(those),
                [&](const RunColumn& column) { return groups.has(column.group); });
-  return columns;
+  return those;
+}
+
+void take_run_words(CsvReader& reader) {
+  for (const RunColumn& column : run_columns()) {
+    if (!column.words.empty() && reader.header().has(column.name))
+      reader.take_words(reader.header().column(column.name), column.words);
+  }
 }
 
 std::string run_header(std::span<const RunColumn> columns) {
@@ -149,9 +180,18 @@ std::string run_header(std::span<const RunColumn> columns) {
 }
 
 void append_run_row(std::string& out, const RunRow& row, std::span<const RunColumn> columns) {
-  std::array<double, kColumns.size()> values{};
-  for (std::size_t k = 0; k < columns.size(); ++k) values[k] = columns[k].get(row);
-  append_csv_row(out, std::span(values).first(columns.size()));
+  const char* separator = "";
+  for (const RunColumn& column : columns) {
+    const double value = column.get(row);
+    out += separator;
+    if (column.words.empty()) {
+      fmt::format_to(std::back_inserter(out), "{}", value);
+    } else {
+      out += column.words[static_cast<std::size_t>(value)];
+    }
+    separator = ",";
+  }
+  out += '\n';
 }
 
 }  // namespace palpate

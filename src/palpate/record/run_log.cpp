@@ -7,12 +7,13 @@
 #include <palpate/record/run_columns.h>
 
 namespace palpate {
-void write_run(const std::vector<RunRow>& rows, const std::string& path, const Progress& progress) {
+void write_run(const std::vector<RunRow>& rows, const std::string& path, const std::string& made,
+               const Progress& progress) {
   constexpr std::size_t kRowsPerReport = 1 << 14;
   const std::vector<RunColumn> columns =
       run_columns(rows.empty() ? RunGroups{} : RunGroups::of(rows.front()));
   OutputFile file(path);
-  std::string text = run_header(columns);
+  std::string text = csv_comment(made) + run_header(columns);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     append_run_row(text, rows[i], columns);
     file.write(text);

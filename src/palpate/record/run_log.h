@@ -16,6 +16,7 @@ namespace palpate {
 struct Run {
   std::string source;  ///< file name, for titles and messages
   std::vector<RunRow> rows;
+  std::string made;  ///< how: what write_run() was told; empty if the file does not say
   bool cut = false;  ///< the last line of the file is cut, and left out: its writer was interrupted
 };
 
@@ -26,12 +27,14 @@ struct RunWindow {
   std::size_t most_rows = 10'000'000;                      ///< that fit: close to three hours at 1 kHz, 4 GB
 };
 
-/// Writes `t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz,
-/// compute_us`, then `ufx,ufy,ufz` if the first row has a user force, then
-/// `vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,state, fault,energy,stored,damping,margin,age_us` if it is live; see
-/// run_columns(). Numbers read back exactly. The file appears whole or not at all. \pre every number is
+/// Writes a comment of the lines of `made`, TOML that says how the run was made; then
+/// `t,x,y,z,qw,qx,qy,qz,candidates,filtered,colliding,k_max,fx,fy,fz,tx,ty,tz,px,py,pz, compute_us`, then
+/// `ufx,ufy,ufz` if the first row has a user force, then
+/// `vx,vy,vz,wx,wy,wz,sfx,sfy,sfz,stx,sty,stz,state,fault,energy,stored,damping,margin,age_us` if it is live;
+/// see run_columns(). Numbers read back exactly. The file appears whole or not at all. \pre every number is
 /// finite
-void write_run(const std::vector<RunRow>& rows, const std::string& path, const Progress& progress = {});
+void write_run(const std::vector<RunRow>& rows, const std::string& path, const std::string& made = {},
+               const Progress& progress = {});
 
 /// Reads what write_run() and Recorder write, columns in any order, further columns ignored. What is outside
 /// the window is not read, but for a few steps to find where it begins.

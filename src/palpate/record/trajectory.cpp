@@ -7,6 +7,8 @@
 
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
+#include <palpate/geometry/unit_quaternion.h>
+#include <palpate/record/run_columns.h>
 #include <palpate/scene/gaussian_scene.h>
 
 namespace palpate {
@@ -25,7 +27,7 @@ Eigen::Quaterniond orientation_of(const CsvTable& table, std::size_t row,
     throw Error("{}: line {}: the quaternion qw,qx,qy,qz has norm {}; it must be 1", table.source,
                 table.lines[row], q.norm());
   }
-  return q.normalized();
+  return normalized_once(q);
 }
 
 }  // namespace
@@ -43,7 +45,9 @@ Pose pose_at(const Trajectory& trajectory, double t) {
 }
 
 Trajectory read_trajectory(const std::string& path) {
-  const CsvTable table = read_csv(path);
+  CsvReader reader(path);
+  take_run_words(reader);  // of a recording, whose further columns are ignored
+  const CsvTable table = read_csv(reader);
   const std::array<std::size_t, 4> txyz{table.column("t"), table.column("x"), table.column("y"),
                                         table.column("z")};
   const bool oriented = table.has("qw") || table.has("qx") || table.has("qy") || table.has("qz");

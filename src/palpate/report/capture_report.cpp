@@ -23,7 +23,9 @@ double of_likeness(const CaptureRow& row, double (*value)(const CaptureLikeness&
   return row.likeness ? value(*row.likeness) : std::numeric_limits<double>::quiet_NaN();
 }
 
-const std::vector<Column>& columns() {
+}  // namespace
+
+const std::vector<FigureColumn<CaptureRow>>& capture_columns() {
   static const std::vector<Column> all{
       {"pushes", "pushes", "{:.0f}",
        [](const CaptureRow& r) { return static_cast<double>(r.figures.pushes); }},
@@ -71,6 +73,8 @@ const std::vector<Column>& columns() {
   return all;
 }
 
+namespace {
+
 bool is_shown(const Column& column, const std::vector<CaptureRow>& rows) {
   return std::ranges::any_of(rows, [&](const CaptureRow& row) { return !std::isnan(column.value(row)); });
 }
@@ -93,7 +97,7 @@ std::string capture_text(const std::vector<CaptureRow>& rows) {
   text += fmt::format("{:<66}", "");
   for (const CaptureRow& row : rows) text += fmt::format(" {:>8}", row.model);
   text += '\n';
-  for (const Column& column : columns()) {
+  for (const Column& column : capture_columns()) {
     if (!is_shown(column, rows)) continue;
     text += fmt::format("{:<66}", column.heading);
     for (const CaptureRow& row : rows) text += fmt::format(" {:>8}", text_of(column, row));
@@ -106,15 +110,15 @@ OrderedJson capture_json(const std::vector<CaptureRow>& rows) {
   OrderedJson json = OrderedJson::array();
   for (const CaptureRow& row : rows) {
     OrderedJson one{{"model", row.model}};
-    put_figures(columns(), row, one);
+    put_figures(capture_columns(), row, one);
     json.push_back(std::move(one));
   }
   return json;
 }
 
 std::string capture_csv(const std::vector<CaptureRow>& rows) {
-  std::string text = "model" + csv_names(columns()) + "\n";
-  for (const CaptureRow& row : rows) text += row.model + csv_figures(columns(), row) + "\n";
+  std::string text = "model" + csv_names(capture_columns()) + "\n";
+  for (const CaptureRow& row : rows) text += row.model + csv_figures(capture_columns(), row) + "\n";
   return text;
 }
 
@@ -122,7 +126,7 @@ std::string capture_html(const std::vector<CaptureRow>& rows) {
   std::string html = "<div class='table' tabindex='0'><table>\n<tr><th></th>";
   for (const CaptureRow& row : rows) html += fmt::format("<th>{}</th>", markup_escaped(row.model));
   html += "</tr>\n";
-  for (const Column& column : columns()) {
+  for (const Column& column : capture_columns()) {
     if (!is_shown(column, rows)) continue;
     html += fmt::format("<tr><td>{}</td>", markup_escaped(column.heading));
     for (const CaptureRow& row : rows) html += fmt::format("<td>{}</td>", text_of(column, row));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <palpate/report/figure_column.h>
 #include <palpate/report/ordered_json.h>
 #include <palpate/report/plot.h>
 #include <palpate/study/capture_evaluation.h>
@@ -20,6 +21,9 @@ struct CaptureRow {
   std::optional<CaptureLikeness> likeness;
   std::vector<CapturePush> pushes;
 };
+
+/// The figures of a row, whose headings say what they are.
+const std::vector<FigureColumn<CaptureRow>>& capture_columns();
 
 /// \name All rows
 /// @{

@@ -249,7 +249,8 @@ std::vector<Plot> evaluation_figures(const Rows& rows, double stiffness) {
           figures.edge(),      figures.friction(), figures.densities()};
 }
 
-std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, const std::string& setup) {
+std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, const std::string& setup,
+                            const std::string& made) {
   std::string tables;
   for (const EvaluationSection& section : evaluation_sections()) {
     if (std::none_of(rows.begin(), rows.end(), [&](const EvaluationRow& r) { return section.has(r); }))
@@ -257,7 +258,7 @@ std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, 
     tables += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", markup_escaped(section.title),
                           markup_escaped(section.note), table_of(section, rows));
   }
-  return page_document("How true the force models are", setup, figures, tables);
+  return page_document("How true the force models are", setup, figures, tables, made);
 }
 
 }  // namespace palpate

@@ -14,8 +14,9 @@ namespace palpate {
 /// \param stiffness that proxy and field promise. Unit: [N/m].
 std::vector<Plot> evaluation_figures(const std::vector<EvaluationRow>& rows, double stiffness);
 
-/// A whole page that needs no network. `setup` says in a sentence what was done.
+/// A whole page that needs no network. `setup` says in a sentence what was done. \param made see
+/// page_document()
 std::string evaluation_page(const std::vector<EvaluationRow>& rows, const std::vector<Plot>& figures,
-                            const std::string& setup);
+                            const std::string& setup, const std::string& made);
 
 }  // namespace palpate

@@ -25,13 +25,20 @@ th,td{padding:4px 10px;text-align:right}th{color:var(--muted);font-weight:600}
 th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:var(--card)}
 th:nth-child(3),td:nth-child(3){text-align:left}
 td.text,th.text{white-space:normal;text-align:left;min-width:22ch}
+pre{padding:8px 12px;font:12px/1.5 ui-monospace,monospace}
 tr.new td{border-top:1px solid var(--border)}
+@media print{:root{color-scheme:light;--page:#fff;--card:#fff;--ink:#000;--muted:#333;--border:#bbb}
+body{max-width:none;padding:0;font-size:11px}p{max-width:none}
+figure,tr,pre{break-inside:avoid}h2{break-after:avoid}figure,.table{border-radius:0}
+.figures{grid-template-columns:1fr 1fr}.table{overflow:visible}
+table{font-size:8px;white-space:normal}th,td{padding:2px 4px}pre{white-space:pre-wrap}}
 )";
 
 }  // namespace
 
 std::string page_document(const std::string& title, const std::string& intro,
-                          const std::vector<Plot>& figures, const std::string& body, bool pairs) {
+                          const std::vector<Plot>& figures, const std::string& body, const std::string& made,
+                          bool pairs) {
   std::string html =
       "<!doctype html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
       "<meta name='viewport' content='width=device-width, initial-scale=1'>\n";
@@ -40,7 +47,10 @@ std::string page_document(const std::string& title, const std::string& intro,
   html += fmt::format("<h1>{}</h1>\n<p>{}</p>\n<div class='figures{}'>\n", markup_escaped(title),
                       markup_escaped(intro), pairs ? " pairs" : "");
   for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
-  return html + "</div>\n" + body + "</body>\n</html>\n";
+  html += "</div>\n" + body;
+  html += fmt::format("<h2>How it was made</h2>\n<pre class='table' tabindex='0'>{}</pre>\n",
+                      markup_escaped(made));
+  return html + "</body>\n</html>\n";
 }
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ constexpr double kInset = 0.5;  // free room before the first and after the last
 
 constexpr const char* kStyle = R"(
 .plot{--ink:#1b2430;--muted:#576373;--grid:#e4e8ed;--back:#fff;--c0:#2763cf;--c1:#c8451b;--c2:#0f7f5c;--c3:#8a3fb0}
-@media(prefers-color-scheme:dark){.plot{--ink:#e4e9f0;--muted:#98a5b5;--grid:#29323d;--back:#161b22;
+@media screen and (prefers-color-scheme:dark){.plot{--ink:#e4e9f0;--muted:#98a5b5;--grid:#29323d;--back:#161b22;
 --c0:#74a7ff;--c1:#ff8f66;--c2:#3ec99a;--c3:#d79bff}}
 .plot text{font:13px system-ui,-apple-system,'Segoe UI',Helvetica,Arial,sans-serif;fill:var(--muted)}
 .plot .title{font-size:15px;font-weight:650;fill:var(--ink)}.plot .name{fill:var(--ink)}

@@ -1,6 +1,7 @@
 #include <palpate/report/report_data.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <string_view>
@@ -37,12 +38,19 @@ void append_array(std::string& out, std::string_view name, const Values& values,
   out += ']';
 }
 
-/// `"columns":{...}` of every stride-th row.
-std::string columns_json(const Run& run, std::size_t stride) {
+/// What is drawn of a run over another.
+bool is_overlaid(std::string_view name) {
+  constexpr std::array<std::string_view, 9> kThose{"t",   "colliding", "fx",  "fy",        "fz",
+                                                   "sfx", "sfy",       "sfz", "compute_us"};
+  return std::find(kThose.begin(), kThose.end(), name) != kThose.end();
+}
+
+/// `"columns":{...}` of every stride-th row. \param all else those that are drawn over another run
+std::string columns_json(const Run& run, std::size_t stride, bool all = true) {
   std::string out = "{";
   std::vector<double> values;
   for (const RunColumn& column : run_columns(RunGroups::of(run.rows.front()))) {
-    if (column.digits == 0) continue;
+    if (column.digits == 0 || !(all || is_overlaid(column.name))) continue;
     values.clear();
     for (std::size_t i = 0; i < run.rows.size(); i += stride) values.push_back(column.get(run.rows[i]));
     append_array(out, column.name, values, column.digits);
@@ -172,6 +180,20 @@ OrderedJson summary_json(const Run& run, const GovernorStretches* stretches, std
   return json;
 }
 
+std::string title_json(const Run& run) {
+  return json_text(std::filesystem::path(run.source).filename().string());
+}
+
+std::string overlay_json(const Run& run) {
+  const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
+  std::optional<GovernorStretches> stretches;
+  if (run.rows.front().live) stretches = stretches_of(run);
+  return fmt::format("{{\"title\":{},\"made\":{},\"summary\":{},\"columns\":{}}}", title_json(run),
+                     json_text(run.made),
+                     json_text(summary_json(run, stretches ? &*stretches : nullptr, stride)),
+                     columns_json(run, stride, false));
+}
+
 /// `</script>` in a file name must not end the element that holds the document.
 std::string escaped(const std::string& json) {
   std::string out;
@@ -206,19 +228,28 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
 }
 
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
-                        const RunContacts* contacts, const std::string& version) {
+                        const RunContacts* contacts, const std::string& version,
+                        std::span<const Run> others) {
   const std::size_t stride = stride_for(run.rows.size(), kMaxRows);
   std::optional<GovernorStretches> stretches;
   if (run.rows.front().live) stretches = stretches_of(run);
   std::string out = fmt::format(
-      "{{\"title\":{},\"generator\":\"{}\",\"summary\":{},\"tool\":{},\"columns\":{},\"episodes\":{},"
+      "{{\"title\":{},\"generator\":\"{}\",\"made\":{},\"summary\":{},\"tool\":{},\"columns\":{},"
+      "\"episodes\":{},"
       "\"governor\":{},\"contacts\":{},\"scene\":{}}}",
-      json_text(std::filesystem::path(run.source).filename().string()), version,
+      title_json(run), version, json_text(run.made),
       json_text(summary_json(run, stretches ? &*stretches : nullptr, stride)),
       tool != nullptr ? json_text(tool_json(*tool)) : "null", columns_json(run, stride),
       json_text(episodes_json(run, stride)), stretches ? governor_json(*stretches, stride) : "null",
       contacts != nullptr ? contacts_json(*contacts, stride) : "null",
       scene != nullptr ? scene_json(*scene) : "null");
+  if (!others.empty()) {
+    out.back() = ',';
+    out += "\"others\":[";
+    for (const Run& other : others) out += overlay_json(other) + ',';
+    out.back() = ']';
+    out += '}';
+  }
   return escaped(out);
 }
 

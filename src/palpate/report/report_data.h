@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& t
 
 /// The document of the report page (web/report/src/data.js reads it). `index`, `tool` and `contacts` may be
 /// null where the run's scene is not at hand. Long runs are thinned; the text says so. \param version of the
-/// program, which the page names
+/// program, which the page names \param others runs that are drawn over it
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
-                        const RunContacts* contacts, const std::string& version);
+                        const RunContacts* contacts, const std::string& version,
+                        std::span<const Run> others = {});
 
 }  // namespace palpate

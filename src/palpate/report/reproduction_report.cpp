@@ -288,7 +288,8 @@ std::vector<Plot> reproduction_figures(const ReproductionResult& result, const E
   return plots;
 }
 
-std::string reproduction_page(const ReproductionResult& result, const std::vector<Plot>& figures) {
+std::string reproduction_page(const ReproductionResult& result, const std::vector<Plot>& figures,
+                              const std::string& made) {
   return page_document(
       "The paper's evaluation, repeated", result.setup, figures,
       "<h2>What the paper says, and what was measured</h2>\n<p>Section V. Ratio: how many times as good as "
@@ -304,7 +305,7 @@ std::string reproduction_page(const ReproductionResult& result, const std::vecto
           "of the scene "
           "by friction; the true normal and depth are of the surface that the scene was made of.</p>\n" +
           runs_table(result),
-      true);
+      made, true);
 }
 
 }  // namespace palpate

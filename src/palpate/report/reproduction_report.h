@@ -29,6 +29,8 @@ std::string reproduction_csv(const ReproductionResult& result);
 /// \param scene of which some centres are drawn
 std::vector<Plot> reproduction_figures(const ReproductionResult& result, const EllipsoidScene& scene);
 
-std::string reproduction_page(const ReproductionResult& result, const std::vector<Plot>& figures);
+/// \param made see page_document()
+std::string reproduction_page(const ReproductionResult& result, const std::vector<Plot>& figures,
+                              const std::string& made);
 
 }  // namespace palpate

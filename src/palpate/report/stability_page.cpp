@@ -189,7 +189,7 @@ std::vector<Plot> stability_figures(const StabilityTables& tables, const std::ve
 }
 
 std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
-                           const std::string& setup) {
+                           const std::string& setup, const std::string& made) {
   return page_document("How firmly it can be held", setup, figures,
                        "<h2>A hand on a scene</h2>\n<p>The worst of the places. Contacts: looked for in the "
                        "loop; by a worker that looks "
@@ -200,7 +200,8 @@ std::string stability_page(const StabilityTables& tables, const std::vector<Plot
                            "<h2>An ideal wall</h2>\n<p>The stiffest on which a disturbance dies out, without "
                            "dry friction, encoder steps or "
                            "a hand, by bisection and by the eigenvalues of the sampled loop.</p>\n" +
-                           walls_table(tables.walls));
+                           walls_table(tables.walls),
+                       made);
 }
 
 }  // namespace palpate

@@ -20,8 +20,9 @@ struct StabilityTrace {
 std::vector<Plot> stability_figures(const StabilityTables& tables, const std::vector<StabilityTrace>& traces,
                                     const std::string& trace_subtitle);
 
-/// A whole page that needs no network. `setup` says in a sentence what was done.
+/// A whole page that needs no network. `setup` says in a sentence what was done. \param made see
+/// page_document()
 std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
-                           const std::string& setup);
+                           const std::string& setup, const std::string& made);
 
 }  // namespace palpate

@@ -83,7 +83,9 @@ bool Access::is_own_host(std::string_view host) const {
   const std::size_t colon = whole.rfind(':');
   const bool has_port = colon != std::string::npos && (whole.front() != '[' || colon > whole.find(']'));
   const std::string name = whole.substr(0, has_port ? colon : std::string::npos);
-  const std::optional<std::uint64_t> port = has_port ? number(std::string_view(whole).substr(colon + 1)) : 80;
+  constexpr unsigned kHttp = 80, kHttps = 443;  // which a browser leaves out
+  const std::optional<std::uint64_t> port =
+      has_port ? number(std::string_view(whole).substr(colon + 1)) : (port_ == kHttps ? kHttps : kHttp);
   if (port != port_) return !token_.empty() && !name.empty();  // behind a proxy, say
   return is_address(name) || name == lower(address_) || !token_.empty();
 }

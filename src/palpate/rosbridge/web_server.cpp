@@ -9,11 +9,9 @@
 #include <chrono>
 #include <deque>
 #include <list>
-#include <new>
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include <netinet/tcp.h>
@@ -21,7 +19,6 @@
 
 #include <fmt/format.h>
 #include <boost/asio/dispatch.hpp>
-#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -35,6 +32,8 @@
 #include <palpate/base/error.h>
 #include <palpate/base/real_time.h>
 #include <palpate/rosbridge/access.h>
+#include <palpate/rosbridge/lane.h>
+#include <palpate/rosbridge/tls_relay.h>
 
 namespace palpate {
 namespace {
@@ -76,47 +75,6 @@ std::string address_of(const tcp::socket& socket) {
   std::fill(bytes.begin() + 8, bytes.end(), 0);
   return net::ip::make_address_v6(bytes).to_string();
 }
-
-/// Does `work`; where that finds no memory, it is left out, and the program, which a hand may hold on to,
-/// goes on.
-template <class Work>
-void do_if_there_is_memory(const Work& work) {
-  try {
-    work();
-  } catch (const std::bad_alloc&) {
-  }
-}
-
-/// A thread that does what is posted, one after the other.
-class Lane {
- public:
-  net::io_context& context() { return context_; }
-
-  void start(const char* name, const std::optional<ThreadPriority>& real_time = {}) {
-    thread_ = std::thread([this, name, real_time] {
-      name_thread(name);
-      if (real_time) make_real_time(*real_time);  // the loop has told why not, if not
-      // What has found no memory is dropped, its connection with it.
-      while (!context_.stopped()) do_if_there_is_memory([this] { context_.run(); });
-    });
-  }
-  bool is_running() const { return thread_.joinable(); }
-  /// Once nothing more is under way in it.
-  void finish() {
-    stays_.reset();
-    thread_.join();
-  }
-  /// After what it does now; what waits is not done.
-  void stop() {
-    context_.stop();
-    thread_.join();
-  }
-
- private:
-  net::io_context context_{1};
-  net::executor_work_guard<net::io_context::executor_type> stays_ = net::make_work_guard(context_);
-  std::thread thread_;
-};
 
 /// One of so many at most, until it goes.
 class Place {
@@ -313,6 +271,7 @@ struct Pages {
   std::function<void(tcp::socket&& socket, const Request& request)> upgrade;
   const std::atomic<std::size_t>& sockets;  ///< that there are
   WebUploads uploads;
+  bool secure;  ///< over TLS
   Crowd strangers, guests;
   bool receives = false;  ///< a file
 };
@@ -320,8 +279,9 @@ struct Pages {
 /// One connection of HTTP, which may become a WebSocket.
 class HttpSession final : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(Pages& pages, tcp::socket&& socket)
-      : pages_(pages), address_(address_of(socket)), stream_(std::move(socket)) {}
+  /// \param address of the peer, see address_of()
+  HttpSession(Pages& pages, tcp::socket&& socket, std::string address)
+      : pages_(pages), address_(std::move(address)), stream_(std::move(socket)) {}
   ~HttpSession() {
     leave();
     drop_file();
@@ -610,7 +570,8 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
   /// also to who followed a link to here.
   void give_cookie() {
     if (brings_token_)
-      answer_.set(http::field::set_cookie, pages_.access.cookie() + "; Path=/; HttpOnly; SameSite=Lax");
+      answer_.set(http::field::set_cookie, pages_.access.cookie() + "; Path=/; HttpOnly; SameSite=Lax" +
+                                               (pages_.secure ? "; Secure" : ""));
     brings_token_ = false;
   }
 
@@ -663,6 +624,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
         acceptor_(web_.context()),
         address_(options.address),
         retry_(web_.context()) {
+    if (!options.tls_certificate.empty()) tls_.emplace(options.tls_certificate, options.tls_key);
     listen(options);
     pages_.emplace(
         Pages{std::move(site),
@@ -670,6 +632,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
               [this](tcp::socket&& socket, const Request& request) { upgrade(std::move(socket), request); },
               sockets_,
               options.uploads,
+              tls_.has_value(),
               {},
               {}});
   }
@@ -692,12 +655,14 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     for (Watch& watch : watches_) wait(watch);
     own_.start("palpate-gateway", real_time_);
     web_.start("palpate-pages");
+    if (tls_) tls_->start();
     decoder_.start("palpate-decode");
     worker_.start("palpate-slow");
   }
 
   void stop() {
     if (own_.is_running()) {
+      if (tls_) tls_->stop();
       net::post(web_.context(), [this] { close_pages(); });
       web_.finish();
       net::post(own_.context(), [this] { close_sockets(); });
@@ -715,6 +680,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     have_done(worker_, std::move(work), std::move(then));
   }
   std::uint16_t port() const { return port_; }
+  const char* scheme() const { return tls_ ? "https" : "http"; }
   const std::string& address() const { return address_; }
   const std::string& token() const { return pages_->access.token(); }
 
@@ -785,9 +751,24 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
       }
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
-      std::make_shared<HttpSession>(*pages_, std::move(socket))->begin();
+      take(std::move(socket));
       accept();
     });
+  }
+
+  void take(tcp::socket&& socket) {
+    std::string address = address_of(socket);
+    if (!tls_) return begin(std::move(socket), std::move(address));
+    tls_->take(socket.release(), [this, address = std::move(address)](int descriptor) {
+      net::post(web_.context(),
+                [this, address, plain = tcp::socket(web_.context(), protocol_, descriptor)]() mutable {
+                  if (!ends_) begin(std::move(plain), std::move(address));
+                });
+    });
+  }
+
+  void begin(tcp::socket&& socket, std::string address) {
+    std::make_shared<HttpSession>(*pages_, std::move(socket), std::move(address))->begin();
   }
 
   /// From the thread of pages to the server's own.
@@ -825,6 +806,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   std::optional<Pages> pages_;
   Lane own_, web_, decoder_, worker_;
   std::optional<ThreadPriority> real_time_;
+  std::optional<TlsRelay> tls_;
   tcp::acceptor acceptor_;
   tcp protocol_ = tcp::v4();
   std::string address_;
@@ -856,7 +838,7 @@ std::string WebServer::url() const {
   if (address == "0.0.0.0" || address == "::") address = net::ip::host_name();
   const bool six = address.find(':') != std::string::npos;
   const std::string& token = implementation_->token();
-  return fmt::format("http://{}:{}/{}", six ? '[' + address + ']' : address, port(),
+  return fmt::format("{}://{}:{}/{}", implementation_->scheme(), six ? '[' + address + ']' : address, port(),
                      token.empty() ? "" : "?token=" + token);
 }
 

@@ -52,15 +52,18 @@ struct WebServerOptions {
   /// Of the server's thread, which hands over the hands of clients, where that is permitted; unset: ordinary.
   std::optional<ThreadPriority> real_time;
   WebUploads uploads;  ///< without `place` none are taken
+  /// Files of TlsRelay: all connections are over TLS then. Both empty: none is.
+  std::string tls_certificate = {}, tls_key = {};
 };
 
 /// Serves HTTP/1.1 (GET and HEAD, ranges, validation; PUT of one file at a time) and, for requests to
-/// upgrade, rosbridge v2 over WebSocket. It has four threads from start() to stop():
+/// upgrade, rosbridge v2 over WebSocket. It has these threads from start() to stop():
 ///
 /// - the server's own, of real time where that is permitted, with the WebSockets, the timers and the Hub;
 /// - that of pages, with all other connections: what is read from a disk keeps no pose waiting;
 /// - one that decodes what clients send that is long, for the same reason;
-/// - one for slow work, elsewhere().
+/// - one for slow work, elsewhere();
+/// - with TLS, that of TlsRelay.
 ///
 /// Refused are requests whose Host is not an address of this server (DNS rebinding), those of pages of
 /// another Origin, and those without the token. A connection that has not had a request which is not refused
@@ -71,7 +74,7 @@ class WebServer {
   /// Gets the path, decoded, without the query. Called on the thread of pages.
   using Site = std::function<WebPage(const std::string& path)>;
 
-  /// Listens. `hub` must outlive it. \throws Error if the address cannot be had.
+  /// Listens. `hub` must outlive it. \throws Error if the address cannot be had, or as TlsRelay does.
   WebServer(Hub& hub, Site site, const WebServerOptions& options);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -95,8 +98,8 @@ class WebServer {
   void elsewhere(std::function<void()> work, std::function<void()> then);
 
   std::uint16_t port() const;
-  /// "http://127.0.0.1:9090/", with the token; by this machine's name where all of its addresses are listened
-  /// on.
+  /// "http://127.0.0.1:9090/", or https, with the token; by this machine's name where all of its addresses
+  /// are listened on.
   std::string url() const;
 
   static constexpr std::size_t kMostClients = 128;        ///< WebSockets

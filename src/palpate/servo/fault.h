@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Why force is held back. Recordings have the numbers: new ones go to the end.
+/// Why force is held back. Earlier recordings have the numbers: new ones go to the end.
 enum class Fault : std::uint8_t {
   kNone,
   kBadPose,        ///< a reading with NaN, infinity, or a quaternion that is no rotation

@@ -184,7 +184,7 @@ describe('a client that looks on', () => {
     await first(ros, '/palpate/contacts', 'visualization_msgs/MarkerArray', ({ markers }) => markers.length > 0);
     await call(ros, '/palpate/record', 'std_srvs/SetBool', { data: false });
     await first(ros, '/palpate/parameters', 'std_msgs/String', ({ data }) => JSON.parse(data).recorded);
-    assert.match(await (await fetch(`${palpate.url}recording`)).text(), /^t,x,y,z,qw/);
+    assert.match(await (await fetch(`${palpate.url}recording`)).text(), /^# \[made\]\n(#.*\n)+t,x,y,z,qw/);
     assert.match(await (await fetch(`${palpate.url}recording.html`)).text(), /<script/);
   });
 

@@ -31,7 +31,7 @@ export async function start(folder, ...more) {
   const url = await new Promise((found, failed) => {
     child.stderr.on('data', (bytes) => {
       said += bytes;
-      const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(said);
+      const match = /https?:\/\/127\.0\.0\.1:\d+\//.exec(said);
       if (match) found(match[0]);
     });
     exit.then(() => failed(new Error(said)));

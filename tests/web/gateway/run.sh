@@ -16,5 +16,5 @@ node=(node)
 if [[ $# -gt 2 ]]; then
   "${node[@]}" "${@:3}"
 else
-  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs client_test.mjs
+  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs client_test.mjs tls_test.mjs
 fi

@@ -7,6 +7,7 @@ import { formatCount } from '../../shared/format.js';
 import { themeValue } from '../../shared/theme.js';
 import { formatFixed, formatTick } from './format.js';
 import { attachGestures } from './gestures.js';
+import { overlaySeries } from './overlay.js';
 import { linearScale, logScale } from './scales.js';
 import { symbol } from './symbol.js';
 
@@ -32,15 +33,19 @@ function chartSpecs(run) {
     {
       id: 'counts', title: 'Collision count', unit: 'Gaussians', height: 176, log: true,
       format: formatCount,
-      series: ['candidates', 'filtered', 'colliding'].map((name) => ({
-        name, symbol: [name], values: run.col[name], color: `--${name}`,
-      })),
+      series: [
+        ...['candidates', 'filtered', 'colliding'].map((name) => ({
+          name, symbol: [name], values: run.col[name], color: `--${name}`,
+        })),
+        ...overlaySeries(run, 'colliding'),
+      ],
     },
     {
       id: 'force', title: 'Repulsive force', unit: 'N, world frame', height: 156, format: newtons,
       series: [
         ...forceSeries(run, 'f'),
         { name: 'force', symbol: ['|F|'], values: run.col.force, color: '--magnitude' },
+        ...overlaySeries(run, 'force'),
       ],
     },
   ];
@@ -50,6 +55,7 @@ function chartSpecs(run) {
       series: [
         ...forceSeries(run, 'sf').map((s) => ({ ...s, symbol: ['s', s.symbol[1]] })),
         { name: 'sent', symbol: ['|S|'], values: run.col.sent, color: '--magnitude' },
+        ...overlaySeries(run, 'sent'),
       ],
     });
   }
@@ -72,6 +78,7 @@ function chartSpecs(run) {
     series: [
       { name: 'time', symbol: ['time'], values: run.col.compute_us, color: '--compute' },
       ...(run.hasLive ? [{ name: 'age', symbol: ['age'], values: run.col.age_us, color: '--filtered' }] : []),
+      ...overlaySeries(run, 'compute'),
     ],
   });
   return specs;

@@ -1,6 +1,8 @@
 // The run as the page uses it: everything that may be missing or broken in the JSON is settled
 // here, so that the charts, the view and the table can rely on it.
 
+import { parseOthers } from './overlay.js';
+
 const forceColumns = ['fx', 'fy', 'fz'];
 const torqueColumns = ['tx', 'ty', 'tz'];
 const userForceColumns = ['ufx', 'ufy', 'ufz'];
@@ -145,9 +147,10 @@ function parseColumns(columns) {
   const hasLive = liveColumns.every((name) => Array.isArray(source[name]));
   if (hasLive) names.push(...liveColumns);
   const col = Object.fromEntries(names.map((name) => [name, cleanColumn(source[name], rows)]));
-  const magnitudeOf = (vector) => magnitude(...vector.map((name) => col[name]));
+  const magnitudeOf = (vector) => magnitude(...vector.map((name) => cleanColumn(source[name], rows)));
   col.force = magnitudeOf(forceColumns);
-  if (hasLive) Object.assign(col, { sent: magnitudeOf(sentColumns), speed: magnitudeOf(velocityColumns) });
+  if (sentColumns.every((name) => Array.isArray(source[name]))) col.sent = magnitudeOf(sentColumns);
+  if (hasLive) col.speed = magnitudeOf(velocityColumns);
   return { rows, col, hasLive };
 }
 
@@ -163,6 +166,7 @@ export function parseRun(text) {
   return {
     title: textOr(json?.title, 'Run'),
     generator: textOr(json?.generator, ''),
+    made: textOr(json?.made, ''),
     summary: parseSummary(json?.summary),
     tool: toolParts(json?.tool),
     rows,
@@ -173,6 +177,7 @@ export function parseRun(text) {
     contacts: recorded ?? toolCentresInContact(col, rows),
     contactsRecorded: recorded !== null,
     scene: parseScene(json?.scene),
+    others: parseOthers(json?.others, x, parseColumns),
     governor: hasLive ? parseGovernor(json?.governor, rows, timeIsRow, x) : null,
     hasLive,
     hasUserForce: userForceColumns.some((name) => hasValue(col[name])),

@@ -9,6 +9,7 @@ import { formatFixed } from './format.js';
 import { attachKeys } from './gestures.js';
 import { createGovernorStrip, governorLegend } from './governor.js';
 import { createOnsetStrip } from './onsets.js';
+import { createRunsTable } from './overlay.js';
 import { createTable } from './table.js';
 import { Timeline } from './timeline.js';
 import { createView } from './view3d.js';
@@ -41,6 +42,10 @@ function readRun() {
 function showHeader(run) {
   byId('title').textContent = run.title;
   byId('generator').textContent = run.generator;
+  const made = [run, ...run.others].filter((one) => one.made !== '');
+  byId('made').hidden = made.length === 0;
+  byId('made').querySelector('pre').textContent =
+    made.map((one) => (run.others.length > 0 ? `# ${one.title}\n${one.made}` : one.made)).join('\n');
   byId('summary').append(...run.summary.map(({ label, value }) =>
     element('div', {}, element('dt', { text: label }), element('dd', { text: value }))));
 }
@@ -77,7 +82,10 @@ function followPrinting(charts, layOut, redraw) {
     layOut();
     redraw();
   };
-  window.addEventListener('beforeprint', () => fit('light', printWidth));
+  window.addEventListener('beforeprint', () => {
+    byId('made').open = true; // what is closed is not printed
+    fit('light', printWidth);
+  });
   window.addEventListener('afterprint', () => fit('', null));
 }
 
@@ -100,6 +108,8 @@ function showReport(run) {
     timeline.setRow(fault.row);
   });
   attachKeys(byId('charts'), timeline);
+  byId('runs-card').hidden = run.others.length === 0;
+  if (run.others.length > 0) createRunsTable(byId('runs'), run);
 
   byId('reset-zoom').addEventListener('click', () => timeline.reset());
   timeline.onRange(() => {

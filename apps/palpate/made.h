@@ -1,0 +1,36 @@
+/// \file
+/// How the results of a command are made.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include <palpate/live/provenance.h>
+
+#include "command.h"
+#include "output.h"
+
+namespace palpate::cli {
+
+/// Of a command whose fields of `live` are of these groups; its other options that decide a result are among
+/// the settings. \throws Error if the scene or the materials cannot be read.
+Provenance made_by(const CommonOptions& common, const LiveConfig& live,
+                   std::initializer_list<ConfigGroup> groups);
+/// The same with a scene that is no file of `live`.
+Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const LiveConfig& live,
+                   std::initializer_list<ConfigGroup> groups);
+
+/// Changes a setting, or adds it. \param value as TOML
+void set(Provenance& provenance, std::string_view name, const std::string& value);
+
+/// The head of a table in CSV.
+std::string head_of(const Provenance& provenance);
+
+/// What is known of the making by name, and `settings`, an object of them.
+Json made_json(const Provenance& provenance);
+
+/// An object of `made` and `rows`.
+Json with_made(const Provenance& provenance, Json rows);
+
+}  // namespace palpate::cli

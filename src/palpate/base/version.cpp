@@ -1,0 +1,7 @@
+#include <palpate/base/version.h>
+
+namespace palpate {
+
+std::string_view version() { return PALPATE_VERSION; }
+
+}  // namespace palpate

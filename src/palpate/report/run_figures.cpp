@@ -1,0 +1,112 @@
+#include <palpate/report/run_figures.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+using Value = std::function<double(const RunRow&)>;
+
+constexpr std::size_t kColumns = 600;  // of a line of rows
+constexpr double kLeastCount = 0.5;    // on a logarithmic axis, in place of none
+constexpr double kLeastTime = 0.1;     // likewise. Unit: [us].
+constexpr std::array kAxes{"x", "y", "z"};
+
+double count(std::size_t n) { return std::max(kLeastCount, static_cast<double>(n)); }
+double contacts(const RunRow& row) { return count(row.colliding); }
+double compute(const RunRow& row) { return std::max(kLeastTime, row.compute_us); }
+Eigen::Vector3d force(const RunRow& row) { return row.wrench.force; }
+Eigen::Vector3d user(const RunRow& row) { return row.user_force.value_or(Eigen::Vector3d::Zero()); }
+Eigen::Vector3d sent(const RunRow& row) { return row.live ? row.live->sent.force : Eigen::Vector3d::Zero(); }
+
+std::string name_of(const Run& run) { return std::filesystem::path(run.source).filename().string(); }
+
+/// The largest and the least of each stretch of rows, so that no spike is lost.
+PlotSeries line(const Run& run, const std::string& name, int color, const Value& value) {
+  PlotSeries drawn{name, PlotSeries::Style::kLine, color % PlotSeries::kColors, {}};
+  const std::size_t size = run.rows.size(), each = std::max<std::size_t>(1, size / kColumns);
+  for (std::size_t first = 0; first < size; first += each) {
+    const auto begin = run.rows.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = run.rows.begin() + static_cast<std::ptrdiff_t>(std::min(size, first + each));
+    auto [low, high] = std::minmax_element(
+        begin, end, [&](const RunRow& a, const RunRow& b) { return value(a) < value(b); });
+    if (high < low) std::swap(low, high);
+    drawn.points.emplace_back(low->t, value(*low));
+    if (high != low) drawn.points.emplace_back(high->t, value(*high));
+  }
+  return drawn;
+}
+
+class Figures {
+ public:
+  explicit Figures(const std::vector<Run>& runs) : runs_(runs), of_(name_of(runs.front())) {
+    for (std::size_t i = 1; i < runs.size(); ++i) of_ += ", " + name_of(runs[i]);
+  }
+
+  Plot counts() const {
+    Plot plot = over_time("counts", "Collision count", {"Gaussians", true, kLeastCount, {}, {}});
+    if (runs_.size() > 1) return with_lines(std::move(plot), contacts);
+    const Run& run = runs_.front();
+    plot.series = {line(run, "candidates", 0, [](const RunRow& r) { return count(r.candidates); }),
+                   line(run, "filtered", 2, [](const RunRow& r) { return count(r.filtered); }),
+                   line(run, "colliding", 1, contacts)};
+    return plot;
+  }
+
+  Plot times() const {
+    Plot plot = over_time("compute", "Computing time", {"us", true, kLeastTime, {}, {}});
+    return with_lines(std::move(plot), compute);
+  }
+
+  Plot vector(const std::string& name, const std::string& title, Eigen::Vector3d (*of)(const RunRow&)) const {
+    const bool several = runs_.size() > 1;
+    Plot plot = over_time(name, title, {several ? "magnitude, N" : "N", false, {}, {}, {}});
+    if (several) return with_lines(std::move(plot), [=](const RunRow& row) { return of(row).norm(); });
+    for (int axis = 0; axis < 3; ++axis) {
+      plot.series.push_back(line(runs_.front(), kAxes[static_cast<std::size_t>(axis)], axis,
+                                 [=](const RunRow& row) { return of(row)[axis]; }));
+    }
+    plot.series.push_back(
+        line(runs_.front(), "magnitude", 3, [=](const RunRow& row) { return of(row).norm(); }));
+    return plot;
+  }
+
+  template <class Has>
+  bool any(Has has) const {
+    return std::any_of(runs_.begin(), runs_.end(), [&](const Run& run) { return has(run.rows.front()); });
+  }
+
+ private:
+  Plot over_time(const std::string& name, const std::string& title, PlotAxis y) const {
+    return {name, title, of_, {"time, s", false, {}, {}, {}}, std::move(y), {}};
+  }
+
+  Plot with_lines(Plot plot, const Value& value) const {
+    for (std::size_t i = 0; i < runs_.size(); ++i)
+      plot.series.push_back(line(runs_[i], name_of(runs_[i]), static_cast<int>(i), value));
+    return plot;
+  }
+
+  const std::vector<Run>& runs_;
+  std::string of_;
+};
+
+}  // namespace
+
+std::vector<Plot> run_figures(const std::vector<Run>& runs) {
+  const Figures figures(runs);
+  std::vector<Plot> plots{figures.counts(), figures.vector("force", "Repulsive force", force)};
+  if (figures.any([](const RunRow& row) { return row.user_force.has_value(); }))
+    plots.push_back(figures.vector("user", "User force", user));
+  if (figures.any([](const RunRow& row) { return row.live.has_value(); }))
+    plots.push_back(figures.vector("sent", "Force sent", sent));
+  plots.push_back(figures.times());
+  return plots;
+}
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+/// \file
+/// Threads of the web server. Internal to rosbridge/.
+#pragma once
+
+// GCC 12 needs <utility> before Asio.
+#include <utility>
+
+#include <new>
+#include <optional>
+#include <thread>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+
+#include <palpate/base/real_time.h>
+
+namespace palpate {
+
+/// Does `work`; where that finds no memory, it is left out, and the program, which a hand may hold on to,
+/// goes on.
+template <class Work>
+void do_if_there_is_memory(const Work& work) {
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+  }
+}
+
+/// A thread that does what is posted, one after the other.
+class Lane {
+ public:
+  boost::asio::io_context& context() { return context_; }
+
+  void start(const char* name, const std::optional<ThreadPriority>& real_time = {}) {
+    thread_ = std::thread([this, name, real_time] {
+      name_thread(name);
+      if (real_time) make_real_time(*real_time);  // the loop has told why not, if not
+      // What has found no memory is dropped, its connection with it.
+      while (!context_.stopped()) do_if_there_is_memory([this] { context_.run(); });
+    });
+  }
+  bool is_running() const { return thread_.joinable(); }
+  /// Once nothing more is under way in it.
+  void finish() {
+    stays_.reset();
+    thread_.join();
+  }
+  /// After what it does now; what waits is not done.
+  void stop() {
+    context_.stop();
+    thread_.join();
+  }
+
+ private:
+  boost::asio::io_context context_{1};
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> stays_ =
+      boost::asio::make_work_guard(context_);
+  std::thread thread_;
+};
+
+}  // namespace palpate
