@@ -1,6 +1,6 @@
 # The headers that an application is meant to include. With them those are installed that they include, and no others.
 set(palpate_public_headers
-  base/clock.h base/error.h base/progress.h base/real_time.h
+  base/clock.h base/error.h base/progress.h base/real_time.h base/version.h
   geometry/ellipsoid.h geometry/pose.h geometry/rotation.h geometry/similarity.h
   kinematics/chain_file.h kinematics/inverse_kinematics.h kinematics/joint_motion.h
   scene/lint.h scene/load_scene.h scene/ply_writer.h scene/scene_filter.h scene/scene_setup.h
