@@ -296,7 +296,7 @@ describe('in a headset', () => {
       const [light, firm] = [await meanAt(0.18), await meanAt(0.14)];
       assert.ok(firm.force > 1.2 * light.force && firm.intensity > light.intensity, JSON.stringify([light, firm]));
       assert.equal((await ask(page, (v) => v.pulses))[first].kind, 'click');
-      assert.ok(await ask(page, (v) => v.drawnContacts()) > 0);
+      await untilFelt(() => window.palpateViewer.drawnContacts() > 0);
       await put(above);
       await until(page, () => window.palpateViewer.drawnContacts() === 0 && Math.hypot(...(window.palpateViewer.force() ?? [1])) < 0.05);
       const count = (await ask(page, (v) => v.pulses)).length;
