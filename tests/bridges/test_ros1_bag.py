@@ -22,7 +22,7 @@ PALPATE = os.environ["PALPATE"]
 PACKAGES = os.environ["PALPATE_ROS1_PACKAGES"]
 LONG = 3 if os.environ.get("PALPATE_LONG") else 1  # times into the wall
 REST = 1.2  # s in free space, in which the gate opens
-STIFFNESS = 100  # N/m, so soft that the delay of the network makes it no softer
+STIFFNESS = 20  # N/m, so soft that no delay that is not yet a fault makes it softer
 DEEP = 0.013  # m that a ball of 2 cm is pressed in
 
 
@@ -133,7 +133,7 @@ class Bag(unittest.TestCase):
         with rosbag.Bag(self.path("way.bag")) as bag:
             poses = [(m.header.stamp, m.pose.position) for _, m, _ in bag.read_messages()]
         want = {nanoseconds // 1000: force for nanoseconds, force in self.replay(poses, model).items()}
-        self.assertGreater(max(force[2] for force in want.values()), 0.5)
+        self.assertGreater(max(force[2] for force in want.values()), 0.2)
         for name, forces in (("live", live), ("played", felt)):
             off, peak = [], 0.0
             for stamp, force in forces.items():
@@ -148,10 +148,10 @@ class Bag(unittest.TestCase):
             yield off, peak, pressed
 
     def test_field(self):
-        # Of a pose alone, so that what is answered is answered alike, unless a busy machine was so late that the stiffness was lowered.
+        # Of a pose alone, so that what is answered is answered alike, unless a busy machine was so late that the force was taken away.
         for _ in range(3):
             runs = list(self.compare("field"))
-            if all(off[len(off) // 2] < 1e-6 * peak for off, peak, _ in runs):
+            if all(off[int(0.95 * len(off))] < 1e-3 * peak for off, peak, _ in runs):
                 break
         for off, peak, pressed in runs:
             self.assertGreater(len(off), 0.3 * pressed)
