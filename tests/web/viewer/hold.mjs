@@ -100,7 +100,7 @@ describe('holding the tool', () => {
     await desk.page.mouse.move(x, y);
     await desk.page.waitForFunction(() => document.getElementById('canvas').classList.contains('over-tool'));
     await desk.page.mouse.down();
-    assert.equal(await ask(desk.page, (v) => v.held), true);
+    await until(desk.page, () => window.palpateViewer.held);
     await desk.page.mouse.move(x + 60, y + 40, { steps: 4 });
     await until(desk.page, ([tx, ty]) => {
       const at = window.palpateViewer.project(window.palpateViewer.tool());
