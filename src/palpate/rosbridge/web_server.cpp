@@ -380,12 +380,14 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     receive();
   }
 
+  /// What is still to come: nothing, of an empty file.
   void receive() {
+    if (upload_->is_done()) return end_upload();
     progress();
     http::async_read_some(stream_, buffer_, *upload_,
                           [self = shared_from_this()](error_code error, std::size_t) {
                             if (error) return self->close();
-                            self->upload_->is_done() ? self->end_upload() : self->receive();
+                            self->receive();
                           });
   }
 
