@@ -1,8 +1,11 @@
 // A room-scale device, the hand that holds it, and what can go wrong between them.
 #include <palpate/device/giant_device.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -273,6 +276,31 @@ TEST_F(GiantDeviceTest, AdmittancesThatAreNotStableAreRefusedAlsoOnTheWay) {
   run(2.0);
   EXPECT_NEAR(loop_->admittance().mass.x(), 4.0, 1e-6);
   EXPECT_THROW(loop_->change({}, 20'000.0), Error);
+}
+
+// ThreadSanitizer looks on.
+TEST_F(GiantDeviceTest, IsChangedStoppedAndResumedFromAnotherThread) {
+  wall_.k = 500.0;
+  hold(walk());
+  std::atomic<bool> ends = false;
+  std::thread other([&] {
+    for (int k = 0; !ends; ++k) {
+      Admittance admittance;
+      admittance.damping.setConstant(k % 2 == 0 ? 40.0 : 60.0);
+      loop_->change(admittance, 500.0);
+      if (k % 8 == 0) {
+        loop_->stop();
+      } else {
+        loop_->governor().resume();
+      }
+      if (k % 5 == 0) loop_->governor().tare();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  run(3.0);
+  ends = true;
+  other.join();
+  EXPECT_TRUE(device_->pose().position.allFinite());
 }
 
 }  // namespace
