@@ -44,6 +44,7 @@ AdmittanceLoop::AdmittanceLoop(std::unique_ptr<MotionDevice> device, const Admit
 AdmittanceLoop::AdmittanceLoop(MotionDevice& device, const AdmittanceLoopOptions& options)
     : device_(device),
       options_(options),
+      period_(options.period),
       capabilities_(told(device, options)),
       governor_(
           options.safety.value_or(MotionSafety::of(device.capabilities(), options.limits, options.period))),
@@ -115,8 +116,8 @@ void AdmittanceLoop::tell_status() noexcept {
 
 void AdmittanceLoop::write(const Wrench& wrench) {
   if (!started_) return;
-  const double passed = t_ > written_at_ ? t_ - written_at_ : options_.period;
-  const double dt = std::min(passed, kOnTime * options_.period);
+  const double passed = t_ > written_at_ ? t_ - written_at_ : period_;
+  const double dt = std::min(passed, kOnTime * period_);
   written_at_ = t_;
   if (next_.update()) controller_.set(next_.front());
   if (governor_.brakes()) {

@@ -89,7 +89,8 @@ class AdmittanceLoop final : public HapticDevice {
 
   std::unique_ptr<MotionDevice> owned_;  ///< null where it is another's
   MotionDevice& device_;
-  AdmittanceLoopOptions options_;
+  AdmittanceLoopOptions options_;  ///< of the thread that calls change()
+  const double period_;            ///< Unit: [s].
   DeviceCapabilities capabilities_;
   MotionGovernor governor_;
   AdmittanceController controller_;
