@@ -1,14 +1,6 @@
 #include <palpate/collision/contact_tracker.h>
 
 namespace palpate {
-namespace {
-
-/// How much larger the tool is made for a search, in tool radii. A tenth of the default tool is 2 mm, ten
-/// ticks of a hand that is quick (0.2 m/s); a smaller margin searches more often, a larger one keeps more
-/// Gaussians.
-constexpr double kMargin = 0.1;
-
-}  // namespace
 
 ContactTracker::ContactTracker(const SceneIndex& index, Precision precision, Lookahead* lookahead,
                                std::size_t capacity)
@@ -24,7 +16,7 @@ void ContactTracker::query(const Ellipsoid& tool, ContactSet& result, std::size_
     if (ahead_->newest().covers(tool)) known = &ahead_->newest();
   }
   if (!known->covers(tool) &&
-      !known->search(index_, {tool.center, (1.0 + kMargin) * tool.axes}, precision_)) {
+      !known->search(index_, {tool.center, (1.0 + Neighbourhood::kMargin) * tool.axes}, precision_)) {
     index_.query(tool, precision_, result, most);  // too crowded to keep
     return;
   }

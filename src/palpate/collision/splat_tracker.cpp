@@ -1,12 +1,6 @@
 #include <palpate/collision/splat_tracker.h>
 
 namespace palpate {
-namespace {
-
-/// How much larger the solid is made for a search, in its own radii; see ContactTracker.
-constexpr double kMargin = 0.1;
-
-}  // namespace
 
 SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead, std::size_t capacity)
     : index_(index),
@@ -22,7 +16,7 @@ const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
   }
   if (!known->covers(solid)) {
     known = &near_;
-    if (!known->covers(solid)) near_.search_drawn(index_, {solid.center, (1.0 + kMargin) * solid.axes});
+    if (!known->covers(solid)) near_.search_drawn(index_, {solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes});
   }
   taken_up_ = 0;
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);

@@ -26,7 +26,7 @@ struct GiantSetup {
   double contact_stiffness = 0.0;  ///< of the scene as it is felt. Unit: [N/m].
   double period = 1e-3;            ///< of the loop. Unit: [s].
 
-  static constexpr double kVirtualMass = 1.5, kVirtualDamping = 15.0;
+  static constexpr double kVirtualMass = 1.5, kVirtualDamping = 12.0;
 };
 
 /// The chain with accelerations that its motors have effort for, with the mass of the hand at the TCP.

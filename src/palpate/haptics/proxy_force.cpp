@@ -153,18 +153,24 @@ void ProxyForce::start_patches(Part& part) {
     part.patches.add_at(splats, solid, contact.normal, contact.point);
 }
 
-bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
-                            const Eigen::Vector3d& about, double way, double head_on, const Pose& target) {
+bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look,
+                            const Pose& target) {
   const Ellipsoid solid = part.solid.at(proxy_);
   if (sight.done) return true;
   const double moved = way_between(sight.from, solid);
-  if (moved + way <= sight.clear && along.dot(sight.along) > kSameLook) return true;
-  const double detail = part.patches.detail();
-  const Ellipsoid next{solid.center + way * along, solid.axes}, there = part.solid.at(target);
-  const std::optional<double> clear = part.patches.look_ahead(
-      splats, solid, along, about, way, head_on, [&] { return touches(part, next) || touches(part, there); });
+  const double detail = part.patches.detail(), seen = look.way + kAhead * detail;
+  if (moved + seen <= sight.clear && look.along.dot(sight.along) > kSameLook) return true;
+  // What it does not touch where it goes is not felt yet, and so not met, however far it looks.
+  const Ellipsoid next{solid.center + look.way * look.along, solid.axes}, there = part.solid.at(target);
+  const auto admit = [&] {
+    const bool met = touches(part, there) || (!look.arrives && touches(part, next));
+    part.meets = part.meets || met;
+    return met;
+  };
+  const std::optional<double> clear =
+      part.patches.look_ahead(splats, solid, look.along, look.about, seen, look.head_on, admit);
   if (!clear) return false;
-  sight = {solid, along, std::min({*clear, 0.5 * part.reach, 0.5 * detail}), true};
+  sight = {solid, look.along, std::min({*clear, 0.5 * part.reach, 0.5 * detail}), true};
   return true;
 }
 
@@ -173,15 +179,14 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
   const auto& [target, longest] = goal;
   const Ellipsoid solid = part.solid.at(proxy_);
   const Eigen::Vector3d wanted = part.solid.at(target).center - solid.center;
-  const double farthest = std::min(step_, longest), ahead = kAhead * part.patches.detail(),
-               length = wanted.norm();
+  const double farthest = std::min(step_, longest), length = wanted.norm();
   bool sees = true;
   if (length > 0.0) {
     Eigen::Vector3d along = wanted / length;
     const double heading = part.heading.norm();
     if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
-    sees = look_along(part, part.ahead, splats, along, farthest_point(solid, along),
-                      std::min(length, farthest) + ahead, 0.0, target);
+    const Look look{along, farthest_point(solid, along), std::min(length, farthest), length <= farthest};
+    sees = look_along(part, part.ahead, splats, look, target);
   }
   // Where it turns, its ends go opposite ways.
   Eigen::Index longest_axis = 0;
@@ -194,9 +199,8 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
   for (const double end : {1.0, -1.0}) {
     Sight& sight = end > 0.0 ? part.one_end : part.other_end;
     const Eigen::Vector3d tip = solid.center + end * solid.axes.col(longest_axis);
-    sees = look_along(part, sight, splats, end / swept * sweep, tip, std::min(swept, farthest) + ahead, 0.0,
-                      target) &&
-           sees;
+    const Look look{end / swept * sweep, tip, std::min(swept, farthest), swept <= farthest};
+    sees = look_along(part, sight, splats, look, target) && sees;
   }
   return sees;
 }
@@ -210,8 +214,15 @@ bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) 
   if (length < kLeastSweep * part.patches.detail()) return true;
   const Eigen::Vector3d along = goes / length;
   if (along.dot(part.ahead.along) > kSameLook) return true;
-  const double way = std::min({length, step_, goal.longest}) + kAhead * part.patches.detail();
-  return look_along(part, part.aside, splats, along, farthest_point(solid, along), way, kHeadOn, goal.target);
+  const double way = std::min({length, step_, goal.longest});
+  const Look look{along, farthest_point(solid, along), way, false, kHeadOn};
+  return look_along(part, part.aside, splats, look, goal.target);
+}
+
+bool ProxyForce::may_meet(Part& part, const Goal& goal) {
+  if (trails_ || part.patches.patches().empty()) return true;
+  const Ellipsoid solid = part.solid.at(proxy_), there = part.solid.at(goal.target);
+  return way_between(solid, there) > std::min(step_, goal.longest) || touches(part, there);
 }
 
 bool ProxyForce::look_around(const Goal& goal) {
@@ -223,6 +234,7 @@ bool ProxyForce::look_around(const Goal& goal) {
       budget_.spend_on_search(part.splats.taken_up());
     }
     part.patches.follow(part.splats.newest(), part.solid.at(proxy_));
+    part.meets = may_meet(part, goal);
     sees = looks && look_ahead(part, part.splats.newest(), goal) && sees;
   }
   return sees;
@@ -233,6 +245,7 @@ void ProxyForce::find_obstacles() {
   obstacles_.properties.clear();
   step_taken_ = {proxy_.position, {}};
   for (const Part& part : parts_) {
+    if (!part.meets) continue;
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const Properties properties = properties_of(part.patches, i);

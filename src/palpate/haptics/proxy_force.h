@@ -119,6 +119,14 @@ class ProxyForce final : public ForceModel {
     bool done = false;   ///< for the step that is to come
   };
 
+  /// Where a part looks.
+  struct Look {
+    Eigen::Vector3d along, about;  ///< a unit vector, and the point of the part that goes first, world frame
+    double way;                    ///< how far it goes there now. Unit: [m].
+    bool arrives;                  ///< then it is where it wants to be
+    double head_on = 0.0;          ///< see SurfacePatches::look_ahead()
+  };
+
   struct Part {
     Part(const SceneIndex& index, const ToolPart& part, const ProxyParameters& parameters, double extent,
          Lookahead* lookahead, std::size_t capacity, LookBudget& budget)
@@ -141,6 +149,7 @@ class ProxyForce final : public ForceModel {
     Sight ahead;               ///< the way that the centre wants to go
     Sight aside;               ///< and the way that it goes, along what holds it
     Sight one_end, other_end;  ///< and the ends, where it turns
+    bool meets = false;        ///< its patches hold it in the step that is to come
   };
 
   /// Where a step goes.
@@ -199,10 +208,12 @@ class ProxyForce final : public ForceModel {
   /// Looks where `part` is about to go. \returns false if the budget was spent before.
   bool look_ahead(Part& part, const LocalSplats& splats, const Goal& goal);
   /// The same for one direction.
-  bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Eigen::Vector3d& along,
-                  const Eigen::Vector3d& about, double way, double head_on, const Pose& target);
+  bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look, const Pose& target);
   /// True if `part` touches an ellipsoid there.
   bool touches(Part& part, const Ellipsoid& solid);
+  /// False if `part` is free, will be where it wants to be after this step, and touches nothing there: a
+  /// contact begins only where the tool touches something, whatever patches the last one has left.
+  bool may_meet(Part& part, const Goal& goal);
   /// Patches of what the tool is in where it starts.
   void start_patches(Part& part);
   Properties properties_of(const SurfacePatches& patches, std::size_t i) const;

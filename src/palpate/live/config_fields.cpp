@@ -197,7 +197,7 @@ std::vector<ConfigField> make_fields() {
      TextField{[](auto& c) -> auto& { return c.device.chain; }}},
     {"virtual-mass", "", kDevice, "kg", "of giant: what a hand moves in free space",
      NumberField{[](auto& c) -> auto& { return c.device.virtual_mass; }, 0.1, 100.0}},
-    {"virtual-damping", "", kDevice, "N.s/m", "of giant: likewise (default: 15, or what stable contact needs)",
+    {"virtual-damping", "", kDevice, "N.s/m", "of giant: likewise (default: 12, or what stable contact needs)",
      OptionalField{.member = [](auto& c) -> auto& { return c.device.virtual_damping; }, .most_parameter = 1e4}},
 
     {"rate", "", kLoop, "Hz", "ticks a second", NumberField{[](auto& c) -> auto& { return c.loop.rate; }, 10.0, 1e4}},
