@@ -268,7 +268,8 @@ void print_text(const Outcome& outcome, LiveSystem& system) {
              1e3 * totals.port_energy,
              totals.margin_min >= 1.0 ? fmt::format("could be {:.1f} times as large", totals.margin_min)
              : totals.margin_min > 0.0
-                 ? fmt::format("was lowered to {:.2f} of what was set: forces were late", totals.margin_min)
+                 ? fmt::format("was lowered to {:.2f} of what was set: forces come too late for more",
+                               totals.margin_min)
                  : "has no margin to tell");
   if (!outcome.faults.empty()) fmt::print("faults           {}\n", fmt::join(outcome.faults, ", "));
 }
@@ -399,8 +400,7 @@ Command declare_run(CLI::App& parent) {
   declare_group(app, live, ConfigGroup::kForce);
   return {&app, [&app, options] {
             LiveConfig& settings = options->live;
-            const bool by_hand = settings.scene.path.empty() && !is_giant(settings.device.kind);
-            if (by_hand && !is_given(app, "--tool")) settings.tool = fingertip();
+            if (settings.scene.path.empty() && !is_given(app, "--tool")) settings.tool = fingertip();
             SceneConfig& scene = settings.scene;
             scene.scale_known = scene.path.empty() || is_given(app, "--scale");
             scene.frame_known = scene.path.empty() || is_given(app, "--frame") || is_given(app, "--rotate");

@@ -16,7 +16,8 @@ const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
   }
   if (!known->covers(solid)) {
     known = &near_;
-    if (!known->covers(solid)) near_.search_drawn(index_, {solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes});
+    if (!known->covers(solid))
+      near_.search_drawn(index_, {solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes});
   }
   taken_up_ = 0;
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);
