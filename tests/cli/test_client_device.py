@@ -1,5 +1,8 @@
-"""palpate run --device client: what a hand feels of what other clients do at the same time."""
+"""palpate run --device client: what a hand feels of what other clients, and the machine, do at the same time."""
 
+import csv
+import io
+import itertools
 import json
 import multiprocessing
 import os
@@ -8,7 +11,7 @@ import threading
 import time
 import unittest
 
-from support import SANITIZED
+from support import SANITIZED, table_of
 from test_gateway import KEY, Gateway
 
 HAND = "/palpate/client/measured_cp"
@@ -47,9 +50,9 @@ class Hand:
 
     def speak(self):
         z = self.height
-        while True:
+        for k in itertools.count():
             z += max(-1e-4, min(1e-4, self.height - z))  # 0.1 m/s
-            message = {"header": {"frame_id": "world"}, "pose": {"position": {"x": 0, "y": 0, "z": z},
+            message = {"header": {"frame_id": "world"}, "pose": {"position": {"x": 0, "y": 1e-7 * (k % 100), "z": z},
                                                                  "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}}
             if self.speaks:
                 try:
@@ -103,6 +106,62 @@ class Backlog(Gateway):
         # It leaves at 0.1 m/s: 40 ms of it in contact. Before its poses went first, it was 3 s.
         self.assertLess(sorted(worst)[1], 3 if SANITIZED else 0.5)
         self.end()
+
+def take_processors(ends):
+    os.nice(5)
+    while not ends.is_set():
+        pass
+
+
+class Starved(Gateway):
+    THREADS = ("palpate-gateway", "palpate-pages", "palpate-decode", "palpate-slow")
+
+    def threads(self):
+        for thread in os.listdir(f"/proc/{self.process.pid}/task"):
+            with open(f"/proc/{self.process.pid}/task/{thread}/comm") as name:
+                if name.read().strip() in self.THREADS:
+                    yield int(thread)
+
+    def starve(self, seconds):
+        """The gateway's threads run only where a processor has nothing else to do, and none has."""
+        ends = multiprocessing.Event()
+        others = [multiprocessing.Process(target=take_processors, args=(ends,), daemon=True) for _ in range(2 * os.cpu_count())]
+        for thread in self.threads():
+            os.sched_setscheduler(thread, os.SCHED_IDLE, os.sched_param(0))
+        for other in others:
+            other.start()
+        time.sleep(seconds)
+        ends.set()
+        for other in others:
+            other.join()
+
+    def longest_without_a_pose(self):
+        """How long no pose came at most, how long of that a force was sent, and the largest force. Poses that come differ."""
+        text = table_of(self.read("run.csv"))
+        rows = list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
+        longest, pressed, largest, since = 0.0, 0.0, 0.0, 0
+        for k, row in enumerate(rows):
+            if row["y"] != rows[since]["y"]:
+                since = k
+            force = abs(float(row["sfz"]))
+            largest = max(largest, force)
+            longest = max(longest, float(row["t"]) - float(rows[since]["t"]))
+            if force > 0.0:
+                pressed = max(pressed, float(row["t"]) - float(rows[since]["t"]))
+        return longest, pressed, largest
+
+    def test_a_gateway_that_gets_no_processor_leaves_no_force_on(self):
+        self.start("--device", "client", "--tool", "0.02,0.02,0.02", "--record", "run.csv")
+        hand = Hand(self)
+        self.assertTrue(hand.press(), "no force came")
+        self.starve(3.0)
+        self.end()
+        longest, pressed, largest = self.longest_without_a_pose()
+        if os.environ.get("PALPATE_PRINT"):
+            print(f"a gateway that is starved: no pose for {longest:.2f} s, {largest:.2f} N at most, on for {1e3 * pressed:.0f} ms of that")
+        self.assertGreater(largest, 0.5)
+        self.assertGreater(longest, 0.06, "it was not starved")
+        self.assertLess(pressed, 0.2)  # 50 ms until a pose is stale, and the fall
 
 
 if __name__ == "__main__":

@@ -193,10 +193,14 @@ class Ends(Live):
         self.end(process)
 
 
-class OutOfMemory(Gateway):
+class OutOfRoom(Gateway):
     def setUp(self):
         super().setUp()
         self.write("hand.csv", lean())
+        self.leaning = ("--tool", "0.01,0.01,0.01", "--hand", "0.1,30,5000", "--record", "run.csv")
+
+    def until_it_leans(self):
+        self.until(lambda: os.path.exists(os.path.join(self.folder, "run.csv")) and max(self.forces(), default=0) > LEANS)
 
     def forces(self):
         text = table_of(self.read("run.csv"))
@@ -217,9 +221,9 @@ class OutOfMemory(Gateway):
 
     @unittest.skipIf(SANITIZED, "AddressSanitizer reserves all there is")
     def test_a_change_that_finds_no_memory_changes_nothing(self):
-        self.start("--tool", "0.01,0.01,0.01", "--hand", "0.1,30,5000", "--record", "run.csv")
+        self.start(*self.leaning)
         send, receive = self.socket()
-        self.until(lambda: os.path.exists(os.path.join(self.folder, "run.csv")) and max(self.forces(), default=0) > LEANS)
+        self.until_it_leans()
         with open(f"/proc/{self.process.pid}/statm") as pages:
             taken = int(pages.read().split()[0]) * resource.getpagesize()
         before = resource.prlimit(self.process.pid, resource.RLIMIT_AS, (taken, resource.RLIM_INFINITY))
@@ -236,6 +240,33 @@ class OutOfMemory(Gateway):
         send(change)
         self.until(lambda: self.message(send, receive) == "")
         self.end()
+
+    def test_a_disk_that_is_full_lets_the_force_fall(self):
+        """The record is what is full: the force is what clients are told."""
+        self.start(*self.leaning, preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN))
+        send, receive = self.socket()
+        send({"op": "subscribe", "topic": "/palpate/spatial/servo_cf"})
+        self.until_it_leans()
+        size = os.path.getsize(self.path("run.csv"))
+        resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size + 100_000, resource.RLIM_INFINITY))
+        told = []
+        try:
+            while True:
+                message = json.loads(receive()[1])["msg"]
+                stamp = message["header"]["stamp"]
+                told.append((stamp["secs"] + 1e-9 * stamp["nsecs"], abs(message["wrench"]["force"]["z"])))
+        except (OSError, ValueError):  # it has ended
+            pass
+        err = self.process.communicate(timeout=60)[1]
+        self.assertEqual(self.process.returncode, 1, err)
+        self.assertIn(b"run.csv", err.splitlines()[-1])
+        before = max(k for k, (_, force) in enumerate(told) if force > LEANS)
+        self.assertEqual(told[-1][1], 0.0)
+        gone = next(t for t, force in told[before:] if force == 0.0) - told[before][0]
+        if os.environ.get("PALPATE_PRINT"):
+            print(f"{self._testMethodName}: {told[before][1]:.2f} N before, none after {1e3 * gone:.0f} ms")
+        self.assertEqual(sorted((force for _, force in told[before:]), reverse=True), [force for _, force in told[before:]])
+        self.assertLess(gone, 0.3)
 
 
 if __name__ == "__main__":
