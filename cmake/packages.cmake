@@ -17,7 +17,7 @@ set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/compress_documents.cmake)
 
 # Who answers for the packages is who builds them: the environment says so, as to Debian's own tools.
 set(maintainer "Palpate <maintainers@palpate.invalid>")
-if(DEFINED ENV{DEBEMAIL})
+if(DEFINED ENV{DEBEMAIL} AND DEFINED ENV{DEBFULLNAME})
   set(maintainer "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 endif()
 set(CPACK_PACKAGE_CONTACT ${maintainer})
