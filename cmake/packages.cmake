@@ -38,6 +38,14 @@ macro(palpate_package component package section summary text)
           COMPONENT ${component} EXCLUDE_FROM_ALL)
 endmacro()
 
+# palpate_overrides(COMPONENT PACKAGE [LINES]...): what lintian is to pass over in a package, each with its reason.
+function(palpate_overrides component package)
+  list(JOIN ARGN "\n" lines)
+  file(WRITE ${documents}/${package} "${lines}\n")
+  install(FILES ${documents}/${package} DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
+          COMPONENT ${component} EXCLUDE_FROM_ALL)
+endfunction()
+
 set(documents ${CMAKE_BINARY_DIR}/package_documents)
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH, if that is set
 file(CONFIGURE OUTPUT ${documents}/changelog @ONLY CONTENT [[
@@ -79,7 +87,16 @@ if(BUILD_SHARED_LIBS)
   palpate_package(palpate_libraries ${libraries} libs "haptic rendering of 3D Gaussian Splatting scenes (libraries)" "${about}
 .
 These are its shared libraries.")
-  set(CPACK_DEBIAN_PALPATE_LIBRARIES_PACKAGE_GENERATE_SHLIBS ON)
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  file(WRITE ${documents}/triggers "activate-noawait ldconfig\n")
+  set(CPACK_DEBIAN_PALPATE_LIBRARIES_PACKAGE_CONTROL_EXTRA ${documents}/triggers)
+  palpate_overrides(palpate_libraries ${libraries}
+    "# CPack calls it besides the trigger."
+    "${libraries}: maintscript-calls-ldconfig *"
+    "# They are of one version and need each other."
+    "${libraries}: package-name-doesnt-match-sonames *"
+    "# That of geometry holds little more than a symbol that says how Eigen is aligned."
+    "${libraries}: shared-library-lacks-prerequisites *libpalpate_geometry*")
   set(own "${libraries} (= ${PROJECT_VERSION})")
 endif()
 palpate_package(palpate_dev libpalpate-dev libdevel "haptic rendering of 3D Gaussian Splatting scenes (development)" "${about}
@@ -97,9 +114,9 @@ if(TARGET device_ros1 OR TARGET device_ros2)
 .
 These are the nodes for ROS 1 and ROS 2, and the device drivers with which the
 program feels through any that speaks CRTK." "palpate (= ${PROJECT_VERSION})" ${own})
-  file(WRITE ${documents}/palpate-ros "# CPack calls it for all that is in a folder of /usr/lib.\npalpate-ros: maintscript-calls-ldconfig *\n")
-  install(FILES ${documents}/palpate-ros DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
-          COMPONENT palpate_ros EXCLUDE_FROM_ALL)
+  palpate_overrides(palpate_ros palpate-ros
+    "# CPack calls it for every library in a folder of /usr/lib."
+    "palpate-ros: maintscript-calls-ldconfig *")
   set(CPACK_DEBIAN_PALPATE_ROS_PACKAGE_SUGGESTS "python3-rosmaster, python3-roslaunch, rviz")
 endif()
 

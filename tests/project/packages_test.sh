@@ -25,12 +25,13 @@ twice=$(sort "$work/files" | uniq -d)
 elsewhere=$(grep -v '^\./usr/' "$work/files" || true)
 [[ -z $elsewhere ]] || fail "not below /usr: $elsewhere"
 installed=$work/root/usr
+export LD_LIBRARY_PATH=$installed/lib # where they are shared
 # The program needs what it is linked with; headers and CMake files need the packages that they name, which are those it was built with.
 [[ $(dpkg -f "$packages"/palpate_*.deb Depends) == *libtbb12* ]] || fail "palpate does not need oneTBB"
 needed=$(dpkg -f "$packages"/libpalpate-dev_*.deb Depends | tr -d , | sed 's/([^)]*)//g')
 [[ $needed == *libeigen3-dev* ]] || fail "libpalpate-dev needs: $needed"
 for package in $needed; do
-  dpkg-query -W "$package" >/dev/null || fail "libpalpate-dev needs $package, which is not there"
+  compgen -G "$packages/${package}_*.deb" >/dev/null || dpkg-query -W "$package" >/dev/null || fail "libpalpate-dev needs $package, which is not there"
 done
 
 palpate=$installed/bin/palpate
@@ -43,19 +44,12 @@ if compgen -G "$packages/palpate-ros_*.deb" >/dev/null; then
   [[ $said == *ROS_MASTER_URI* ]] || fail "--device ros1:/omni says: $said"
 fi
 
-# The man page has every command that --help lists, and every option of each, and man finds nothing wrong with it.
-man=$installed/share/man/man1/palpate.1.gz
-page=$(MANWIDTH=200 man --warnings -E UTF-8 -l "$man" 2>"$work/warnings" | col -b)
-[[ ! -s $work/warnings ]] || fail "$(cat "$work/warnings")"
-commands=$("$palpate" --help | sed -n '/^Subcommands:/,$s/^  \([a-z-]\+\) .*/\1/p')
-[[ $(wc -l <<<"$commands") -gt 10 ]]
-for command in $commands; do
-  section=$(sed -n "/^   palpate $command\( \|\$\)/,/^\(   palpate\|[A-Z]\)/p" <<<"$page")
-  [[ -n $section ]] || fail "the man page has no section for $command"
-  for option in $("$palpate" "$command" --help | sed -nE 's/^  (-[a-z],)?(--[a-z0-9-]+)[ ,=].*/\2/p; s/^  (-[a-z],)?(--[a-z0-9-]+)$/\2/p'); do
-    [[ $option == --help ]] || grep -qE -- "(^|[ ,])$option( |,|=|\$)" <<<"$section" || fail "the man page lacks $option of $command"
-  done
+# man takes the man pages as they are, and that of the program is what it says itself.
+for page in "$installed"/share/man/man1/*.gz; do
+  man --warnings -E UTF-8 -l "$page" >/dev/null 2>"$work/warnings"
+  [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
 done
+cmp <("$palpate" man-page) <(zcat "$installed/share/man/man1/palpate.1.gz")
 
 # bash finds the completion where it is installed.
 said=$(bash --norc -c "source '$installed/share/bash-completion/completions/palpate'
