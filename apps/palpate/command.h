@@ -38,6 +38,7 @@ Command declare_stability(CLI::App& parent);
 Command declare_reproduce(CLI::App& parent);
 Command declare_completion(CLI::App& parent);
 Command declare_columns(CLI::App& parent);
+Command declare_man_page(CLI::App& parent);
 
 /// Adds --quiet and --config, and --json with `json_help` if that is not empty.
 void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help = "");

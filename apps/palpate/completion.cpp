@@ -13,8 +13,9 @@
 namespace palpate::cli {
 namespace {
 
+/// Those that --help lists.
 std::vector<const CLI::App*> commands_of(const CLI::App& root) {
-  return root.get_subcommands([](const CLI::App*) { return true; });
+  return root.get_subcommands([](const CLI::App* app) { return !app->get_group().empty(); });
 }
 
 /// All names of an option, with dashes.
@@ -91,7 +92,8 @@ std::string zsh_script(const CLI::App& root) {
       "  shift words; (( CURRENT-- ))\n"
       "  case $command in\n{}  esac\n"
       "}}\n"
-      "compdef _palpate palpate\n",
+      // A file that zsh loads by itself is the body of the function at its first call.
+      "if [[ ${{funcstack[1]:-}} == _palpate ]]; then _palpate \"$@\"; else compdef _palpate palpate; fi\n",
       commands, cases);
 }
 

@@ -64,7 +64,7 @@ int run(const std::vector<std::string>& given) {
                                       declare_run(app),        declare_replay(app),    declare_report(app),
                                       declare_make_scene(app), declare_make_path(app), declare_bench(app),
                                       declare_evaluate(app),   declare_stability(app), declare_reproduce(app),
-                                      declare_completion(app), declare_columns(app)};
+                                      declare_completion(app), declare_columns(app),   declare_man_page(app)};
   if (given.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kExitUsage;

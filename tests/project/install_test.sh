@@ -77,5 +77,7 @@ for order in sort 'sort -r'; do
   g++ -std=c++20 -Wall -Wextra -Werror -fsyntax-only -DEIGEN_MAX_ALIGN_BYTES=16 -I"$work/prefix/include" -isystem /usr/include/eigen3 "$work/all.cpp"
 done
 
-# The installed program's completion scripts load.
-bash -n <("$work/prefix/bin/palpate" completion bash)
+# The man page and the completion scripts are there, as the program prints them.
+cmp "$work/prefix/share/man/man1/palpate.1" <("$work/prefix/bin/palpate" man-page)
+cmp "$work/prefix/share/bash-completion/completions/palpate" <("$work/prefix/bin/palpate" completion bash)
+bash -n "$work/prefix/share/bash-completion/completions/palpate"
