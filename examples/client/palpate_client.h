@@ -180,7 +180,7 @@ class Newest {
 /// comes towards the handle winds up nothing, and what is missing comes as the hand moves. A plane alone is
 /// felt in full if k <= 2 b / T (Colgate and Schenkel 1997); a stiffer model is rendered with that. The sum
 /// of F . d is thus never more than that of b d^2 / dt, which the device absorbs, but for what a call later
-/// than T makes; that is a debt, and no force is shown until it is paid.
+/// than T makes of a plane stiffer than 2 b / dt; that is a debt, and no force is shown until it is paid.
 ///
 /// Positions are taken as measured: a device that counts in coarse steps moves less than b d^2 / dt says.
 ///
@@ -432,8 +432,9 @@ class WrenchGovernor {
     const bool broken = !heard.good || heard.breaks != model_breaks_ || !near;
     model_breaks_ = heard.breaks;
     const Wrench asked{vectors::clamped(renderer_.ask(heard.model, position, now), limits_.force_max), {}};
-    const Wrench passed =
-        model_gate_.pass(asked, is_small(renderer_.pressed()), broken, heard.zero_at(), now);
+    // Without a share the program feels nothing, and a model has no planes though the handle may be pressed.
+    const bool small = heard.model.share > 0.0 && is_small(renderer_.pressed());
+    const Wrench passed = model_gate_.pass(asked, small, broken, heard.zero_at(), now);
     shown.force = vectors::clamped(passed.force, renderer_.most());
     renderer_.show(shown.force);
     return shown;

@@ -16,7 +16,8 @@
 //     const client = new PalpateClient({ forceMax: 8, damping: 2 });
 //     motors.show(client.wrenchAt(position).force); // and client.send() of the same position
 //
-// A page's timers come every 4 ms at best, which is too late: let the reports of the device call it.
+// Called every 4 ms, as by a page's timers at best, 500 N/m are as firm; what is stiffer than 2 damping / 4 ms, 1000 N/m
+// here, comes and goes. The reports of the device itself are a better clock.
 //
 // The program refuses pages that it has not served itself; such a page reaches it through a proxy of its own server.
 //
@@ -102,8 +103,8 @@ function nearest({ planes, friction }, from, to) {
 /// where L is the length of the spring. Of that length, f = min(L, sqrt(2 E' / k)) is felt: a plane that comes towards the
 /// handle winds up nothing, and what is missing comes as the hand moves. A plane alone is felt in full if k <= 2 b / T
 /// (Colgate and Schenkel 1997); a stiffer model is rendered with that. The sum of F . d is thus never more than that of
-/// b d^2 / dt, which the device absorbs, but for what a call later than T makes; that is a debt, and no force is shown until
-/// it is paid.
+/// b d^2 / dt, which the device absorbs, but for what a call later than T makes of a plane stiffer than 2 b / dt; that is a
+/// debt, and no force is shown until it is paid.
 ///
 /// Positions are taken as measured: a device that counts in coarse steps moves less than b d^2 / dt says.
 export class LocalRenderer {
@@ -346,7 +347,8 @@ export class WrenchGovernor {
     const broken = !good || breaks !== this.#modelBreaks || !isNear;
     this.#modelBreaks = breaks;
     const force = clamped(this.#renderer.ask(model, position, now), this.#limits.forceMax);
-    const small = this.#isSmall(this.#renderer.pressed);
+    // Without a share the program feels nothing, and a model has no planes though the handle may be pressed.
+    const small = model.share > 0 && this.#isSmall(this.#renderer.pressed);
     const passed = this.#modelGate.pass({ ...none(), force }, { small, broken, zeroAt: this.#modelZeroAt(), now });
     const local = clamped(passed.force, this.#renderer.most);
     this.#renderer.show(local);

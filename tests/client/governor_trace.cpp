@@ -1,5 +1,6 @@
-// What the reference client in C++ makes of a sequence, for the one in JavaScript to be held against: a line of figures for
-// every line of standard input that asks for one. tests/web/gateway/both_clients_test.mjs writes them.
+// What the reference client in C++ makes of a sequence, for the one in JavaScript to be held against: a line
+// of figures for every line of standard input that asks for one. tests/web/gateway/both_clients_test.mjs
+// writes them.
 //
 //     limits FORCE_MAX TORQUE_MAX DAMPING          begins anew
 //     take FX FY FZ TX TY TZ MEASURED_AT T         a wrench
@@ -7,7 +8,8 @@
 //     fail
 //     show T                                       prints the wrench
 //     show_at X Y Z T                              likewise
-//     ask X Y Z T                                  the renderer alone, of the newest good model: prints the force, `most`,
+//     ask X Y Z T                                  the renderer alone, of the newest good model: prints the
+//     force, `most`,
 //                                                  `pressed` and the energy
 //     shown SHARE                                  of what it was asked for
 //

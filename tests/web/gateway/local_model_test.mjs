@@ -10,7 +10,7 @@ import { pathToFileURL } from 'node:url';
 import { WebSocket } from 'ws';
 import { makeFolder, start } from './palpate.mjs';
 
-const { PalpateClient, WrenchGovernor } = await import(pathToFileURL(process.env.PALPATE_CLIENT));
+const { LocalRenderer, PalpateClient, WrenchGovernor } = await import(pathToFileURL(process.env.PALPATE_CLIENT));
 
 const delay = 20; // ms, each way
 const floor = 0.17; // m, where a ball of 2 cm touches the sphere of 15 cm
@@ -59,7 +59,7 @@ class WatchedSocket extends WebSocket {
   constructor(url) {
     super(url, { headers: { Host: WatchedSocket.host } });
     queueMicrotask(() => this.addEventListener('message', ({ data }) => {
-      if (data.includes('/palpate/client/local_model')) {WatchedSocket.modelCame = PalpateClient.now(); (WatchedSocket.log??=[]).push({t:WatchedSocket.modelCame,data});}
+      if (data.includes('/palpate/client/local_model')) WatchedSocket.modelCame = PalpateClient.now();
     }));
   }
 }
@@ -116,6 +116,28 @@ class Trial {
     }
     return assert.fail('no force that lasts');
   }
+}
+
+// In virtual time, on a floor at z = floor.
+for (const period of [1e-3, 4e-3]) {
+  test(`a hand rests on a local model that is rendered every ${1e3 * period} ms`, () => {
+    const hand = new Hand();
+    const renderer = new LocalRenderer({ forceMax: 12, damping });
+    const planes = [{ point: [0, 0, floor], normal: [0, 0, 1] }];
+    const ends = [Infinity, -Infinity];
+    let force = 0;
+    for (let t = 0; t < 4; t += period) {
+      hand.move(floor + (t < 0.5 ? above : pressed), force, period);
+      const place = [0, 0, hand.measured];
+      const asked = renderer.ask({ position: place, planes, stiffness, damping: 0, friction: 0, share: 1 }, place, t);
+      renderer.show(asked);
+      [,, force] = asked;
+      if (t > 3) ends.splice(0, 2, Math.min(ends[0], hand.z), Math.max(ends[1], hand.z));
+    }
+    assert.ok(ends[1] - ends[0] < 5e-5, `swings by ${ends[1] - ends[0]} m`);
+    assert.ok(Math.abs(force / (floor - hand.z) / stiffness - 1) < 0.02, `${force} N`);
+    assert.ok(hand.workOfForce < hand.absorbed, 'passive');
+  });
 }
 
 describe('a hand at the other end of a link of 20 ms each way', () => {
@@ -179,7 +201,6 @@ describe('a hand at the other end of a link of 20 ms each way', () => {
     relay.kill('SIGCONT');
     const back = await trial.stay(floor + pressed, 0.5);
     assert.ok(back.at(-1).modelCame > last, 'models come again');
-    if (process.env.DBG) for (const m of WatchedSocket.log.slice(-400)) if (m.t > last) console.log(m.t-last, m.data.slice(0,700)); if (process.env.DBG) console.log(back.map(({t,force})=>[t-last,force].join(' ')).join('\n'));
     back.forEach(({ force }) => assert.equal(force, 0, 'pressed, no gate opens'));
   });
 
