@@ -339,6 +339,7 @@ TEST_F(LocalModelInTheGovernor, EndsWhereTheHandleIsNowhere) {
   press();
   now += kTick;
   EXPECT_EQ(vectors::norm(governor.show(Vector{0, kNan, -kDeep}, now).force), 0.0);
+  for (int k = 0; k < 5; ++k) tick(-kDeep);
   for (int k = 0; k < 300; ++k) EXPECT_EQ(tick(-kDeep + k % 2 * 1e-4), 0.0);
   press();
 }

@@ -99,7 +99,7 @@ function session(seed, ticks, trouble) {
     if (chance(0.02)) { // another surface
       normal = chance(0.5) ? [0, 0, 1] : unit();
       surface = {
-        stiffness: decade(1, 4), damping: uniform(0, 5), friction: pick(0, 0.2, uniform(0, 3)), share: pick(1, 1, uniform()), planes: [],
+        stiffness: decade(1, 4), damping: uniform(0, 5), friction: pick(0, 0.2, uniform(0, 3)), share: pick(0, 1, 1, 1, uniform()), planes: [],
       };
       for (let count = pick(0, 1, 1, 1, 2, 3, 4); count > 0; count -= 1)
         surface.planes.push([...place.map((x) => x + uniform(-1e-3, 1e-3)), ...(count === 1 ? normal : unit())]);
@@ -121,7 +121,7 @@ function session(seed, ticks, trouble) {
     if (isTrouble()) model = [...model.slice(0, 9), ...vector(pick(1e-320, 1, 1e6, 1e308)), ...unit()];
     if (isTrouble()) model[2] = 0; // no local model
     if (isTrouble()) model.splice(6, 3, ...place.map((x) => x + pick(0, 0.0057, 0.0058, 0.006, 1))); // of another place
-    if (isTrouble()) shownAt = pick([NaN, 0, 0], [0, Infinity, 0], [1e308, 1e308, 1e308], place.map((x) => x + 0.06), [5e-324, 0, 0]);
+    if (isTrouble()) shownAt = pick([NaN, 0, 0], [0, Infinity, 0], [1e308, 1e308, 1e308], place.map((x) => x + pick(0.028, 0.03)), [5e-324, 0, 0]);
     if (isTrouble()) now += pick(-1e-3, -1e-3, -0.5e-3, 0.004, 0.0499, 0.05, 0.0501, 1, 1e6); // stands still, or jumps
     if (isTrouble()) lines.push(['fail']);
     if (now >= silentUntil) {
