@@ -428,7 +428,8 @@ class WrenchGovernor {
       renderer_.reset();
       return shown;
     }
-    const bool near = vectors::norm(vectors::sum(position, heard.model.position, -1.0)) <= kNear;
+    const bool near = vectors::is_place(position) &&
+                      vectors::norm(vectors::sum(position, heard.model.position, -1.0)) <= kNear;
     const bool broken = !heard.good || heard.breaks != model_breaks_ || !near;
     model_breaks_ = heard.breaks;
     const Wrench asked{vectors::clamped(renderer_.ask(heard.model, position, now), limits_.force_max), {}};

@@ -343,7 +343,7 @@ export class WrenchGovernor {
       this.#renderer.reset();
       return shown;
     }
-    const isNear = norm(sum(position, model.position, -1)) <= WrenchGovernor.near;
+    const isNear = isPlace(position) && norm(sum(position, model.position, -1)) <= WrenchGovernor.near;
     const broken = !good || breaks !== this.#modelBreaks || !isNear;
     this.#modelBreaks = breaks;
     const force = clamped(this.#renderer.ask(model, position, now), this.#limits.forceMax);

@@ -121,8 +121,12 @@ function session(seed, ticks, trouble) {
     if (isTrouble()) model = [...model.slice(0, 9), ...vector(pick(1e-320, 1, 1e6, 1e308)), ...unit()];
     if (isTrouble()) model[2] = 0; // no local model
     if (isTrouble()) model.splice(6, 3, ...place.map((x) => x + pick(0, 0.0057, 0.0058, 0.006, 1))); // of another place
-    if (isTrouble()) shownAt = pick([NaN, 0, 0], [0, Infinity, 0], [1e308, 1e308, 1e308], place.map((x) => x + pick(0.028, 0.03)), [5e-324, 0, 0]);
+    if (isTrouble()) shownAt = pick(place.map((x, i) => (i === 1 ? NaN : x)), [NaN, 0, 0], [0, Infinity, 0], [1e308, 1e308, 1e308], place.map((x) => x + pick(0.028, 0.03)), [5e-324, 0, 0]);
     if (isTrouble()) now += pick(-1e-3, -1e-3, -0.5e-3, 0.004, 0.0499, 0.05, 0.0501, 1, 1e6); // stands still, or jumps
+    if (isTrouble()) { // late, on the way out: a debt
+      now += 0.02;
+      shownAt = place.map((x, i) => x + 0.005 * normal[i]);
+    }
     if (isTrouble()) lines.push(['fail']);
     if (now >= silentUntil) {
       if (chance(0.9)) lines.push(['take', ...wrench]);
