@@ -18,7 +18,9 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <initializer_list>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <string>
 
