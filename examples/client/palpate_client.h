@@ -115,6 +115,11 @@ inline Vector clamped(const Vector& v, double most) noexcept {
 inline bool is_finite(const Vector& v) noexcept {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
+/// Whether it is a place: finite, and near enough that nothing made of it overflows. Unit: [m].
+inline bool is_place(const Vector& v) noexcept {
+  constexpr double kFarthest = 1e6;
+  return is_finite(v) && norm(v) <= kFarthest;
+}
 
 }  // namespace vectors
 
@@ -122,12 +127,12 @@ inline bool is_finite(const Vector& v) noexcept {
 inline bool is_good(const LocalModel& model) noexcept {
   constexpr double kUnit = 1e-3;
   const auto amount = [](double x) { return std::isfinite(x) && x >= 0.0; };
-  bool good = model.count <= LocalModel::kMost && vectors::is_finite(model.position) &&
+  bool good = model.count <= LocalModel::kMost && vectors::is_place(model.position) &&
               amount(model.stiffness) && amount(model.damping) && amount(model.friction) &&
               amount(model.share) && model.share <= 1.0;
   for (std::size_t k = 0; good && k < model.count; ++k) {
     const auto& [point, normal] = model.planes[k];
-    good = vectors::is_finite(point) && vectors::is_finite(normal) &&
+    good = vectors::is_place(point) && vectors::is_finite(normal) &&
            std::abs(vectors::norm(normal) - 1.0) <= kUnit;
   }
   return good;
@@ -175,7 +180,7 @@ class Newest {
 /// comes towards the handle winds up nothing, and what is missing comes as the hand moves. A plane alone is
 /// felt in full if k <= 2 b / T (Colgate and Schenkel 1997); a stiffer model is rendered with that. The sum
 /// of F . d is thus never more than that of b d^2 / dt, which the device absorbs, but for what a call later
-/// than T makes; that is a debt, and no force is shown until it is paid.
+/// than T makes of a plane stiffer than 2 b / dt; that is a debt, and no force is shown until it is paid.
 ///
 /// Positions are taken as measured: a device that counts in coarse steps moves less than b d^2 / dt says.
 ///
@@ -192,7 +197,7 @@ class LocalRenderer {
   /// The force at `position`, and no more than most(). \pre is_good(model)
   Vector ask(const LocalModel& model, const Vector& position, double now) noexcept {
     const Vector way = vectors::sum(position, position_, -1.0);
-    if (!vectors::is_finite(position) || !(now - t_ <= kGap) || vectors::norm(way) > kJump) {
+    if (!vectors::is_place(position) || !(now - t_ <= kGap) || vectors::norm(way) > kJump) {
       restart(position, now);
       return {};
     }
@@ -237,7 +242,7 @@ class LocalRenderer {
 
   void restart(const Vector& position, double now) noexcept {
     position_ = proxy_ = position;
-    t_ = vectors::is_finite(position) ? now : -std::numeric_limits<double>::infinity();
+    t_ = vectors::is_place(position) ? now : -std::numeric_limits<double>::infinity();
     velocity_ = shown_ = {};
     stored_ = pressed_ = 0.0;
     energy_ = std::min(0.0, energy_);
@@ -347,8 +352,8 @@ class ForceGate {
 /// Where local models come, and Limits::damping is known, the force is that of LocalRenderer, and the torque
 /// that of the last wrench. A force that is made here is not late, and planes are right for longer than
 /// forces: it is zero from kSilence on after the last model came, from kModelAge on after the pose was
-/// measured that that answers, and kFall after the handle is farther than kNear from there. All else is as
-/// above.
+/// measured that that answers, and kFall after the handle is farther than kNear from there, or nowhere. All
+/// else is as above.
 ///
 /// Has no clock: all times are arguments, in seconds on one clock that never falls. One thread calls take(),
 /// take_model() and fail(), one calls show(); nothing here locks, allocates, throws or waits.
@@ -423,12 +428,14 @@ class WrenchGovernor {
       renderer_.reset();
       return shown;
     }
-    const bool far = vectors::norm(vectors::sum(position, heard.model.position, -1.0)) > kNear;
-    const bool broken = !heard.good || heard.breaks != model_breaks_ || far;
+    const bool near = vectors::is_place(position) &&
+                      vectors::norm(vectors::sum(position, heard.model.position, -1.0)) <= kNear;
+    const bool broken = !heard.good || heard.breaks != model_breaks_ || !near;
     model_breaks_ = heard.breaks;
     const Wrench asked{vectors::clamped(renderer_.ask(heard.model, position, now), limits_.force_max), {}};
-    const Wrench passed =
-        model_gate_.pass(asked, is_small(renderer_.pressed()), broken, heard.zero_at(), now);
+    // Without a share the program feels nothing, and a model has no planes though the handle may be pressed.
+    const bool small = heard.model.share > 0.0 && is_small(renderer_.pressed());
+    const Wrench passed = model_gate_.pass(asked, small, broken, heard.zero_at(), now);
     shown.force = vectors::clamped(passed.force, renderer_.most());
     renderer_.show(shown.force);
     return shown;

@@ -307,6 +307,7 @@ TEST_F(LocalModelInTheGovernor, ThatIsNoneEndsInZero) {
                          m.planes[0].normal = {0, 0, 2};
                        }),
                        with([](LocalModel& m) { m.planes[0].point[1] = kNan; }),
+                       with([](LocalModel& m) { m.planes[0].point[2] = 1.7e308; }),
                        with([](LocalModel& m) { m.position[0] = kNan; }),
                        with([](LocalModel& m) { m.count = LocalModel::kMost + 1; }),
                        with([](LocalModel& m) { m.stiffness = -1.0; }),
@@ -320,6 +321,27 @@ TEST_F(LocalModelInTheGovernor, ThatIsNoneEndsInZero) {
     EXPECT_EQ(tick(-kDeep), 0.0);
     for (int k = 0; k < 10; ++k) tick(0.0);
   }
+}
+
+// The program feels nothing for a moment after a loss, and a model of then has neither planes nor a share.
+TEST_F(LocalModelInTheGovernor, OpensNoGateForAModelWithoutAShare) {
+  press();
+  for (int k = 0; k < 60; ++k) tick(-kDeep, false);
+  model.count = 0;
+  model.share = 0.0;
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(tick(-kDeep), 0.0);
+  model = floor_at(0.0);
+  for (int k = 0; k < 300; ++k) EXPECT_EQ(tick(-kDeep + k % 2 * 1e-4), 0.0);
+  press();
+}
+
+TEST_F(LocalModelInTheGovernor, EndsWhereTheHandleIsNowhere) {
+  press();
+  now += kTick;
+  EXPECT_EQ(vectors::norm(governor.show(Vector{0, kNan, -kDeep}, now).force), 0.0);
+  for (int k = 0; k < 5; ++k) tick(-kDeep);
+  for (int k = 0; k < 300; ++k) EXPECT_EQ(tick(-kDeep + k % 2 * 1e-4), 0.0);
+  press();
 }
 
 TEST_F(LocalModelInTheGovernor, OfAModelWithoutOneTheWrenchIsShown) {

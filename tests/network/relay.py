@@ -2,6 +2,8 @@
 
     relay.py ADDRESS PORT TO_ADDRESS TO_PORT DELAY_MS JITTER_MS LOSS_PERCENT
 
+Says "ready" and its port once it listens; of PORT 0 it takes one that is free.
+
 It stands in for a slow network where the kernel has no netem, as far as TCP shows one to a program: bytes come in order,
 DELAY_MS late, and up to JITTER_MS more. A lost segment holds up all that follow until it has been sent again: here LOSS_PERCENT
 of what is read at once waits a round trip and 3 ms longer, as long as fast retransmission takes at 1000 messages a second.
@@ -52,7 +54,7 @@ def pass_on(source, sink, delay, jitter, loss):
 def main(address, port, to_address, to_port, delay_ms, jitter_ms, loss_percent):
     link = float(delay_ms) / 1e3, float(jitter_ms) / 1e3, float(loss_percent) / 1e2
     listener = socket.create_server((address, int(port)))
-    print("ready", flush=True)
+    print(f"ready {listener.getsockname()[1]}", flush=True)
     while True:
         near, _ = listener.accept()
         far = socket.create_connection((to_address, int(to_port)))

@@ -169,7 +169,7 @@ describe('a client and a scripted server', () => {
 
   const url = () => `ws://127.0.0.1:${server.address().port}/`;
   const published = (topic) => heard.filter((m) => m.op === 'publish' && m.topic === `/palpate/client/${topic}`).map((m) => m.msg);
-  const begin = async (again = null) => {
+  const begin = async (again = null, topics = 2) => {
     client?.disconnect();
     heard = [];
     const came = once(server, 'connection');
@@ -177,7 +177,7 @@ describe('a client and a scripted server', () => {
     await client.connect(url());
     [peer] = await came;
     peer.on('message', (text) => heard.push(JSON.parse(text)));
-    await eventually(() => heard.length === 2);
+    await eventually(() => heard.length === topics);
   };
   const wrench = (z) => {
     const now = Math.round(1e9 * PalpateClient.now());
@@ -233,6 +233,58 @@ describe('a client and a scripted server', () => {
       await hold(5, 0.05); // as good as before
       assert.equal(await hold(5, 0.05), 0, String(text));
       assert.ok(client.isConnected);
+    }
+    await open();
+  });
+
+  // A floor at z = 0, for a handle at that height.
+  const localModel = (z) => JSON.stringify({
+    op: 'publish',
+    topic: '/palpate/client/local_model',
+    msg: {
+      header: JSON.parse(wrench(0)).msg.header,
+      position: { x: 0, y: 0, z },
+      planes: [{ point: { x: 0, y: 0, z: 0 }, normal: { x: 0, y: 0, z: 1 } }],
+      stiffness: 500,
+      damping: 0,
+      friction: 0,
+      share: 1,
+    },
+  });
+
+  test('makes the force of local models itself, once the damping of the device is known', async () => {
+    await begin(new PalpateClient({ forceMax: 12, damping: 2, WebSocket }), 3);
+    assert.equal(heard[2].topic, '/palpate/client/local_model');
+    let z = 0.001;
+    const position = new Float64Array(3); // one, written over
+    const shown = () => {
+      position[2] = z;
+      return client.wrenchAt(position).force[2];
+    };
+    const press = async (to, seconds) => {
+      for (const end = performance.now() + 1000 * seconds; performance.now() < end; await wait(1)) {
+        z += Math.max(-1e-4, Math.min(1e-4, to - z));
+        peer.send(localModel(z));
+        shown();
+      }
+      return shown();
+    };
+    const open = async () => {
+      for (let k = 0; k < 50; k += 1) {
+        await press(0.001, 0.15);
+        if (await press(-0.002, 0.1) > 0.999) return;
+      }
+      assert.fail('no force');
+    };
+    const part = (name, value) => localModel(-0.002).replace(new RegExp(`"${name}":[^,}]*`), `"${name}":${value}`);
+    const bad = [part('stiffness', -1), part('share', 2), part('friction', '"0"'), part('damping', null), part('x', '1e999'), part('x', 1e307),
+      localModel(-0.002).replace(/"planes":.*?}]/, '"planes":7'), localModel(-0.002).replace(/"planes":.*?}]/, '"planes":[null]'),
+      localModel(-0.002).replace('"z":1}', '"z":2}')];
+    for (const text of bad) {
+      await open();
+      peer.send(text);
+      await press(-0.002, 0.05);
+      assert.equal(await press(-0.002, 0.02), 0, text);
     }
     await open();
   });

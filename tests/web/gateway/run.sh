@@ -6,7 +6,8 @@ PALPATE=$(realpath "${2:?usage: run.sh WORK_FOLDER PALPATE [SCRIPT ARGS...]}")
 export PALPATE
 here=$(dirname "$(realpath "$0")")
 PALPATE_CLIENT=$(realpath "$here/../../../examples/client/palpate_client.mjs")
-export PALPATE_CLIENT
+PALPATE_RELAY=$(realpath "$here/../../network/relay.py")
+export PALPATE_CLIENT PALPATE_RELAY
 # shellcheck source=tests/web/packages.sh
 source "$here/../packages.sh"
 enter "$work" "$here"
@@ -16,5 +17,5 @@ node=(node)
 if [[ $# -gt 2 ]]; then
   "${node[@]}" "${@:3}"
 else
-  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs client_test.mjs tls_test.mjs
+  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs client_test.mjs both_clients_test.mjs local_model_test.mjs tls_test.mjs
 fi
