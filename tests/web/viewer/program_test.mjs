@@ -52,9 +52,12 @@ let heldUpBefore = 0; // the attempt
 // functions of text there.
 const untilFelt = async (look, argument, options = {}) => {
   const undisturbedLook = new Function('[before, value]', `
-    if ((${countHeldUp})() > before) throw new Error('the program was held up');
-    return (${look})(value);`);
-  return (await page.waitForFunction(undisturbedLook, [heldUpBefore, argument], options)).jsonValue();
+    if ((${countHeldUp})() > before) return { heldUp: true }; // an error would be one of the page
+    const seen = (${look})(value);
+    return seen && { seen };`);
+  const { heldUp, seen } = await (await page.waitForFunction(undisturbedLook, [heldUpBefore, argument], options)).jsonValue();
+  if (heldUp) throw new Error('the program was held up');
+  return seen;
 };
 
 // `attempt`, once more from `begin` on where the program was held up meanwhile.
@@ -62,6 +65,8 @@ async function undisturbed(attempt, begin = goBack) {
   for (let tries = 1; ; ++tries) {
     heldUpBefore = await page.evaluate(countHeldUp);
     try {
+      // Held up again while it waits for the tool to be lifted, it says nothing more, and a tool that is pressed then waits for ever.
+      await until(page, () => document.getElementById('state').textContent === 'active');
       await attempt();
       return;
     } catch (error) {
