@@ -65,13 +65,19 @@ class Bench {
     return model->evaluate(input);
   }
 
+  /// Whether the ball touches an ellipsoid there.
+  bool touches(const Vector3d& position) {
+    index_.query({position, kRadius * Eigen::Matrix3d::Identity()}, touched_);
+    return !touched_.contacts.empty();
+  }
+
   std::unique_ptr<AnalyticSurface> surface;
   SeenSurface seen;
   std::unique_ptr<ProxyForce> model;
 
  private:
   SceneIndex index_;
-  ContactSet none_;
+  ContactSet none_, touched_;
 };
 
 /// Samples of the surface away from its borders and edges.
@@ -228,6 +234,32 @@ TEST(ProxyForce, IsZeroAndFollowsTheToolOutOfContact) {
     const ForceOutput felt = bench.at({0, 0, z});
     EXPECT_EQ(felt.wrench.force, Vector3d(0, 0, 0));
     EXPECT_NEAR((felt.proxy.position - Vector3d(0, 0, z)).norm(), 0.0, 1e-12);
+  }
+}
+
+// Led along noise, up and down about where it touches, so that contacts end and begin where
+// patches of others are still known.
+TEST(ProxyForce, BeginsAContactOnlyWhereTheToolTouches) {
+  for (const std::string shape : {"plane", "sphere"}) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      Bench bench(shape, noisy(seed));
+      const SurfaceSample s = places(*bench.surface, shape, 1, seed).front();
+      const Vector3d along = 1e-5 * s.normal.unitOrthogonal();
+      bool contact = false;
+      int begun = 0, ended = 0;
+      for (int k = 0; k < 6000; ++k) {
+        const double height = kRadius + 0.005 * std::cos(2.0 * std::numbers::pi * k / 300.0);
+        const Vector3d way = s.point + k * along;
+        const Vector3d at = way + height * bench.surface->project(way).normal;
+        const bool felt = !bench.at(at).wrench.force.isZero(0.0), touches = bench.touches(at), was = contact;
+        contact = touches || (contact && felt);
+        ASSERT_TRUE(contact || !felt) << shape << ", seed " << seed << ", tick " << k;
+        begun += contact && !was ? 1 : 0;
+        ended += was && !contact ? 1 : 0;
+      }
+      EXPECT_GE(begun, 10) << shape << ", seed " << seed;
+      EXPECT_GE(ended, 10) << shape << ", seed " << seed;
+    }
   }
 }
 
