@@ -8,10 +8,9 @@
 //     fail
 //     show T                                       prints the wrench
 //     show_at X Y Z T                              likewise
-//     ask X Y Z T                                  the renderer alone, of the newest good model: prints the
-//     force, `most`,
-//                                                  `pressed` and the energy
-//     shown SHARE                                  of what it was asked for
+//     ask X Y Z T             the renderer alone, of the newest good model: prints the force, `most`,
+//                             `pressed` and the energy
+//     shown SHARE             of what it was asked for
 //
 // Numbers may be nan, infinity and -infinity. SI units.
 #include <client/palpate_client.h>
