@@ -31,8 +31,8 @@ namespace {
 const Eigen::Vector3d kFits(3.5, 1.9, 1.3);
 constexpr double kAside = 0.35, kBelow = 0.18;
 /// A larger one lies below where the handle rests, and this many of its Gaussians fill this much of the room:
-/// the paper's million, and a share that was chosen on one captured city, where contacts had fewer Gaussians
-/// than the paper's with 1.05 million, and more candidates with 1.3. Unit: [m], [m], 1.
+/// the paper's million, and a share that was chosen by trial on one captured city, where contacts then have
+/// about as many Gaussians as the paper's. Unit: [m], [m], 1.
 const Eigen::Array2d kRoom(4.2, 5.0);
 constexpr double kUnderHandle = 0.1;
 constexpr std::size_t kFilling = 1'150'000;

@@ -1,5 +1,7 @@
 """What the tests of the command line share: running palpate, and input files made byte by byte."""
 
+import csv
+import io
 import itertools
 import json
 import os
@@ -203,6 +205,12 @@ def table_of(csv_bytes):
     """A table without its comment, as text."""
     lines = csv_bytes.decode().split("\n")
     return "\n".join(itertools.dropwhile(lambda line: line.startswith("#"), lines))
+
+
+def rows_of(csv_bytes):
+    """The rows of a table as {column: text}, also of one that is being written, whose last line may not be whole."""
+    text = table_of(csv_bytes)
+    return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
 
 
 def columns_of(csv_bytes):

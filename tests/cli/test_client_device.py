@@ -1,7 +1,5 @@
 """palpate run --device client: what a hand feels of what other clients, and the machine, do at the same time."""
 
-import csv
-import io
 import itertools
 import json
 import multiprocessing
@@ -11,7 +9,7 @@ import threading
 import time
 import unittest
 
-from support import SANITIZED, table_of
+from support import SANITIZED, rows_of
 from test_gateway import KEY, Gateway
 
 HAND = "/palpate/client/measured_cp"
@@ -137,8 +135,7 @@ class Starved(Gateway):
 
     def longest_without_a_pose(self):
         """How long no pose came at most, how long of that a force was sent, and the largest force. Poses that come differ."""
-        text = table_of(self.read("run.csv"))
-        rows = list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
+        rows = rows_of(self.read("run.csv"))
         longest, pressed, largest, since = 0.0, 0.0, 0.0, 0
         for k, row in enumerate(rows):
             if row["y"] != rows[since]["y"]:

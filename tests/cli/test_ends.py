@@ -1,8 +1,6 @@
 """How a run ends, or is held up, while a hand leans on a wall: the force falls to zero and never rises. Times are read from the
 program's own record and are wide: the machine is shared."""
 
-import csv
-import io
 import json
 import os
 import resource
@@ -10,7 +8,7 @@ import signal
 import time
 import unittest
 
-from support import SANITIZED, path_csv, table_of
+from support import SANITIZED, path_csv, rows_of, table_of
 from test_gateway import Gateway
 from test_run import RATE, Live
 
@@ -203,8 +201,7 @@ class OutOfRoom(Gateway):
         self.until(lambda: os.path.exists(os.path.join(self.folder, "run.csv")) and max(self.forces(), default=0) > LEANS)
 
     def forces(self):
-        text = table_of(self.read("run.csv"))
-        return [force(row) for row in csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1]))]
+        return [force(row) for row in rows_of(self.read("run.csv"))]
 
     def until(self, done):
         for _ in range(600):

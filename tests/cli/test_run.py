@@ -1,7 +1,5 @@
 """palpate run: the live loop as a black box. Nothing about how long a tick takes is asserted: the machine is shared."""
 
-import csv
-import io
 import json
 import os
 import pty
@@ -14,7 +12,7 @@ import tomllib
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 
-from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, columns_of, head_of, path_csv, ply, stood_still, table_of, wall_rows
+from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, columns_of, head_of, path_csv, ply, rows_of, stood_still, table_of, wall_rows
 
 KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "cpu_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
         "port_energy", "margin_min", "state", "faults", "made"]
@@ -72,9 +70,7 @@ class Live(Case):
         return master, process
 
     def rows(self, name="run.csv"):
-        """Of a record, also of one that is being written, whose last line may not be whole."""
-        text = table_of(self.read(name))
-        return list(csv.DictReader(io.StringIO(text[: text.rindex("\n") + 1])))
+        return rows_of(self.read(name))
 
 
 class ManyParts(Live):
