@@ -35,6 +35,13 @@ TEST(DeviceCapabilities, ThatContradictThemselvesAreRefusedByName) {
       {"torque_sustained", [](DeviceCapabilities& d) { d.torque_sustained = 0.1; }},
       {"axes", [](DeviceCapabilities& d) { d.sensed.rotation = 4; }},
       {"axes", [](DeviceCapabilities& d) { d.actuated.translation = -1; }},
+      {"axes", [](DeviceCapabilities& d) { d.actuated.translation = 2; }},  // of 3 that it senses
+      {"axes",
+       [](DeviceCapabilities& d) {
+         d.torque_max = 0.1;
+         d.actuated.rotation = 3;
+         d.sensed.rotation = 0;
+       }},
       {"stiffness_max", [&](DeviceCapabilities& d) { d.stiffness_max = nan; }},
       {"damping_max", [](DeviceCapabilities& d) { d.damping_max = -1.0; }},
       {"damping", [](DeviceCapabilities& d) { d.damping = 1.0; }},  // known from nowhere

@@ -66,6 +66,26 @@ TEST(PassivityController, LeavesAloneWhatIsPassive) {
   }
 }
 
+// A handle that is turned on the spot, against a torque of 0.02 N m that holds nothing: with an arm of 0.1 m,
+// what that puts out is damped, and no more than once.
+TEST(PassivityController, DampsTurnsByItsArm) {
+  const Wrench twist{Vector3d::Zero(), {0.02, 0, 0}};
+  constexpr double kStep = 1e-3;  // Unit: [rad].
+  const auto sent_with = [&](double arm) {
+    PassivityController controller(kPeriod, 0.0, 10.0, arm);
+    Pose pose;
+    controller.correct(twist, 0.0, twist, pose, kPeriod);
+    pose.orientation = Eigen::AngleAxisd(kStep, Vector3d::UnitX());
+    return controller.correct(twist, 0.0, twist, pose, kPeriod);
+  };
+  EXPECT_EQ(sent_with(0.0).torque, twist.torque);
+  // Of 20 uJ out, alpha a^2 w^2 T = 20 uJ with w = 1 rad/s: 0.02 N m less.
+  EXPECT_NEAR(sent_with(0.1).torque.x(), 0.0, 1e-9);
+  EXPECT_EQ(sent_with(0.1).force, Vector3d::Zero());
+  // At most 10 N s/m, with the square of 10 mm: 1e-3 N m at 1 rad/s.
+  EXPECT_NEAR(sent_with(0.01).torque.x(), 0.019, 1e-9);
+}
+
 // Two of a tracker's poses that come together were not made so quickly: what the device absorbs is that of
 // the time between them as promised.
 TEST(PassivityController, ABunchOfReadingsIsNoSpeed) {

@@ -79,10 +79,12 @@ void SimulatedDevice::step(double h) {
               hand_velocity, hand_, plant_.damping, plant_.coulomb);
   // Of both ends of the step: with one end alone, the force would act half a step too soon or too late, which
   // is a twentieth of what makes a wall active.
-  pose_.position += 0.5 * h * (before + velocity_.linear);
+  const Vector3d moved = 0.5 * h * (before + velocity_.linear);
+  pose_.position += moved;
   hand_force_ = hand_.stiffness * (wanted.position - pose_.position) +
                 hand_.damping * (hand_velocity - velocity_.linear);
   turn(h, shown.torque, wanted, turn_between(wanted_.orientation, wanted.orientation) / h);
+  motor_work_ += shown.force.dot(moved) + h * shown.torque.dot(velocity_.angular);
   wanted_ = wanted;
   t_ += h;
 }
@@ -117,8 +119,10 @@ bool SimulatedDevice::read(double t, DeviceReading& reading) {
 
   Pose seen;
   seen.position = rounded(pose_.position, plant_.resolution);
-  seen.orientation =
-      rotation_by(rounded(rotation_vector(pose_.orientation), plant_.turn_resolution)).normalized();
+  if (capabilities_.sensed.rotation > 0) {
+    seen.orientation =
+        rotation_by(rounded(rotation_vector(pose_.orientation), plant_.turn_resolution)).normalized();
+  }
   if (started_) {
     const double dt = t - read_at_, share = -std::expm1(-dt / kVelocityFilter);
     told_velocity_.linear += share * ((seen.position - told_.position) / dt - told_velocity_.linear);

@@ -44,7 +44,7 @@ using HandPath = std::function<Pose(double t)>;
 ///
 /// Time is the loop's: in virtual time all is the same at every run; in real time it follows the clock that
 /// read() is given. Starts where the hand is at the first read(). Has nothing to connect: it is enabled from
-/// its construction on.
+/// its construction on. Where it senses no rotation it tells none.
 class SimulatedDevice final : public HapticDevice {
  public:
   /// `path` must be good as long as the object is used.
@@ -64,9 +64,11 @@ class SimulatedDevice final : public HapticDevice {
   const Twist& velocity() const { return velocity_; }
   /// Of the hand on the handle. Unit: [N].
   const Eigen::Vector3d& hand_force() const { return hand_force_; }
+  /// That the motors have done on the handle, ever. Unit: [J].
+  double motor_work() const { return motor_work_; }
 
-  static constexpr double kStep = 5e-5;       ///< Unit: [s].
-  static constexpr double kMostDelay = 5e-3;  ///< Unit: [s].
+  static constexpr double kStep = 5e-5;        ///< Unit: [s].
+  static constexpr double kMostDelay = 10e-3;  ///< Unit: [s].
 
  private:
   struct Written {
@@ -87,10 +89,11 @@ class SimulatedDevice final : public HapticDevice {
   Pose pose_, wanted_;
   Twist velocity_;
   Eigen::Vector3d hand_force_ = Eigen::Vector3d::Zero();
-  Pose told_;                       ///< of the last reading
-  Twist told_velocity_;             ///< filtered differences, as drivers tell it
-  std::array<Written, 64> writes_;  ///< a ring: at 10 kHz more than kMostDelay
-  std::size_t written_ = 0;         ///< in all
+  double motor_work_ = 0.0;
+  Pose told_;                        ///< of the last reading
+  Twist told_velocity_;              ///< filtered differences, as drivers tell it
+  std::array<Written, 128> writes_;  ///< a ring: at 10 kHz more than kMostDelay
+  std::size_t written_ = 0;          ///< in all
   std::atomic<bool> stopped_ = false;
 };
 

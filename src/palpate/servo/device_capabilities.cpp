@@ -21,6 +21,12 @@ void check_capabilities(const DeviceCapabilities& device) {
   require(device.torque_sustained >= 0.0 && device.torque_sustained <= device.torque_max,
           "torque_sustained must be 0 to torque_max");
   require(axes(device.sensed) && axes(device.actuated), "it must have 0 to 3 axes of each kind");
+  // What is wound up along an axis that shows nothing would come out along one that does. Which axes a
+  // smaller number stands for is not told, so that such work cannot be told from the hand's.
+  const auto all_or_none = [](int actuated, int sensed) { return actuated == 0 || actuated == sensed; };
+  require(all_or_none(device.actuated.translation, device.sensed.translation) &&
+              all_or_none(device.actuated.rotation, device.sensed.rotation),
+          "of each kind it must show all axes that it senses, or none");
   require((device.actuated.rotation > 0) == (device.torque_max > 0.0),
           "it must have a torque_max where it has motors for the orientation, and none elsewhere");
   require(not_negative(device.stiffness_max), "stiffness_max must not be negative");

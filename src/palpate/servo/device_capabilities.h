@@ -37,7 +37,8 @@ struct DeviceCapabilities {
   /// to SustainedLimit. Unit: [N], [N m].
   double force_sustained = 0.0, torque_sustained = 0.0;
   DeviceAxes sensed;           ///< a device that senses no rotation tells one orientation for ever
-  DeviceAxes actuated{3, 0};   ///< rotation > 0 where torque_max is, and nowhere else
+  /// Of each kind as many as are sensed, or none; rotation > 0 where torque_max is, and nowhere else.
+  DeviceAxes actuated{3, 0};
   double stiffness_max = 0.0;  ///< of a wall that it shows without buzzing, as the maker says. Unit: [N/m].
   double damping_max = 0.0;    ///< that it can show. Unit: [N s/m].
   /// Its own viscous damping, that passivity may count on: at most what it has in its least damped pose and

@@ -19,8 +19,8 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
   return std::max(0.0, damping - std::abs(virtual_damping)) / (0.5 * period + delay);
 }
 
-PassivityController::PassivityController(double period, double damping, double damping_max)
-    : period_(period), damping_(damping), damping_max_(damping_max) {}
+PassivityController::PassivityController(double period, double damping, double damping_max, double arm)
+    : period_(period), damping_(damping), damping_max_(damping_max), arm_(arm) {}
 
 void PassivityController::reset() {
   started_ = false;
@@ -38,9 +38,9 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   const Eigen::Vector3d way = pose.position - pose_.position;
   const Eigen::Vector3d turn = turn_between(pose_.orientation, pose.orientation);
   const auto work = [&](const Wrench& w) { return w.force.dot(way) + w.torque.dot(turn); };
-  const double squared = way.squaredNorm();
+  const double squared = way.squaredNorm() + arm_ * arm_ * turn.squaredNorm();
   const double sampling = 0.5 * (work(sent) - work(wanted));
-  const double absorbed = std::clamp(sampling, 0.0, damping_ * squared / period);
+  const double absorbed = std::clamp(sampling, 0.0, damping_ * way.squaredNorm() / period);
   held_ -= work(sent) - absorbed;
   const double out = std::max(0.0, -held_);
   put_out_ += out;
@@ -53,7 +53,8 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   excess_ = std::max(0.0, kept * excess_ + sampling - absorbed + out);
   if (excess_ == 0.0 || squared == 0.0) return wanted;
   added_ = std::min(damping_max_, excess_ * period / squared);  // D = alpha |v|^2 T
-  return {wanted.force - added_ / period * way, wanted.torque};
+  const double rate = added_ / period;
+  return {wanted.force - rate * way, wanted.torque - rate * arm_ * arm_ * turn};
 }
 
 }  // namespace palpate

@@ -31,7 +31,8 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 /// itself has made nothing until that comes out. A spring of stiffness K makes Z = K |v T|^2 / 2 in each
 /// tick, pressing or letting go: as much as damping K T / 2 absorbs, which is Colgate's bound again. The
 /// controller adds the damping that absorbs D within a tick, up to `damping_max`; half of what that damping
-/// takes is counted, in Z, so that there is twice as much of it as is lacking: it comes a tick late.
+/// takes is counted, in Z, so that there is twice as much of it as is lacking: it comes a tick late. Where
+/// the device shows a torque, d and what damps have six components, of which turns count times an arm.
 ///
 /// T is the time that has passed since the last call, but no less than the promised one: poses that come in a
 /// bunch were not made in one, and what the device absorbs is not overstated.
@@ -40,8 +41,9 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 class PassivityController {
  public:
   /// \param period between calls, as promised. Unit: [s]. > 0 \param damping b. Unit: [N s/m]. \param
-  /// damping_max Unit: [N s/m]. 0: only observes
-  PassivityController(double period, double damping, double damping_max);
+  /// damping_max Unit: [N s/m]. 0: only observes \param arm that makes damping one of turns: by its square.
+  /// 0: turns are not damped. Unit: [m].
+  PassivityController(double period, double damping, double damping_max, double arm = 0.0);
 
   /// What to send at a pose, in place of `wanted`. \param stored S at this pose; infinite if nobody knows: it
   /// is then only observed. Unit: [J]. \param sent what was sent at the last call, by whoever was last to
@@ -59,7 +61,7 @@ class PassivityController {
   void reset();
 
  private:
-  double period_, damping_, damping_max_;
+  double period_, damping_, damping_max_, arm_;
   bool started_ = false;
   Pose pose_;
   double excess_ = 0.0, added_ = 0.0;

@@ -35,7 +35,8 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       passive_gain_(options.gain),
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
-                 device.capabilities().damping_max),
+                 device.capabilities().damping_max,
+                 device.capabilities().torque_max / device.capabilities().force_max),
       keeps_passive_(options.keeps_passive),
       held_for_(std::max(options.period, 1.0 / device.capabilities().rate)),
       wanted_gain_(options.gain) {
