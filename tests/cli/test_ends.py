@@ -27,7 +27,31 @@ def force(row):
     return sum(float(row[f"sf{axis}"]) ** 2 for axis in "xyz") ** 0.5
 
 
-class Ends(Live):
+class Falls:
+    def assert_falls(self, rows, begin, within):
+        """From row `begin` on: never more force than before, and none after `within` seconds or two ticks more."""
+        last = force(rows[begin - 1])
+        start = float(rows[begin]["t"])
+        if os.environ.get("PALPATE_PRINT"):
+            gone = next((float(row["t"]) for row in rows[begin:] if force(row) == 0.0), float("nan"))
+            print(f"{self._testMethodName}: {last:.2f} N before, {max(map(force, rows[begin:])):.2f} N at most from then on, "
+                  f"none after {1e3 * (gone - start):.0f} ms")
+        for row, after in zip(rows[begin:], rows[begin + 1:] + rows[-1:]):
+            self.assertLessEqual(force(row), last + 1e-12, row)
+            if row["state"] not in (FALLING, STOPPED):
+                break
+            last = force(row)
+            if float(row["t"]) >= start + within:
+                self.assertEqual(last, 0.0, (start, row))
+
+    def first(self, rows, state, begin=0):
+        return next(k for k in range(begin, len(rows)) if rows[k]["state"] == state)
+
+    def last_fall(self, rows):
+        return 1 + max(k for k in range(len(rows)) if rows[k]["state"] not in (FALLING, STOPPED))
+
+
+class Ends(Falls, Live):
     def setUp(self):
         super().setUp()
         self.write("hand.csv", lean())
@@ -50,25 +74,6 @@ class Ends(Live):
         self.assertEqual(process.returncode, code, err)
         return out, err
 
-    def assert_falls(self, rows, begin, within):
-        """From row `begin` on: never more force than before, and none after `within` seconds or two ticks more."""
-        last = force(rows[begin - 1])
-        start = float(rows[begin]["t"])
-        if os.environ.get("PALPATE_PRINT"):
-            gone = next((float(row["t"]) for row in rows[begin:] if force(row) == 0.0), float("nan"))
-            print(f"{self._testMethodName}: {last:.2f} N before, {max(map(force, rows[begin:])):.2f} N at most from then on, "
-                  f"none after {1e3 * (gone - start):.0f} ms")
-        for row, after in zip(rows[begin:], rows[begin + 1:] + rows[-1:]):
-            self.assertLessEqual(force(row), last + 1e-12, row)
-            if row["state"] not in (FALLING, STOPPED):
-                break
-            last = force(row)
-            if float(row["t"]) >= start + within:
-                self.assertEqual(last, 0.0, (start, row))
-
-    def first(self, rows, state, begin=0):
-        return next(k for k in range(begin, len(rows)) if rows[k]["state"] == state)
-
     def test_every_signal_that_ends_it_lets_the_force_fall(self):
         for sign in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             with self.subTest(sign=sign):
@@ -80,7 +85,7 @@ class Ends(Live):
                 process.send_signal(sign)  # who is in a hurry asks twice
                 self.end(process)
                 rows = self.rows()
-                begin = 1 + max(k for k in range(len(rows)) if rows[k]["state"] not in (FALLING, STOPPED))
+                begin = self.last_fall(rows)
                 self.assertIn(rows[begin]["fault"], (PAUSED, LATE_TICK))  # a slow machine may be late just then
                 self.assert_falls(rows, begin, 0.1)
                 self.assertEqual(force(rows[-1]), 0.0)
@@ -191,7 +196,7 @@ class Ends(Live):
         self.end(process)
 
 
-class OutOfRoom(Gateway):
+class EndsWithAGateway(Falls, Gateway):
     def setUp(self):
         super().setUp()
         self.write("hand.csv", lean())
@@ -203,18 +208,18 @@ class OutOfRoom(Gateway):
     def forces(self):
         return [force(row) for row in rows_of(self.read("run.csv"))]
 
-    def until(self, done):
+    def until(self, done, pause=0.1):
         for _ in range(600):
             if done():
                 return
-            time.sleep(0.1)
+            time.sleep(pause)
         self.fail("it does not come to that")
 
-    def message(self, send, receive):
+    def parameters(self, send, receive):
         send({"op": "call_service", "service": "/palpate/get_parameters", "id": "get"})
         while (answer := json.loads(receive()[1])).get("id") != "get":
             pass
-        return json.loads(answer["values"]["message"])["message"]
+        return json.loads(answer["values"]["message"])
 
     @unittest.skipIf(SANITIZED, "AddressSanitizer reserves all there is")
     def test_a_change_that_finds_no_memory_changes_nothing(self):
@@ -229,14 +234,27 @@ class OutOfRoom(Gateway):
         large = json.dumps({"tool": [{"semi_axes": [0.01, 0.01, 0.01]}] * 64}, separators=(",", ":"))  # decoded at once: short
         change = {"op": "call_service", "service": "/palpate/set_parameters", "args": {"json": large}}
         send(change)
-        self.until(lambda: "not enough memory" in self.message(send, receive))
+        self.until(lambda: "not enough memory" in self.parameters(send, receive)["message"])
         begin = len(self.forces())
         self.until(lambda: len(self.forces()) > begin + 50)
         self.assertGreater(min(self.forces()[begin:]), LEANS, "what was felt is felt on")
         resource.prlimit(self.process.pid, resource.RLIMIT_AS, before)
         send(change)
-        self.until(lambda: self.message(send, receive) == "")
+        self.until(lambda: self.parameters(send, receive)["message"] == "")
         self.end()
+
+    def test_what_is_being_made_ready_holds_up_no_end(self):
+        """A million Gaussians are filtered and indexed anew while it is told to end."""
+        self.succeed("make-scene", "plane", "--out", "wall.ply", "--spacing", "0.0004")
+        self.start(*self.leaning)
+        send, receive = self.socket()
+        self.until_it_leans()
+        send({"op": "call_service", "service": "/palpate/set_parameters", "args": {"json": json.dumps({"filter": {"opacity_min": 0.7}})}})
+        self.until(lambda: self.parameters(send, receive)["busy"], pause=0.0)
+        self.end()
+        rows = rows_of(self.read("run.csv"))
+        self.assert_falls(rows, self.last_fall(rows), 0.1)
+        self.assertEqual(force(rows[-1]), 0.0)
 
     def test_a_disk_that_is_full_lets_the_force_fall(self):
         """The record is what is full: the force is what clients are told."""
