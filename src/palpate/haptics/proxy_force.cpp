@@ -229,6 +229,7 @@ bool ProxyForce::look_around(const Goal& goal) {
   bool sees = true;
   for (Part& part : parts_) {
     const bool looks = !budget_.is_spent();
+    budget_.spend_on_part();
     if (looks) {
       part.splats.around(part.larger.at(proxy_));
       budget_.spend_on_search(part.splats.taken_up());

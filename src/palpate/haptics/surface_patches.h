@@ -66,9 +66,11 @@ class LookBudget {
   }
   /// \param found Gaussians that were searched for and taken up
   void spend_on_search(std::size_t found) { left_ -= kPerFound * static_cast<double>(found); }
+  /// Of a part that is taken along by a step, looks or not: of 256 parts 6 steps a tick.
+  void spend_on_part() { left_ -= kPerPart; }
 
  private:
-  static constexpr double kPerLook = 100.0, kPerNear = 0.2, kPerFound = 2.5;
+  static constexpr double kPerLook = 200.0, kPerNear = 0.2, kPerFound = 2.5, kPerPart = 10.0;
   double left_ = kTick;
 };
 
