@@ -1,5 +1,5 @@
-// Real captures, of which nothing is known: every .ply and .splat in the folder PALPATE_SCENES. From page load to a felt contact
-// by one action, whatever their unit. Needs PALPATE_BINARY.
+// From page load to the first felt contact, counted in actions, on scenes of which nothing is known: the built-in one, and every
+// .ply and .splat in the folder PALPATE_SCENES. Needs PALPATE_BINARY.
 
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -11,14 +11,18 @@ import { after, before, describe, test } from 'node:test';
 import { ask, launch, openViewer, settle, until } from './browser.mjs';
 
 const folder = process.env.PALPATE_SCENES;
-const long = 600000; // software draws millions of splats slowly. Unit: [ms].
+const long = Number(process.env.PATIENCE ?? 600000); // software draws millions of splats slowly. Unit: [ms].
 const least = 24; // that marks the tool. Unit: [px].
 const stays = Number(process.env.STAYS ?? 30000); // Unit: [ms].
+const most = { mouse: 2, keyboard: 3, touch: 2 }; // actions
 
-const files = (await readdir(folder)).filter((name) => /\.(ply|splat)$/.test(name) && !name.includes('compressed'));
+const desk = { viewport: { width: 1440, height: 900 }, deviceScaleFactor: 0.25 };
+const phone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 0.5, hasTouch: true, isMobile: true };
+const files = folder ? (await readdir(folder)).filter((name) => /\.(ply|splat)$/.test(name) && !name.includes('compressed')) : [];
+const builtIn = 'the built-in scene';
 
-async function run(scene) {
-  const program = spawn(process.env.PALPATE_BINARY, ['run', scene, '--port', '0'], { stdio: ['ignore', 'ignore', 'pipe'] });
+async function run(args) {
+  const program = spawn(process.env.PALPATE_BINARY, ['run', ...args, '--port', '0'], { stdio: ['ignore', 'ignore', 'pipe'] });
   const url = await new Promise((found, failed) => {
     let said = '';
     program.stderr.on('data', (data) => {
@@ -31,27 +35,61 @@ async function run(scene) {
   return { url, stop: () => new Promise((done) => { program.on('exit', done); program.kill('SIGINT'); }) };
 }
 
-for (const name of files) {
+for (const name of [builtIn, ...files]) {
   describe(name, () => {
-    let browser, program, page, work;
-    const felt = () => until(page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.05 && !window.palpateViewer.approaching);
-    const free = async () => {
-      await page.getByRole('button', { name: 'Start demo' }).click();
-      await until(page, () => window.palpateViewer.parameters().demo);
-    };
+    let browser, program, work;
 
-    before(async () => {
-      // The index goes beside a link, not into somebody's folder.
-      work = await mkdtemp(path.join(os.tmpdir(), 'palpate-captures-'));
-      await symlink(path.join(folder, name), path.join(work, name)).catch(() => cp(path.join(folder, name), path.join(work, name)));
-      browser = await launch();
-      program = await run(path.join(work, name));
-      const context = { viewport: { width: 1440, height: 900 }, deviceScaleFactor: 0.25 };
-      ({ page } = await openViewer(browser, program.url, { context, patience: long }));
+    // A page that has just been loaded, at the size that it has found for the scene.
+    async function load(context) {
+      const { page } = await openViewer(browser, program.url, { context, patience: long });
       page.setDefaultTimeout(long);
       await until(page, () => !window.palpateViewer.parameters().registration.assumed.includes('scale')
         && !window.palpateViewer.parameters().busy);
-      await settle(page, 4);
+      await until(page, () => window.palpateViewer.fresh('measured_cp'));
+      await settle(page);
+      return page;
+    }
+
+    // Does `act`, which counts what it does, on a page of its own; and, once the tool is felt, `then`.
+    async function feel(by, context, act, then = () => {}) {
+      const page = await load(context);
+      const marked = () => page.locator('.tool-ring, .tool-arrow').evaluateAll((nodes) => Math.max(0, ...nodes.map((n) => n.getBoundingClientRect().width)));
+      const size = Math.max(await ask(page, (v) => v.toolPixels()), await marked());
+      assert.ok(size >= least, `the tool is marked by ${size} px`);
+      let actions = 0;
+      await act(page, (action) => { ++actions; return action; });
+      await until(page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.05 && !window.palpateViewer.approaching);
+      assert.ok(actions <= most[by], `${actions} actions by ${by}`);
+      await then(page);
+      await page.getByRole('button', { name: 'Start demo' }).click();
+      await until(page, () => window.palpateViewer.parameters().demo);
+      await page.close();
+    }
+
+    // Near the middle of the view, where somebody sees something.
+    async function seenPlace(page) {
+      const { x, y, width, height } = await page.locator('#canvas').boundingBox();
+      const places = [0, 40, -40, 80, -80, 140].flatMap((dx) => [0, 40, -40, 80].map((dy) => [x + 0.5 * width + dx, y + 0.5 * height + dy]));
+      const place = await ask(page, (v, list) => list.find((p) => v.pick(p)), places);
+      assert.ok(place, 'something is seen near the middle');
+      return place;
+    }
+
+    async function staysWhereItIsLeft(page) {
+      await page.waitForTimeout(2000); // it settles in what it is pressed into
+      const left = await ask(page, (v) => v.tool());
+      await page.waitForTimeout(stays);
+      const [now, size] = await ask(page, (v) => [v.tool(), v.parameters().tool[0].semi_axes[0]]);
+      assert.ok(Math.hypot(...now.map((c, k) => c - left[k])) < size, `${left} and ${now}`);
+    }
+
+    before(async () => {
+      // The index goes beside a link, not into somebody's folder.
+      work = await mkdtemp(path.join(os.tmpdir(), 'palpate-first-contact-'));
+      const scene = path.join(work, name);
+      if (name !== builtIn) await symlink(path.join(folder, name), scene).catch(() => cp(path.join(folder, name), scene));
+      browser = await launch();
+      program = await run(name === builtIn ? [] : [scene]);
     }, { timeout: long });
     after(async () => {
       await browser?.close();
@@ -59,32 +97,14 @@ for (const name of files) {
       await rm(work, { recursive: true, force: true });
     });
 
-    test('the tool is marked at first sight', async () => {
-      const marked = () => page.locator('.tool-ring, .tool-arrow').evaluateAll((nodes) => Math.max(0, ...nodes.map((n) => n.getBoundingClientRect().width)));
-      await until(page, () => window.palpateViewer.fresh('measured_cp'));
-      await settle(page, 2);
-      const size = Math.max(await ask(page, (v) => v.toolPixels()), await marked());
-      assert.ok(size >= least, `${size} px`);
-    });
+    test('by keyboard', { timeout: long }, () => feel('keyboard', desk, (page, count) => count(page.keyboard.press('c'))));
 
-    test('by keyboard: one key, and it is felt', { timeout: long }, async () => {
-      await page.keyboard.press('c');
-      await felt();
-      await free();
-    });
+    test('by mouse, and the tool stays where it is left', { timeout: long }, () => feel('mouse', desk, async (page, count) => {
+      await count(page.mouse.click(...await seenPlace(page)));
+    }, staysWhereItIsLeft));
 
-    test('by mouse: one click, it is felt, and the tool stays where it is left', { timeout: long }, async () => {
-      const { x, y, width, height } = await page.locator('#canvas').boundingBox();
-      const places = [0, 40, -40, 80, -80, 140].flatMap((dx) => [0, 40, -40, 80].map((dy) => [x + 0.5 * width + dx, y + 0.5 * height + dy]));
-      const place = await ask(page, (v, list) => list.find((p) => v.pick(p)), places);
-      assert.ok(place, 'something is seen near the middle');
-      await page.mouse.click(...place);
-      await felt();
-      await page.waitForTimeout(2000); // it settles in what it is pressed into
-      const left = await ask(page, (v) => v.tool());
-      await page.waitForTimeout(stays);
-      const [now, size] = await ask(page, (v) => [v.tool(), v.parameters().tool[0].semi_axes[0]]);
-      assert.ok(Math.hypot(...now.map((c, k) => c - left[k])) < size, `${left} and ${now}`);
-    });
+    test('by touch', { timeout: long }, () => feel('touch', phone, async (page, count) => {
+      await count(page.touchscreen.tap(...await seenPlace(page)));
+    }));
   });
 }
