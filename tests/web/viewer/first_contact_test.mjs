@@ -45,7 +45,6 @@ for (const name of [builtIn, ...files]) {
       page.setDefaultTimeout(long);
       await until(page, () => !window.palpateViewer.parameters().registration.assumed.includes('scale')
         && !window.palpateViewer.parameters().busy);
-      await until(page, () => window.palpateViewer.fresh('measured_cp'));
       await settle(page);
       return page;
     }
@@ -53,9 +52,8 @@ for (const name of [builtIn, ...files]) {
     // Does `act`, which counts what it does, on a page of its own; and, once the tool is felt, `then`.
     async function feel(by, context, act, then = () => {}) {
       const page = await load(context);
-      const marked = () => page.locator('.tool-ring, .tool-arrow').evaluateAll((nodes) => Math.max(0, ...nodes.map((n) => n.getBoundingClientRect().width)));
-      const size = Math.max(await ask(page, (v) => v.toolPixels()), await marked());
-      assert.ok(size >= least, `the tool is marked by ${size} px`);
+      await until(page, (size) => [window.palpateViewer.toolPixels(), // or by a mark, once it is known where the tool is
+        ...[...document.querySelectorAll('.tool-ring, .tool-arrow')].map((mark) => mark.getBoundingClientRect().width)].some((width) => width >= size), least);
       let actions = 0;
       await act(page, (action) => { ++actions; return action; });
       await until(page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.05 && !window.palpateViewer.approaching);

@@ -14,7 +14,7 @@ export class Overlay {
   constructor(view) {
     this.view = view;
     this.ring = svg('circle', { class: 'tool-ring' });
-    this.arrow = svg('path', { class: 'tool-arrow', d: 'M14 0L-6 -9L-2 0L-6 9Z' });
+    this.arrow = svg('path', { class: 'tool-arrow', d: 'M18 0L-8 -13L-3 0L-8 13Z' });
     this.name = svg('text', { class: 'tool-name' }, 'Tool');
     this.distance = svg('text', { class: 'tool-distance' });
     this.node = svg('svg', { class: 'overlay', 'aria-hidden': 'true' }, this.ring, this.arrow, this.name, this.distance);
