@@ -44,6 +44,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     axes: () => Object.fromEntries(Object.entries(view.axesOfCamera).map(([name, axis]) => [name, axis.toArray()])),
     toolPixels: () => (2 * felt.size) / view.pixelAt(live.tool.position), // its diameter on the page
     project: (point) => view.project(point),
+    seenOpacity: ([x, y]) => splats.look(view.rayAt({ clientX: x, clientY: y }))?.opacity ?? 0,
     pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,
   };
   window.palpateViewer = Object.freeze(api);
