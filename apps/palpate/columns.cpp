@@ -68,6 +68,7 @@ const Names kInfo{
     {"frame", "", "what is assumed about the captured frame"},
     {"world_bounds", "m", "box of the kept ellipsoids, world: min, max"},
     {"proposed", "", "what setup proposes; null where nothing can be touched"},
+    {"made", "", "see above"},
 };
 
 const Names kSetup{
@@ -76,6 +77,7 @@ const Names kSetup{
     {"opacity_min", "1", "--opacity-min, likewise"},
     {"max_scale", "m", "--max-scale, likewise; value null: none"},
     {"crop_box", "m", "--crop-box, likewise"},
+    {"made", "", "see above"},
 };
 
 const Names kQuery{
@@ -94,6 +96,7 @@ const Names kQuery{
     {"force", "N", "on the tool, world"},
     {"torque", "N m", "about the tool centre, world"},
     {"confidence", "1", "of the force"},
+    {"made", "", "see above"},
 };
 
 const Names kReplay{
@@ -426,7 +429,8 @@ void print_all() {
   table("`made`", "How a result was made; in the `[made]` of a CSV the names have `-` for `_`.", "field",
         kMade);
   table("`palpate info --json`", "A scene.", "field", kInfo);
-  table("`palpate setup --json`", "Proposals, each an object of `value` and `reason`.", "field", kSetup);
+  table("`palpate setup --json`", "Proposals, each an object of `value` and `reason`; and `made`.", "field",
+        kSetup);
   table("`palpate query --json`", "One pose.", "field", kQuery);
   table("`palpate replay --json`", "A summary of the run.", "field", kReplay);
   table("`palpate run --json`", "A summary of the live loop.", "field", kRun);

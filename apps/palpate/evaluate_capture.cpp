@@ -102,7 +102,7 @@ class Study {
   }
 
   /// Pictures of the worst pushes, whose trajectories are written to the folder that was asked for.
-  std::vector<Plot> worst(const CaptureRow& row, std::vector<std::string>& written) {
+  std::vector<Plot> worst(const CaptureRow& row, const Provenance& made, std::vector<std::string>& written) {
     std::vector<Plot> plots;
     CaptureEvaluation evaluation = on(capture_, row.model);
     for (const std::size_t i : worst_pushes(row.pushes)) {
@@ -115,7 +115,7 @@ class Study {
       plots.back().title += fmt::format(", {}, push {}", row.model, i);
       if (options_.worst.empty()) continue;
       written.push_back((std::filesystem::path(options_.worst) / ("push-" + name + ".csv")).string());
-      write_trajectory(trajectory_of(ticks), written.back());
+      write_trajectory(trajectory_of(ticks), written.back(), to_toml(made));
     }
     return plots;
   }
@@ -183,11 +183,11 @@ void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
   std::vector<CaptureRow> rows;
   std::vector<Plot> plots;
   std::vector<std::string> written;
+  const Provenance made = provenance_of(options, task);
   for (const std::string& model : task.models) {
     rows.push_back(study.measure(model));
-    for (Plot& plot : study.worst(rows.back(), written)) plots.push_back(std::move(plot));
+    for (Plot& plot : study.worst(rows.back(), made, written)) plots.push_back(std::move(plot));
   }
-  const Provenance made = provenance_of(options, task);
   csv.write(head_of(made) + capture_csv(rows), written);
   html.write(
       page_document("Felt where it is seen?", intro(options, task), plots, capture_html(rows), to_toml(made)),

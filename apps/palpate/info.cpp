@@ -10,6 +10,7 @@
 #include <palpate/scene/lint.h>
 
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "setup.h"
@@ -142,6 +143,7 @@ Command declare_info(CLI::App& parent) {
             if (common->json) {
               Json json = to_json(loaded, report, live->scene);
               json["proposed"] = setup ? setup_json<Json>(*setup) : Json();
+              json["made"] = made_json(made_by(*common, *live, {ConfigGroup::kScene}));
               print_json(json);
             } else {
               print_text(loaded, report, live->scene);

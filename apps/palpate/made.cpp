@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <palpate/base/csv.h>
 
 #include "declare.h"
@@ -44,6 +46,16 @@ Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const 
                    std::initializer_list<ConfigGroup> groups) {
   Provenance known = provenance(command_name(*common.app), scene, live, groups);
   for (const auto& [name, text] : other_options(*common.app)) set(known, name, toml_value(text));
+  return known;
+}
+
+Provenance made_by(const CommonOptions& common, LiveConfig live, const QueryOptions& query_options,
+                   const ContactQuery& query) {
+  using enum ConfigGroup;
+  live.force.model = query_options.model(live);
+  Provenance known = made_by(common, live, {kScene, kTool, kForce});
+  if (const auto* paper = dynamic_cast<const PaperPipeline*>(&query); paper != nullptr)
+    set(known, "search-radius", fmt::format("{}", paper->search_radius()));
   return known;
 }
 

@@ -9,6 +9,7 @@
 #include <palpate/live/provenance.h>
 
 #include "command.h"
+#include "options.h"
 #include "output.h"
 
 namespace palpate::cli {
@@ -20,6 +21,10 @@ Provenance made_by(const CommonOptions& common, const LiveConfig& live,
 /// The same with a scene that is no file of `live`.
 Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const LiveConfig& live,
                    std::initializer_list<ConfigGroup> groups);
+
+/// Of a command that asks poses, for the contacts of `query`, which query_options made.
+Provenance made_by(const CommonOptions& common, LiveConfig live, const QueryOptions& query_options,
+                   const ContactQuery& query);
 
 /// Changes a setting, or adds it. \param value as TOML
 void set(Provenance& provenance, std::string_view name, const std::string& value);

@@ -11,6 +11,7 @@
 #include <palpate/study/touch_path.h>
 
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -34,6 +35,13 @@ Trajectory make_path(const Options& options, const SceneIndex& index, const Elli
   }
 }
 
+Provenance provenance_of(const Options& options) {
+  using enum ConfigGroup;
+  Provenance known = made_by(options.common, options.live, {kScene, kTool});
+  set(known, "rate", fmt::format("{}", options.path.rate));  // of poses; a live loop has a field of that name
+  return known;
+}
+
 void run(const Options& options) {
   check_output(options.out, {options.live.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
@@ -41,7 +49,7 @@ void run(const Options& options) {
   const SceneIndex index(loaded.scene, options.live.scene.filter, options.live.scene.world_from_scene(),
                          progress);
   const Trajectory path = make_path(options, index, loaded.kept);
-  write_trajectory(path, options.out);
+  write_trajectory(path, options.out, to_toml(provenance_of(options)));
   DensityForce model;
   const auto contacts = contact_episodes(play_back(index, options.live.tool, model, path)).size();
   if (contacts < static_cast<std::size_t>(options.path.touches)) {

@@ -12,6 +12,7 @@
 #include <palpate/haptics/tool_query.h>
 
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "output.h"
 #include "terminal.h"
@@ -119,6 +120,7 @@ void run(const Options& options) {
   if (options.common.json) {
     Json json = to_json(answer);
     if (paper != nullptr) add_reach(*paper, options.live.tool, json);
+    json["made"] = made_json(made_by(options.common, options.live, options.query, *query));
     print_json(json);
   } else {
     print_text(answer, std::string(to_string(options.query.model(options.live))), options);

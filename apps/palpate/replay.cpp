@@ -73,16 +73,6 @@ void print_text(const std::vector<RunRow>& rows) {
       s.compute_us.p99, s.compute_us.max);
 }
 
-/// Of the command with these options.
-Provenance provenance_of(const Options& options, const PaperPipeline* paper) {
-  using enum ConfigGroup;
-  LiveConfig live = options.live;
-  live.force.model = options.query.model(live);
-  Provenance known = made_by(options.common, live, {kScene, kTool, kForce});
-  if (paper != nullptr) set(known, "search-radius", fmt::format("{}", paper->search_radius()));
-  return known;
-}
-
 void settle(Options& options) {
   const RunOrigin origin(options.from);
   origin.settle(options.live);
@@ -106,10 +96,10 @@ void run(Options& options) {
   const auto query = options.query.build(options.live, progress);
   const auto model = options.query.build_model(options.live, *query, progress);
   const std::vector<RunRow> rows = play_back(*query, options.live.tool, *model, trajectory, progress);
-  const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
-  const Provenance known = provenance_of(options, paper);
+  const Provenance known = made_by(options.common, options.live, options.query, *query);
   write_run(rows, options.out, to_toml(known), progress);
 
+  const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
     Json json = to_json(rows);
     json["made"] = made_json(known);

@@ -16,6 +16,7 @@
 #include <palpate/scene/load_scene.h>
 
 #include "command.h"
+#include "made.h"
 #include "options.h"
 #include "terminal.h"
 
@@ -53,6 +54,13 @@ struct Options {
   std::string out;
 };
 
+/// What was asked, not what is proposed.
+Provenance provenance_of(const Options& options) {
+  Provenance known = made_by(options.common, options.live, {ConfigGroup::kTool});
+  set(known, "scene", toml_quoted(options.live.scene.path));
+  return known;
+}
+
 void run(const Options& options) {
   if (!options.out.empty()) check_output(options.out, {options.live.scene.path, options.common.config});
   LiveConfig live = options.live;
@@ -61,11 +69,13 @@ void run(const Options& options) {
   apply(setup, live.scene);
   if (!options.out.empty()) {
     OutputFile file(options.out);
-    file.write(to_toml(live, TomlFields::kSaved));
+    file.write(head_of(provenance_of(options)) + '\n' + to_toml(live, TomlFields::kSaved));
     file.commit();
   }
   if (options.common.json) {
-    print_json(setup_json<Json>(setup));
+    Json json = setup_json<Json>(setup);
+    json["made"] = made_json(provenance_of(options));
+    print_json(json);
   } else if (!options.common.quiet) {
     print_setup(setup);
     if (!options.out.empty())

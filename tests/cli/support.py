@@ -37,6 +37,11 @@ class Result:
     def json(self):
         return json.loads(self.out)
 
+    @property
+    def figures(self):
+        """The same without how it was made, which has the time of day."""
+        return {name: value for name, value in self.json.items() if name != "made"}
+
 
 def run(*args, cwd=None, timeout=120, stdout=None, env=None):
     """Runs palpate. Arguments may be bytes. `stdout` is a path to write to instead of capturing."""

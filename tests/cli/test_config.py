@@ -12,7 +12,7 @@ class Config(Case):
         self.write("path.csv", tapping_path(20))
 
     def query(self, *args):
-        return self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--json", *args).out
+        return self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--json", *args).figures
 
     def with_config(self, text, *args):
         self.write("c.toml", text)
@@ -48,7 +48,7 @@ class Config(Case):
 
     def test_flags(self):
         self.write("c.toml", "json = true\nquiet = true")
-        self.assertEqual(self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--config", "c.toml").out, self.query())
+        self.assertEqual(self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--config", "c.toml").figures, self.query())
         text = self.succeed("query", "a.ply", "--pose", "0.01,0,0").out
         self.write("c.toml", "json = false")
         self.assertEqual(self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--config", "c.toml").out, text)
@@ -56,7 +56,7 @@ class Config(Case):
 
     def test_required_options_may_come_from_it(self):
         self.write("c.toml", 'pose = [0.01, 0, 0]\ntrajectory = "path.csv"\nout = "run.csv"')
-        self.assertEqual(self.succeed("query", "a.ply", "--json", "--config", "c.toml").out, self.query())
+        self.assertEqual(self.succeed("query", "a.ply", "--json", "--config", "c.toml").figures, self.query())
         self.succeed("replay", "a.ply", "-q", "--config", "c.toml")
         self.assertIn("run.csv", self.files())
 

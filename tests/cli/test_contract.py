@@ -69,8 +69,8 @@ class Usage(Case):
         self.refuse(1, "missing.ply", "info", "missing.ply")
 
     def test_options_may_stand_anywhere_and_take_an_equals_sign(self):
-        a = self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--sigma", "2", "--json").out
-        b = self.succeed("query", "--json", "--sigma=2", "--pose=0.01,0,0", "a.ply").out
+        a = self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--sigma", "2", "--json").figures
+        b = self.succeed("query", "--json", "--sigma=2", "--pose=0.01,0,0", "a.ply").figures
         self.assertEqual(a, b)
 
     def test_vectors_may_begin_with_a_minus(self):
@@ -84,8 +84,8 @@ class Usage(Case):
         self.assertEqual(center("0,0,0", "--crop-sphere", "-0.5,0,0,1"), [0, 0, 0])
 
     def test_numbers_may_have_spaces_and_a_plus(self):
-        a = self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--json").out
-        self.assertEqual(a, self.succeed("query", "a.ply", "--pose", " +0.01, 0, +0 ", "--json").out)
+        a = self.succeed("query", "a.ply", "--pose", "0.01,0,0", "--json").figures
+        self.assertEqual(a, self.succeed("query", "a.ply", "--pose", " +0.01, 0, +0 ", "--json").figures)
 
 
 class Query(Case):
@@ -94,7 +94,7 @@ class Query(Case):
         self.write("a.ply", ply(random_rows(300, 1, spread=0.07)))
 
     def query(self, *args):
-        return self.succeed("query", "a.ply", "--json", *args).json
+        return self.succeed("query", "a.ply", "--json", *args).figures
 
     def assert_vector(self, v):
         self.assertEqual(len(v), 3)
@@ -155,6 +155,16 @@ class Query(Case):
         self.assertLess(len(short["contacts"]), len(exact["contacts"]))
         default = self.query("--pose", "0,0,0", "--pipeline", "paper")
         self.assertGreater(default["search_radius"], 0.04)
+
+    def test_says_how_it_was_made(self):
+        made = self.succeed("query", "a.ply", "--json", "--pose", "0.01,0.02,0.03", "--sigma", "1.5").json["made"]
+        self.assertEqual((made["command"], made["scene"]), ("query", "a.ply"))
+        self.assertRegex(made["scene_checksum"], "^xxh3-16MiB:[0-9a-f]{16}$")
+        settings = made["settings"]
+        self.assertEqual([settings[name] for name in ("pose", "sigma", "model")], ["0.01,0.02,0.03", 1.5, "proxy"])
+        paper = self.succeed("query", "a.ply", "--json", "--pose", "0,0,0", "--pipeline", "paper").json
+        settings = paper["made"]["settings"]
+        self.assertEqual((settings["model"], settings["search-radius"]), ("density", paper["search_radius"]))
 
     def test_text_says_the_same(self):
         document = self.query("--pose", "0.01,0.02,0.03")

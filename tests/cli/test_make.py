@@ -1,9 +1,10 @@
 """Made scenes and paths: every shape, and the same bytes for the same seed."""
 
 import math
+import tomllib
 import unittest
 
-from support import Case, columns_of, ply, ply_header, wall_rows
+from support import Case, columns_of, head_of, ply, ply_header, table_of, wall_rows
 
 SHAPES = ["sphere", "plane", "box", "cylinder", "torus", "step", "shell", "table"]
 
@@ -93,7 +94,18 @@ class MakePath(Case):
         self.assertEqual(summary["episodes"], 2)
         self.assertGreater(summary["force_max"], 0)
         self.succeed("make-path", "s.ply", "--touches", "2", "--out", "q.csv", "-q")
-        self.assertEqual(first, self.read("q.csv"))
+        self.assertEqual(table_of(first), table_of(self.read("q.csv")))
+
+    def test_a_path_says_how_it_was_made(self):
+        self.write("wall.ply", ply(wall_rows()))
+        self.succeed("make-path", "wall.ply", "--touches", "2", "--seed", "5", "--sigma", "1.5", "--tool", "0.01,0.01,0.01", "--out", "p.csv", "-q")
+        head = tomllib.loads(head_of(self.read("p.csv")))
+        self.assertEqual((head["made"]["command"], head["made"]["scene"]), ("make-path", "wall.ply"))
+        self.assertRegex(head["made"]["scene-checksum"], "^xxh3-16MiB:[0-9a-f]{16}$")
+        settings = head["settings"]
+        self.assertEqual([settings[name] for name in ("scene", "sigma", "tool", "touches", "seed")],
+                         ["wall.ply", 1.5, [0.01, 0.01, 0.01], 2, 5])
+        self.assertLess({"press", "slide", "rate"}, set(settings))
 
     def test_the_number_of_touches_is_told_as_it_is(self):
         self.write("wall.ply", ply(wall_rows(11)))  # 10 cm: too small for 40 places
@@ -106,7 +118,7 @@ class MakePath(Case):
         self.succeed("make-scene", "sphere", "--out", "s.ply", "-q")
         for seed in "12":
             self.succeed("make-path", "s.ply", "--touches", "1", "--seed", seed, "--out", f"p{seed}.csv", "-q")
-        self.assertNotEqual(self.read("p1.csv"), self.read("p2.csv"))
+        self.assertNotEqual(table_of(self.read("p1.csv")), table_of(self.read("p2.csv")))
 
     def test_nowhere_to_touch(self):
         self.write("wall.ply", ply(wall_rows(3)))

@@ -43,7 +43,7 @@ class Materials(Case):
     def test_properties_do_not_change_what_is_touched(self):
         self.write("hard.ply", ply([row + [500.0] for row in wall_rows()], INRIA + ["stiffness"]))
         query = ("--pose", "0,0,0.02", "--json", "--model", "field")
-        self.assertEqual(self.succeed("query", "hard.ply", *query).out, self.succeed("query", "a.ply", *query).out)
+        self.assertEqual(self.succeed("query", "hard.ply", *query).figures, self.succeed("query", "a.ply", *query).figures)
 
     def test_a_broken_property_is_found_whether_there_is_an_index_or_not(self):
         self.write("bad.ply", ply([splat() + [0.5], splat() + [-1.0]], INRIA + ["friction"]))

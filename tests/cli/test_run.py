@@ -30,6 +30,13 @@ def press_path(depth=0.004, seconds=6.0):
     return path_csv(rows)
 
 
+def deep_press(depth, speed=0.1):
+    """A hand that presses `depth` into a ball of 15 cm with a tool of 4 cm, both upright, and comes back."""
+    above, first, there = 0.22, 0.5, 0.03 + depth
+    times = [0.0, first, first + there / speed, first + there / speed + 0.3, first + 2 * there / speed + 0.3, first + 2 * there / speed + 0.8]
+    return path_csv([(t, 0.0, 0.0, z) for t, z in zip(times, [above, above, above - there, above - there, above, above])]), times[-1]
+
+
 class Live(Case):
     def setUp(self):
         super().setUp()
@@ -117,6 +124,16 @@ class Summary(Live):
                                      for stiffness in ("100", "400")))
         self.assertGreater(soft["force_max"], 0.2)
         self.assertAlmostEqual(firm["force_max"] / soft["force_max"], 4.0, delta=0.4)
+
+    def test_a_hand_that_presses_far_past_the_largest_force_is_no_fault(self):
+        self.succeed("make-scene", "sphere", "--out", "ball.ply", "-q")
+        for depth in (0.12, 0.16):
+            with self.subTest(depth=depth):
+                path, seconds = deep_press(depth)
+                self.write("deep.csv", path)
+                document = self.calm("run", "ball.ply", "--trajectory", "deep.csv", "--no-gateway", "--seconds", str(seconds))
+                self.assertEqual((document["state"], document["faults"]), ("active", []))
+                self.assertAlmostEqual(document["force_max"], 12.0, delta=0.01)  # all that the device has
 
     def test_the_builtin_scene_is_explored_without_any_file(self):
         document = self.calm("run", "--seconds", "5", "--rate", RATE)

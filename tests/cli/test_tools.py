@@ -21,7 +21,7 @@ class Tools(Case):
         self.write("pair.toml", PAIR)
 
     def query(self, tool, pose, *args):
-        return self.succeed("query", "a.ply", "--pose", pose, "--tool", tool, "--json", *args).json
+        return self.succeed("query", "a.ply", "--pose", pose, "--tool", tool, "--json", *args).figures
 
     def test_an_ellipsoid_in_a_file_is_the_one_of_three_numbers(self):
         self.write("one.toml", '[[ellipsoid]]\nname = "tool"\nsemi_axes = [0.01, 0.02, 0.03]\n')
@@ -76,7 +76,7 @@ class Tools(Case):
 
     def test_a_configuration_may_name_one(self):
         self.write("c.toml", 'tool = "pair.toml"')
-        self.assertEqual(self.succeed("query", "a.ply", "--pose", "0,0,0.015", "--config", "c.toml", "--json").json,
+        self.assertEqual(self.succeed("query", "a.ply", "--pose", "0,0,0.015", "--config", "c.toml", "--json").figures,
                          self.query("pair.toml", "0,0,0.015"))
 
     def test_every_example_feels_the_wall(self):

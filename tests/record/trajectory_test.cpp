@@ -145,7 +145,8 @@ TEST(Trajectory, WritesWhatItReadsBackExactly) {
     written.push_back(p);
   }
   const TemporaryFile file("old", "path.csv");
-  write_trajectory(written, file.path());
+  write_trajectory(written, file.path(), "[made]\nversion = \"1, 2\"\n");
+  EXPECT_EQ(CsvReader(file.path()).header().comment, "[made]\nversion = \"1, 2\"\n");
   const Trajectory read = read_trajectory(file.path());
   ASSERT_EQ(read.size(), written.size());
   for (std::size_t i = 0; i < read.size(); ++i) {

@@ -58,6 +58,14 @@ TEST(SceneSetup, FindsTheAxisThatPointsUp) {
   }
 }
 
+// What no camera saw: together they have more area than the ball.
+TEST(SceneSetup, IsNotMisledByAFewLargeGaussiansBeneathTheGround) {
+  Room captured(upright(UpAxis::kYDown).conjugate());
+  for (int i = 0; i < 200; ++i)
+    captured.add({0.002 * i - 0.2, 0.0, -0.1 - 0.001 * i}, Vector3d::Ones(), 5 * Room::kSigma, 0.9);
+  EXPECT_EQ(propose_setup(captured.scene(), 0.02).frame.value, UpAxis::kYDown);
+}
+
 TEST(SceneSetup, LeavesWhatFacesAllWaysAsItIs) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal;

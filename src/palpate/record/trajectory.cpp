@@ -85,8 +85,8 @@ Trajectory read_trajectory(const std::string& path) {
   return trajectory;
 }
 
-void write_trajectory(const Trajectory& trajectory, const std::string& path) {
-  std::string text = "t,x,y,z,qw,qx,qy,qz\n";
+void write_trajectory(const Trajectory& trajectory, const std::string& path, const std::string& made) {
+  std::string text = csv_comment(made) + "t,x,y,z,qw,qx,qy,qz\n";
   for (const TimedPose& timed : trajectory) {
     const auto& p = timed.pose.position;
     const auto& q = timed.pose.orientation;

@@ -32,7 +32,8 @@ Pose pose_at(const Trajectory& trajectory, double t);
 /// more, a time or coordinate is beyond 1e12, or the norm of a quaternion is more than a tenth off 1.
 Trajectory read_trajectory(const std::string& path);
 
-/// Writes the poses as read_trajectory() reads them. The file appears whole or not at all.
-void write_trajectory(const Trajectory& trajectory, const std::string& path);
+/// Writes a comment of the lines of `made`, TOML that says how they were made; then the poses as
+/// read_trajectory() reads them. The file appears whole or not at all.
+void write_trajectory(const Trajectory& trajectory, const std::string& path, const std::string& made = {});
 
 }  // namespace palpate

@@ -31,6 +31,8 @@ describe('the first size', () => {
     await waitFor(() => asked().length === 1, 'the size');
     assert.deepEqual(asked(), [{ registration: { scale: 0.25, frame: 'y-down' } }]);
     await desk.page.getByText(/does not say how large .* across, and stands upright: the tool is as large in it as in a hand/).waitFor();
+    const [, said] = /now ([\d.]+) cm across/.exec(await card().textContent());
+    assert.ok(Math.abs(said / (100 * 0.25 * 2 * radius * Math.sqrt(3)) - 1) < 0.1, `${said} cm from corner to corner`);
     await settle(desk.page, 4);
     const { height } = await desk.page.locator('#canvas').boundingBox();
     assert.ok(await shown() > 0.25 * height, `${await shown()} of ${height} px`);
@@ -54,7 +56,7 @@ describe('the first size', () => {
     await card().getByText(/^It is now .* across\.$/).waitFor();
     await settle(desk.page, 4);
     const { height } = await desk.page.locator('#canvas').boundingBox();
-    assert.ok(await shown() > 0.25 * height, 'it is seen whole again');
+    assert.ok(await shown() > 0.25 * height && await shown() < height, 'it is seen whole again');
     await card().getByRole('button', { name: 'As captured' }).click();
     await waitFor(() => desk.gateway.parameters.registration.scale === 1, 'the size in the file');
     await card().getByRole('button', { name: 'Keep this size' }).click();

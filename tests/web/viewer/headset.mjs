@@ -89,7 +89,8 @@ describe('in a headset', () => {
 
   test('controllers, floor and panel are drawn, and how long frames take is shown', async () => {
     await until(desk.page, () => window.palpateViewer.vr().frameTime > 0);
-    const { drawn, floor, lines } = await seen();
+    const { drawn, floor, lines, panel } = await seen();
+    assert.equal(panel, true);
     assert.deepEqual(drawn.map((n) => n > 0), [true, true]);
     assert.equal(floor, true);
     await until(desk.page, () => window.palpateViewer.vr().lines.some((line) => /^Frame \d+\.\d ms, longest \d+ ms$/.test(line)));
@@ -212,11 +213,19 @@ describe('in a headset', () => {
     await until(desk.page, () => window.palpateViewer.vr().marker);
   });
 
-  test('tracked hands are drawn, and a pinch holds the tool', async () => {
+  test('tracked hands are drawn, the panel is at the left one, and a pinch holds the tool, which goes with the hand', async () => {
+    const putHand = (hand, position) => desk.page.evaluate(([side, p]) => window.headset.hands[side].position.set(...p), [hand, position]);
     await desk.page.evaluate(() => { window.headset.primaryInputMode = 'hand'; });
+    for (const side of ['left', 'right']) await putHand(side, resting[side]);
     await until(desk.page, () => Math.min(...window.palpateViewer.vr().drawn) > 20);
+    await until(desk.page, () => window.palpateViewer.vr().panel);
+    assert.ok(distance(await ask(desk.page, (v) => v.panelButton('stop')), resting.left) < 0.4);
     await desk.page.evaluate(() => window.headset.hands.right.updatePinchValue(1));
     await until(desk.page, () => window.palpateViewer.held);
+    await settle(desk.page);
+    const before = desk.gateway.tool.position;
+    await putHand('right', resting.right.map((c, k) => c + [-0.1, 0.05, 0][k]));
+    await waitFor(() => distance(desk.gateway.tool.position, [before[0] - 0.1, before[1], before[2] + 0.05]) < 0.01, 'the tool with the hand');
     await desk.page.evaluate(() => window.headset.hands.right.updatePinchValue(0));
     await until(desk.page, () => !window.palpateViewer.held);
     await desk.page.evaluate(() => { window.headset.primaryInputMode = 'controller'; });

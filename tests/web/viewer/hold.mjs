@@ -5,7 +5,7 @@ import { before, beforeEach, describe, test } from 'node:test';
 
 import { ask, settle, until, waitFor } from './browser.mjs';
 import { clear, desk, distance, frameAll, openDesk, requests, resetDesk, scaled, textOf, toolOnPage } from './desk.mjs';
-import { radius } from './mock_scene.mjs';
+import { besideHaze, radius } from './mock_scene.mjs';
 
 const felt = () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.1;
 const middleOfView = async () => {
@@ -45,6 +45,17 @@ describe('bringing the tool', () => {
   test('a key brings it to the middle of the view: one action by keyboard', async () => {
     await desk.page.keyboard.press('c');
     await until(desk.page, felt);
+  });
+
+  test('a key brings it past haze to what is solid', async () => {
+    const place = [0.3, 0, 0];
+    await resetDesk({ scene: besideHaze(place) });
+    assert.ok(await ask(desk.page, (v, p) => v.pick(p), await middleOfView()), 'haze is seen in the middle');
+    await desk.page.keyboard.press('c');
+    await until(desk.page, () => window.palpateViewer.approaching);
+    await until(desk.page, () => !window.palpateViewer.approaching);
+    const off = distance(desk.gateway.tool.position, place);
+    assert.ok(off < radius + 0.05, `${off} m from the ball`);
   });
 
   test('a click beside everything, or on what is cut off, brings it nowhere', async () => {

@@ -33,7 +33,7 @@ test('what is kept is what the program says, in any order, and as large', () => 
   assert.equal(scene.count, 2);
   assert.deepEqual([...scene.nearest([1, 0, 0], 3)].sort(), [0, 2]);
   assert.deepEqual([...scene.at(2).semiAxes], [0.375, 0.75, 1.5]);
-  assert.deepEqual(scene.hit([1, 0, -1], [0, 0, 1]), { distance: 1, felt: false });
+  assert.deepEqual(scene.hit([1, 0, -1], [0, 0, 1]), { distance: 1, felt: false, opacity: 1 });
   scene.keep(listOf([[1, [1, 1, 1]], [3, [1, 1, 1]]])); // the scene has no row 3
   assert.deepEqual([...scene.nearest([0, 0, 0], 3)], [1]);
   scene.keep(new ArrayBuffer(0));
@@ -74,7 +74,9 @@ test('a ray sees the first solid Gaussian in its way', () => {
 test('a ray goes through haze, and stops where most of what is seen is', () => {
   const haze = gaussian([0, 0, 1], { opacity: 0.15 });
   const scene = kept(haze, gaussian([0, 0, 3], { opacity: 0.95 }));
-  assert.ok(Math.abs(scene.hit([0, 0, 0], [0, 0, 1]).distance - 3) < 1e-6);
+  const seen = scene.hit([0, 0, 0], [0, 0, 1]);
+  assert.ok(Math.abs(seen.distance - 3) < 1e-6);
+  assert.ok(Math.abs(seen.opacity - (1 - 0.85 * 0.05)) < 1e-6, `${seen.opacity}`);
   assert.equal(kept(haze).hit([0, 0, 0], [0, 0, 1]), null, 'what is hardly seen is nothing');
   const veils = kept(...[1, 2, 3, 4].map((z) => gaussian([0, 0, z], { opacity: 0.4 })));
   assert.ok(Math.abs(veils.hit([0, 0, 0], [0, 0, 1]).distance - 2) < 1e-6, 'half of the opacity is before');

@@ -37,6 +37,15 @@ export function ballScene(count) {
   return { gaussians, ply: toPly(gaussians) };
 }
 
+/// A ball that is beside haze: the middle of both is haze alone.
+export function besideHaze(place) {
+  const { gaussians } = ballScene(600);
+  const haze = Array.from({ length: 60 }, (_, i) => ({
+    center: place.map((c) => -(c * i) / 60), turn: [1, 0, 0, 0], deviations: [0.05, 0.05, 0.05], opacity: 0.12, rgb: [0.8, 0.8, 0.8],
+  }));
+  return sceneOf([...gaussians.map((g) => ({ ...g, center: g.center.map((c, k) => c + place[k]) })), ...haze]);
+}
+
 // `rest` are the coefficients of degrees 1 to 3, if a Gaussian has any: then all need them.
 function toPly(gaussians) {
   const named = gaussians.some(({ rest }) => rest) ? properties : properties.filter((name) => !name.startsWith('f_rest'));

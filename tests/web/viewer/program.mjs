@@ -27,6 +27,11 @@ async function isHealthy(url) {
   }
 }
 
+/// How often the program has been held up, as the page says: on a busy machine it may be. It then takes the force away, which comes
+/// back once the tool has been lifted.
+export const countHeldUp = () => [...document.querySelectorAll('#messages li')]
+  .filter((line) => /no force: (late-tick|stalled|over-energy|late-contacts)/.test(line.textContent)).length;
+
 /// A ball of about 700 Gaussians and a radius of 0.15 m, and programs that feel it.
 export class Program {
   static async create() {

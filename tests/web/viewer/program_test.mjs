@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { ask, colorsOf, headsetScript, launch, openViewer, settle, until } from './browser.mjs';
-import { Program } from './program.mjs';
+import { countHeldUp, Program } from './program.mjs';
 
 const radius = 0.15; // of the ball of make-scene. Unit: [m].
 const above = [0, 0, 0.3]; // where the tool waits
@@ -43,9 +43,6 @@ async function goBack() {
   await until(page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 0.002 && window.palpateViewer.parameters().demo, above);
 }
 
-// On a busy machine the program may be held up: it then takes the force away, which comes back once the tool has been lifted.
-const countHeldUp = () => [...document.querySelectorAll('#messages li')]
-  .filter((line) => /no force: (late-tick|stalled|over-energy|late-contacts)/.test(line.textContent)).length;
 let heldUpBefore = 0; // the attempt
 
 // Waits until `look` is true of the page, as long as the program is not held up. One function: the page's own rules forbid to make

@@ -13,7 +13,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     get approaching() { return hold.holds('approach'); },
     get gap() { return depth.gap?.length ?? null; },
     vr: () => ({
-      lines: headset.panel.lines, hovered: headset.panel.hovered, stopFrame: headset.signs.frame.visible, dark: headset.signs.dark.visible,
+      lines: headset.panel.lines, panel: headset.panel.isShown, hovered: headset.panel.hovered, stopFrame: headset.signs.frame.visible, dark: headset.signs.dark.visible,
       marker: headset.signs.arrow.visible, aiming: headset.teleport.group.visible, floor: headset.surroundings.group.visible,
       drawn: headset.hands.map(({ grip, joints, isTracked }) => (isTracked ? Object.values(joints.joints).filter((j) => j.children.length > 0) : grip.children).length),
       frameTime: headset.frames.mean,
@@ -44,6 +44,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     axes: () => Object.fromEntries(Object.entries(view.axesOfCamera).map(([name, axis]) => [name, axis.toArray()])),
     toolPixels: () => (2 * felt.size) / view.pixelAt(live.tool.position), // its diameter on the page
     project: (point) => view.project(point),
+    seenOpacity: ([x, y]) => splats.look(view.rayAt({ clientX: x, clientY: y }))?.opacity ?? 0,
     pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,
   };
   window.palpateViewer = Object.freeze(api);

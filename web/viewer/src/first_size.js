@@ -26,7 +26,6 @@ export class FirstSize {
     const close = button('×', () => { byId('size').hidden = true; }, { name: 'size-close' });
     close.setAttribute('aria-label', 'Keep this size');
     byId('size').append(element('div', { className: 'size-text' }, this.said, close), this.scale.node, element('div', { className: 'buttons' }, back));
-    parameters.onChange((p) => this.#follow(p));
   }
 
   /// To be called once a scene is there.
@@ -60,7 +59,8 @@ export class FirstSize {
     this.parameters.set({ registration: { scale } });
   }
 
-  #follow({ registration, busy }) {
+  /// To be called once the scene is where the parameters say.
+  follow({ registration, busy }) {
     if (!this.#proposal) return;
     this.scale.show(registration.scale);
     if (registration.scale === this.#shown || busy) return;

@@ -77,7 +77,6 @@ export class Headset {
 
   #appear(hand, source) {
     hand.source = source;
-    if (source.handedness === 'left') hand.grip.add(this.panel.mesh);
     if (source.targetRayMode !== 'tracked-pointer') return;
     hand.ray.add(drawnRay());
     if (!source.hand) hand.grip.add(drawnController());
@@ -166,7 +165,7 @@ export class Headset {
   }
 
   #pointedAt(hand) {
-    if (this.panel.mesh.parent === hand.grip) return null;
+    if (this.panel.mesh.parent === hand.anchor) return null;
     const { origin, direction } = hand.pointing;
     return this.panel.buttonAt(origin, direction);
   }
@@ -197,6 +196,8 @@ export class Headset {
 
   #showSigns(seconds, now) {
     for (const { isTracked, joints } of this.hands) if (isTracked) drawHand(joints);
+    const left = this.hands.find(({ source }) => source?.handedness === 'left')?.anchor;
+    if (left && this.panel.mesh.parent !== left) left.add(this.panel.mesh);
     this.panel.hovered = this.hands.map((hand) => hand.source && this.#pointedAt(hand)?.name).find(Boolean) ?? null;
     this.panel.show(roomPanelContent(this), 1000 * now);
     const { view, live } = this;

@@ -3,6 +3,7 @@
 import { Quaternion, Vector3 } from 'three';
 
 const pointingReach = 0.4; // where a screen's touch holds the tool: this far ahead. Unit: [m].
+const holdingTip = 'index-finger-tip';
 const stickOn = 0.7; // beyond, a stick means something; it must come back below stickOff before the next
 const stickOff = 0.3;
 
@@ -24,15 +25,22 @@ export class HeadsetHand {
     return Boolean(this.source?.hand);
   }
 
-  /// Where it is, in WebXR's space. A finger on a screen has no grip: it holds what it points at.
+  /// What moves and turns with it: of a tracked hand three.js follows the joints, not the grip. Null before it knows them.
+  get anchor() {
+    return this.isTracked ? this.joints.joints.wrist ?? null : this.grip;
+  }
+
+  /// Where it is, in WebXR's space. A tracked hand holds with the tip of a finger; a finger on a screen has no grip: it holds
+  /// what it points at.
   get pose() {
-    const held = Boolean(this.source?.gripSpace);
-    const from = held ? this.grip : this.ray;
+    const held = Boolean(this.source?.gripSpace) || this.isTracked;
+    const from = (held && this.anchor) || this.ray;
     const position = new Vector3();
     const orientation = new Quaternion();
     from.updateWorldMatrix(true, false);
     from.matrixWorld.decompose(position, orientation, new Vector3());
     if (!held) position.add(new Vector3(0, 0, -pointingReach).applyQuaternion(orientation));
+    if (this.isTracked) this.joints.joints[holdingTip]?.getWorldPosition(position);
     return { position, orientation };
   }
 

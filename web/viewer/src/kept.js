@@ -81,8 +81,8 @@ export class Kept {
     return { min: least.map((c, k) => Math.max(c, low[k] - room[k])), max: most.map((c, k) => Math.min(c, high[k] + room[k])) };
   }
 
-  /// Where half of what is seen along a ray lies before, and half behind: {distance in units of `direction`, felt}, or
-  /// null where nothing is seen. `felt` says whether what is seen up to there is mostly kept.
+  /// Where half of what is seen along a ray lies before, and half behind: {distance in units of `direction`, felt, opacity},
+  /// or null where nothing is seen. `felt` says whether what is seen up to there is mostly kept, `opacity` how much is seen.
   hit(origin, direction) {
     const seen = this.#along(origin, direction);
     let left = 1;
@@ -95,7 +95,7 @@ export class Kept {
     for (const { row, distance, weight } of seen) {
       sum += weight;
       if (this.#isKept[row]) kept += weight;
-      if (2 * sum >= 1 - left) return { distance, felt: 2 * kept >= sum };
+      if (2 * sum >= 1 - left) return { distance, felt: 2 * kept >= sum, opacity: 1 - left };
     }
     return null;
   }

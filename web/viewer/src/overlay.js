@@ -5,6 +5,7 @@ import { svg } from '../../shared/dom.js';
 
 const leastRing = 14; // radius of a ring. Unit: [px].
 const large = 26; // a tool of this radius is seen by itself. Unit: [px].
+const nameRoom = 20; // that the name takes above the ring. Unit: [px].
 const margin = 30; // of the arrow to the border of the view. Unit: [px].
 
 export class Overlay {
@@ -13,11 +14,11 @@ export class Overlay {
   constructor(view) {
     this.view = view;
     this.ring = svg('circle', { class: 'tool-ring' });
-    this.arrow = svg('path', { class: 'tool-arrow', d: 'M14 0L-6 -9L-2 0L-6 9Z' });
+    this.arrow = svg('path', { class: 'tool-arrow', d: 'M18 0L-8 -13L-3 0L-8 13Z' });
     this.name = svg('text', { class: 'tool-name' }, 'Tool');
     this.distance = svg('text', { class: 'tool-distance' });
     this.node = svg('svg', { class: 'overlay', 'aria-hidden': 'true' }, this.ring, this.arrow, this.name, this.distance);
-    view.host.append(this.node);
+    document.body.append(this.node); // not of the view, which the bar lies on
   }
 
   /// `tool` is {at: where it is on the page, radius: of it there, distant: text and where, or null}; null hides all.
@@ -27,33 +28,32 @@ export class Overlay {
     this.#key = key;
     for (const part of this.node.children) part.classList.add('unseen');
     if (!tool) return;
-    const { left, top, width, height } = this.view.canvas.getBoundingClientRect();
-    const at = tool.at && [tool.at[0] - left, tool.at[1] - top];
-    const inside = at && at[0] > 0 && at[1] > 0 && at[0] < width && at[1] < height;
-    if (!inside) this.#point(tool.towards, width, height);
-    else if (tool.radius < large) this.#encircle(at, tool.radius);
-    if (inside && tool.distant) this.#tell(tool.distant, left, top);
+    const seen = this.view.canvas.getBoundingClientRect();
+    const inside = tool.at && tool.at[0] > seen.left && tool.at[1] > seen.top && tool.at[0] < seen.right && tool.at[1] < seen.bottom;
+    if (!inside) this.#point(tool.towards, seen);
+    else if (tool.radius < large) this.#encircle(tool.at, tool.radius);
+    if (inside && tool.distant) this.#tell(tool.distant);
   }
 
   #encircle([x, y], radius) {
     const r = Math.max(leastRing, radius + 5);
     place(this.ring, { cx: x, cy: y, r });
-    place(this.name, { x, y: y - r - 6 });
+    place(this.name, { x, y: y - r < nameRoom ? y + r + 15 : y - r - 6 });
   }
 
   // Where a line from the middle towards the tool leaves the view.
-  #point([dx, dy], width, height) {
+  #point([dx, dy], { left, top, width, height }) {
     const [halfX, halfY] = [0.5 * width - margin, 0.5 * height - margin];
     const share = Math.min(halfX / Math.max(Math.abs(dx), 1e-6), halfY / Math.max(Math.abs(dy), 1e-6));
-    const [x, y] = [0.5 * width + share * dx, 0.5 * height + share * dy];
+    const [x, y] = [left + 0.5 * width + share * dx, top + 0.5 * height + share * dy];
     const angle = (180 * Math.atan2(dy, dx)) / Math.PI;
     place(this.arrow, { transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(1)})` });
     place(this.name, { x: x - 34 * Math.sign(dx) * (Math.abs(dx) > Math.abs(dy) ? 1 : 0), y: y + (Math.abs(dx) > Math.abs(dy) ? 4 : -22 * Math.sign(dy)) });
   }
 
-  #tell({ text, at }, left, top) {
+  #tell({ text, at }) {
     this.distance.textContent = text;
-    place(this.distance, { x: at[0] - left + 8, y: at[1] - top });
+    place(this.distance, { x: at[0] + 8, y: at[1] });
   }
 }
 

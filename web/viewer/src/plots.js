@@ -10,6 +10,7 @@ import { formatFixed } from './format.js';
 const span = 20; // Unit: [s].
 const height = 64; // of a plot. Unit: [px].
 const redrawEvery = 100; // Unit: [ms].
+const manyDigits = 100; // from which on a value is told without decimals: two of them fit a line
 
 // `least` is the least that the height of a plot stands for: less is not magnified.
 const plots = [
@@ -53,7 +54,7 @@ class LivePlot {
   }
 
   #text(value) {
-    const text = formatFixed(value, this.plot.decimals);
+    const text = formatFixed(value, Math.abs(value) >= manyDigits ? 0 : this.plot.decimals);
     return this.plot.times && isNumber(value) ? `${text}×` : text;
   }
 

@@ -184,12 +184,12 @@ export class Splats {
     return { point: at, distance: at.distanceTo(new Vector3(...point)) };
   }
 
-  /// What is seen along a ray of the world: {point, felt}, or null where it sees nothing. `felt` says whether it can be felt.
+  /// What is seen along a ray of the world: {point, felt, opacity}, or null where it sees nothing. `felt` says whether it can be felt.
   look(ray) {
     if (!this.#kept) return null;
     const local = new Ray().copy(ray).applyMatrix4(this.group.matrix.clone().invert());
     const seen = this.#kept.hit(local.origin.toArray(), local.direction.toArray());
-    return seen && { point: local.at(seen.distance, new Vector3()).applyMatrix4(this.group.matrix), felt: seen.felt };
+    return seen && { ...seen, point: local.at(seen.distance, new Vector3()).applyMatrix4(this.group.matrix) };
   }
 
   /// Where a ray of the world meets what is seen and can be felt, or null.

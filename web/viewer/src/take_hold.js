@@ -15,6 +15,7 @@ const focusShare = 0.5; // of the way to what is double-clicked, that is left
 const mostTimes = 300; // that a scene is larger than the tool, where its unit is probably not the metre
 const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
 const nearest = 8; // a double click goes no nearer. In sizes of the tool.
+const solid = 0.8; // opacity along a ray from which on it is no haze
 const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
 const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
 const stretched = 1.4; // a tool that makes the box of the scene larger than by this is left out of it
@@ -87,11 +88,19 @@ export class TakeHold {
     else if (!hold.begin('keys')) notify('The tool can be held as soon as the program says where it is.');
   }
 
-  /// Brings the tool to what can be felt in the middle of the view, or nearest to it.
+  /// Brings the tool to what can be felt in the middle of the view, or nearest to it: to haze only where there is nothing else.
   touchMiddle() {
     const { left, top, width, height } = this.view.canvas.getBoundingClientRect();
     const rayAt = ([x, y]) => this.view.rayAt({ clientX: left + 0.5 * width + x, clientY: top + 0.5 * height + y });
-    const found = rings(0.45 * Math.min(width, height)).find((off) => this.splats.pick(rayAt(off)));
+    let found = null;
+    for (const off of rings(0.45 * Math.min(width, height))) {
+      const seen = this.splats.look(rayAt(off));
+      if (!seen?.felt) continue;
+      found ??= off;
+      if (seen.opacity < solid) continue;
+      found = off;
+      break;
+    }
     this.#click(rayAt(found ?? [0, 0]), !found);
   }
 

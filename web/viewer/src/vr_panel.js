@@ -33,6 +33,13 @@ export class RoomPanel {
     this.mesh.renderOrder = 20;
   }
 
+  /// Whether it is seen from somewhere.
+  get isShown() {
+    let part = this.mesh;
+    while (part.visible && part.parent) part = part.parent;
+    return part.isScene === true;
+  }
+
   /// The button that a ray of WebXR's space points at, or null.
   buttonAt(origin, direction) {
     if (!this.mesh.parent) return null;

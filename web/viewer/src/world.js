@@ -55,6 +55,7 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
   parameters.onChange((p) => {
     felt.follow(p);
     loader.follow(p);
+    size.follow(p);
     // The room that a person in a headset moves is theirs until they let it go.
     if (JSON.stringify(p.room) !== knownRoom) room.set(p.room);
     knownRoom = JSON.stringify(p.room);
