@@ -40,7 +40,10 @@ std::string toml_quoted(std::string_view text);
 std::string value_text(const TomlValue& value);
 
 /// Reads such a file over `defaults`. \throws Error with file and line if it is not TOML, has a key that is
-/// no field, a value that the field cannot take, or two fields that exclude each other.
-LiveConfig read_live_config(const std::string& path, LiveConfig defaults = {});
+/// no field, a value that the field cannot take, or two fields that exclude each other. \param is_refused
+/// groups, and with them `scene`, that the file may not have: those of a scene and a gateway that several
+/// hands share; null: none
+LiveConfig read_live_config(const std::string& path, LiveConfig defaults = {},
+                            bool (*is_refused)(ConfigGroup) = nullptr);
 
 }  // namespace palpate
