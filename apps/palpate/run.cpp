@@ -109,7 +109,7 @@ void introduce(const LiveHands::Hand& hand, const Notify& tell) {
 /// The recordings of a run, one a hand.
 class Recordings {
  public:
-  /// None if `path` is empty; that of a hand NAME is in RUN-NAME.csv. 	hrows Error if one cannot be made.
+  /// None if `path` is empty; that of a hand NAME is in RUN-NAME.csv. \throws Error if one cannot be made.
   Recordings(const std::string& path, const LiveHands& hands) {
     if (path.empty()) return;
     for (const LiveHands::Hand& hand : hands.all()) {
@@ -199,7 +199,7 @@ void run(const Options& options) {
   std::unique_ptr<LiveGateway> gateway;
   if (!options.live.gateway.off) {
     gateway = std::make_unique<LiveGateway>(
-        hands.first(), GatewayPages{viewer_file, recording_page, options.scenes, one_scene(options)});
+        hands, GatewayPages{viewer_file, recording_page, options.scenes, one_scene(options)});
   }
   LiveViews views;
   std::vector<std::vector<TickObserver*>> observers;
@@ -207,8 +207,8 @@ void run(const Options& options) {
   for (const LiveHands::Hand& hand : hands.all()) {
     std::vector<TickObserver*> of_hand{views.emplace_back(std::make_unique<LiveView>()).get()};
     if (auto* const recording = recordings.observer(observers.size())) of_hand.push_back(recording);
-    if (gateway && observers.empty())
-      for (TickObserver* observer : gateway->observers()) of_hand.push_back(observer);
+    if (gateway)
+      for (TickObserver* observer : gateway->observers(observers.size())) of_hand.push_back(observer);
     observers.push_back(std::move(of_hand));
     systems.push_back(hand.system.get());
     warn(hand, tell);

@@ -77,7 +77,8 @@ std::string to_toml(const LiveConfig& config, TomlFields fields) {
   if (fields == TomlFields::kAll && !config.scene.path.empty())
     text += fmt::format("{} = {}\n", kScenePath, toml_quoted(config.scene.path));
   for (const ConfigField& field : config_fields()) {
-    if (fields == TomlFields::kSaved && !field.traits.saved) continue;
+    if (fields != TomlFields::kAll && !field.traits.saved) continue;
+    if (fields == TomlFields::kSavedOfHand && field.group == ConfigGroup::kScene) continue;
     if (const auto value = value_of(field, config)) text += fmt::format("{} = {}\n", field.name, *value);
   }
   return text;

@@ -16,8 +16,9 @@ class TomlValue;
 
 /// Which fields a file has.
 enum class TomlFields : std::uint8_t {
-  kSaved,  ///< the settings that a person works out and keeps: scene, tool and force
-  kAll,    ///< all that have a name, SceneConfig::path as `scene`, too
+  kSaved,        ///< the settings that a person works out and keeps: scene, tool and force
+  kSavedOfHand,  ///< of them, those of one hand of several, which share the scene
+  kAll,          ///< all that have a name, SceneConfig::path as `scene`, too
 };
 
 /// The text of a file that is read as `config`. Numbers read back exactly. Booleans that are false, and what
