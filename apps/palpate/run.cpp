@@ -42,6 +42,7 @@ struct Options {
   double seconds = 0.0;             ///< 0: until someone ends it
   std::vector<std::string> scenes;  ///< folders
   std::vector<std::string> hands;   ///< besides the first: see read_hands()
+  bool hands_touch = false;
 };
 
 /// Ends the loops before what looks on is gone, whatever happens.
@@ -193,7 +194,7 @@ void run(const Options& options) {
     notify(line);
     lines.add(line);
   };
-  LiveHands hands(setups_of(options), tell, progress);
+  LiveHands hands(setups_of(options), tell, progress, options.hands_touch);
   Recordings recordings(options.record, hands);
   const bool talks = !options.common.quiet;
   std::unique_ptr<LiveGateway> gateway;
@@ -272,6 +273,7 @@ Command declare_run(CLI::App& parent) {
   add_texts(app, "--hands", options->hands, "NAME[=FILE.toml],...",
             "other hands over the same scene, each with a device of its own; a file as of --config has what "
             "differs from the first hand");
+  add_flag(app, "--hands-touch", options->hands_touch, "the hands feel each other's tools");
   declare_group(app, live, ConfigGroup::kDevice);
   declare_group(app, live, ConfigGroup::kLoop);
   declare_group(app, live, ConfigGroup::kGateway);

@@ -8,7 +8,7 @@ import signal
 import time
 import unittest
 
-from support import columns_of, head_of
+from support import columns_of, head_of, path_csv
 from test_gateway import PATIENCE, Gateway
 from test_run import Live
 
@@ -209,6 +209,35 @@ class Runs(Hands):
         self.assertIn("emergency-stop", document["hands"]["right"]["faults"])
 
 
+class Touch(Hands):
+    """Far from the wall a hand comes at the first, which stays where it is but for a drift that no device of hardware is without."""
+
+    def forces(self, *more):
+        ball = "tool = [0.01, 0.01, 0.01]\n"
+        times = [k / 20 for k in range(61)]
+        self.write("first.csv", path_csv([(t, 0.0, 1e-4 * t, 1.0) for t in times]))
+        self.write("left.csv", path_csv([(t, max(0.018, 0.05 - 0.02 * t), 1e-4 * t, 1.0) for t in times]))
+        self.write("first.toml", ball)
+        self.write("other.toml", ball + 'trajectory = "left.csv"\n')
+        self.succeed("run", "wall.ply", "--config", "first.toml", "--device", "playback", "--trajectory", "first.csv", "--seconds", "3",
+                     "--hands", "left=other.toml", "--record", "run.csv", "--no-gateway", "-q", *more)
+        runs = [columns_of(self.read(name)) for name in ("run.csv", "run-left.csv")]
+        for name in ("run.csv", "run-left.csv"):
+            os.remove(self.path(name))
+        return [[float(f) for f in run["fx"]] for run in runs]
+
+    def test_hands_feel_each_other_where_that_is_asked_for(self):
+        first, left = self.forces("--hands-touch")
+        self.assertGreater(max(left), 0.3)
+        self.assertAlmostEqual(-min(first), max(left), delta=0.02 * max(left))
+        self.assertLessEqual(max(first), 0.0)
+        self.assertGreaterEqual(min(left), 0.0)
+
+    def test_else_they_do_not(self):
+        for forces in self.forces():
+            self.assertEqual(set(forces), {0.0})
+
+
 class Terminal(Live):
     def test_a_line_a_hand_and_keys_for_all(self):
         leader, process = self.on_a_terminal("--hands", "left,right", "--no-gateway")
@@ -224,7 +253,8 @@ class Terminal(Live):
 
         shows(rb" N/m [^\n]*\n\r[^\n]* s  hand left: [^\n]*\n\r[^\n]* s  hand right: ")
         os.write(leader, b"e")
-        shows(rb" s: no force: emergency-stop[^\x00]* s: hand right: no force: emergency-stop")
+        stopped = rb"stopped \(emergency-stop\)"
+        shows(rb" s  " + stopped + rb"[^\n]*\n\r[^\n]* s  hand left: " + stopped + rb"[^\n]*\n\r[^\n]* s  hand right: " + stopped)
         os.write(leader, b"q")
         document = json.loads(process.communicate(timeout=PATIENCE)[0])
         self.assertEqual(process.returncode, 0)

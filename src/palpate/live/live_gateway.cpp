@@ -131,7 +131,7 @@ class LiveGateway::Implementation {
   WebPage metrics();
   /// @}
 
-  LiveHands& system_;
+  LiveHands& live_;
   GatewayPages pages_;
   Hub hub_;
   GatewayNotices notices_;
@@ -152,7 +152,7 @@ class LiveGateway::Implementation {
 };
 
 LiveGateway::Implementation::Implementation(LiveHands& hands, GatewayPages pages)
-    : system_(hands),
+    : live_(hands),
       pages_(std::move(pages)),
       felt_list_(elsewhere()),
       lines_topic_(hub_.add_topic("/palpate/messages", "std_msgs/String", true)),
@@ -170,12 +170,12 @@ LiveGateway::Implementation::Implementation(LiveHands& hands, GatewayPages pages
 }
 
 void LiveGateway::Implementation::add_hands() {
-  for (const LiveHands::Hand& hand : system_.all()) {
+  for (const LiveHands::Hand& hand : live_.all()) {
     LiveSystem& system = *hand.system;
     HandGateway::Surroundings around{hub_, notices_, elsewhere(), pages_.report, {}, {}};
     around.describe = [this](Json& parameters) { describe(parameters); };
     around.stop = [this, &system] { system.stop_force(); };
-    if (hand.name.empty()) around.stop = [this] { system_.stop_force(); };  // whose stop is for all
+    if (hand.name.empty()) around.stop = [this] { live_.stop_force(); };  // whose stop is for all
     hands_.push_back(std::make_unique<HandGateway>(hand.name, system, std::move(around)));
   }
 }
@@ -219,7 +219,7 @@ void LiveGateway::Implementation::start() {
 void LiveGateway::Implementation::stop() { server_->stop(); }
 
 void LiveGateway::Implementation::beat() {
-  const std::shared_ptr<const FeltScene> felt = system_.first().felt();
+  const std::shared_ptr<const FeltScene> felt = live_.first().felt();
   if (felt != felt_.lock()) {
     felt_list_.follow(felt->index());
     felt_ = felt;
@@ -232,9 +232,9 @@ void LiveGateway::Implementation::beat() {
   publish_lines();
 }
 
-/// All tools at once, and what each is sent, for who looks on.
+/// All tools at once, and what each is sent, for who looks on; where there are several.
 void LiveGateway::Implementation::publish_hands() {
-  if (!hands_topic_.is_watched()) return;
+  if (hands_.size() < 2 || !hands_topic_.is_watched()) return;
   std::vector<Marker> markers;
   for (std::size_t k = 0; k < hands_.size(); ++k) {
     for (Marker& marker :
@@ -311,15 +311,13 @@ void LiveGateway::Implementation::add_setup() {
     return encode_json(setup_json<Json>(path.empty() ? propose_setup(built_in_scene().scene, radius)
                                                      : propose_setup(load_scene(path), radius)));
   };
-  hub_.add_slow_service("/palpate/propose_setup", "std_srvs/Trigger",
-                        [=, this](const Json&, const Reply& reply) {
-                          const auto answer = std::make_shared<Json>();
-                          server_->elsewhere(
-                              [=, settings = system_.first().settings()] {
-                                *answer = answer_of([&] { return work(settings); });
-                              },
-                              [=] { reply.give(*answer); });
-                        });
+  hub_.add_slow_service(
+      "/palpate/propose_setup", "std_srvs/Trigger", [=, this](const Json&, const Reply& reply) {
+        const auto answer = std::make_shared<Json>();
+        server_->elsewhere(
+            [=, settings = live_.first().settings()] { *answer = answer_of([&] { return work(settings); }); },
+            [=] { reply.give(*answer); });
+      });
 }
 
 /// Draws what is felt, once it is another scene.
@@ -351,7 +349,7 @@ std::string LiveGateway::Implementation::open_from_library(const std::string& id
   if (!pages_.one_scene.empty()) throw Refusal(pages_.one_scene);
   const std::string path = library_.path_of(id);
   if (!path.empty()) open_scene(path);  // throws for what is no scene, before the one that is felt goes
-  system_.open_scene(path);
+  live_.open_scene(path);
   return {};
 }
 
@@ -389,7 +387,7 @@ WebUploads LiveGateway::Implementation::uploads() {
   };
   uploads.have = [this](const std::string& file) {
     open_scene(file);  // throws for what is no scene
-    system_.open_scene(file);
+    live_.open_scene(file);
     library_.have(file, served()->path);
     return text_page(200, "it is being opened");
   };

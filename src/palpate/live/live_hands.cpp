@@ -35,7 +35,9 @@ Notify notify_of(const std::string& name, const Notify& notify) {
 
 std::string said_of(const std::string& hand) { return hand.empty() ? std::string() : "hand " + hand + ": "; }
 
-LiveHands::LiveHands(std::vector<HandSetup> setups, const Notify& notify, const Progress& progress) {
+LiveHands::LiveHands(std::vector<HandSetup> setups, const Notify& notify, const Progress& progress,
+                     bool touch_each_other) {
+  if (touch_each_other) touch_.emplace(setups.size());
   for (HandSetup& setup : setups) {
     for_hand(setup.name, [&] {
       const Notify tell = notify_of(setup.name, notify);
@@ -43,6 +45,7 @@ LiveHands::LiveHands(std::vector<HandSetup> setups, const Notify& notify, const 
           hands_.empty()
               ? std::make_unique<LiveSystem>(setup.config, std::move(setup.device), tell, progress)
               : std::make_unique<LiveSystem>(setup.config, first().scene(), std::move(setup.device), tell);
+      if (touch_) system->touch_others(*touch_, hands_.size());
       hands_.push_back({setup.name, std::move(system)});
     });
   }

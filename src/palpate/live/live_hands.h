@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +16,8 @@ namespace palpate {
 /// Hands in one process that feel one scene, which is in memory once: each is a LiveSystem with a device,
 /// tool, force model, governor and threads of its own, so that what befalls one hand (its device is unplugged
 /// or throws, it is stopped, its loop hangs) leaves the others as they are. The first has the scene: when it
-/// opens another, or places or filters it otherwise, the others follow.
+/// opens another, or places or filters it otherwise, the others follow. Where that is asked for, they feel
+/// each other's tools (MutualTouch).
 ///
 ///     std::vector<HandSetup> setups;          // [0] is the first, with the scene, and without a name
 ///     LiveHands hands(std::move(setups));     // opens all of it; throws Error
@@ -33,7 +35,8 @@ class LiveHands {
   /// \param notify told what a person should know, with the name of the hand; may be empty \throws Error as
   /// LiveSystem does, with the name of the hand. \pre at least one, names that hand_name_problem() lets be
   /// and that differ
-  explicit LiveHands(std::vector<HandSetup> setups, const Notify& notify = {}, const Progress& progress = {});
+  explicit LiveHands(std::vector<HandSetup> setups, const Notify& notify = {}, const Progress& progress = {},
+                     bool touch_each_other = false);
   /// As stop().
   ~LiveHands();
   LiveHands(const LiveHands&) = delete;
@@ -58,6 +61,7 @@ class LiveHands {
   /// @}
 
  private:
+  std::optional<MutualTouch> touch_;  ///< outlives the hands
   std::vector<Hand> hands_;
 };
 

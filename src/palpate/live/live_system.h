@@ -18,6 +18,7 @@
 #include <palpate/live/felt_scene.h>
 #include <palpate/live/live_config.h>
 #include <palpate/live/live_scene.h>
+#include <palpate/live/mutual_touch.h>
 #include <palpate/live/provenance.h>
 #include <palpate/record/trajectory.h>
 #include <palpate/servo/admittance_loop.h>
@@ -74,6 +75,12 @@ class LiveSystem {
 
   /// Told of every other scene once it is felt, on a thread of its own. To be set before start().
   std::function<void(const SharedScene& scene)> on_scene;
+  /// From start() on it feels the others of `touch`, and they feel it. To be called before. \param hand its
+  /// number there. \pre `touch` outlives it
+  void touch_others(MutualTouch& touch, std::size_t hand) {
+    touch_ = &touch;
+    number_ = hand;
+  }
   /// What another may be made over. Any thread.
   SharedScene scene() const;
 
@@ -185,6 +192,8 @@ class LiveSystem {
   bool owns_device_;          ///< it is none of the caller's
   std::string_view device_kind_;
   bool follows_;  ///< another, which has the scene
+  MutualTouch* touch_ = nullptr;
+  std::size_t number_ = 0;  ///< there
   std::unique_ptr<HapticDevice> device_;
   std::optional<GuardedDevice> guarded_;  ///< the same, as the loop sees it
   AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
