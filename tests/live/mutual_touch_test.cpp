@@ -73,7 +73,9 @@ TEST(MutualTouch, BallsRepelByTheirOverlap) {
 }
 
 TEST(MutualTouch, IsEqualAndOppositeAndSmoothFromTheFirstTouch) {
-  const Tool plate({{"plate", {0.03, 0.02, 0.002}, {{0.01, 0, 0}, {}}}, {"rod", {0.004, 0.004, 0.03}, {}}});
+  Pose beside;
+  beside.position.x() = 0.01;
+  const Tool plate({{"plate", Vector3d(0.03, 0.02, 0.002), beside}, {"rod", Vector3d(0.004, 0.004, 0.03)}});
   Hands hands({plate, Tool(Vector3d(0.01, 0.015, 0.03))});
   Pose fixed, moving;
   fixed.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3d(1, 2, 0.5).normalized()));

@@ -10,7 +10,7 @@ tests=(kept_test.mjs page_test.mjs phone_test.mjs)
 if [ $# -gt 2 ]; then
   PALPATE_BINARY=$(realpath "$3")
   export PALPATE_BINARY
-  tests+=(program_test.mjs)
+  tests+=(hands_test.mjs program_test.mjs)
   # Real captures take minutes: where somebody names them.
   [ -z "${PALPATE_SCENES:-}" ] || tests+=(captures_test.mjs)
 fi
