@@ -9,7 +9,8 @@ import sys
 import time
 
 PATHS = 8  # of different seeds; hands take them in turn
-SETTLE, MEASURE, REST = 6.0, 8.0, 2.0  # s: until all run, of which CPU is counted, until they end by themselves
+SETTLE, MEASURE = 4.0, 8.0  # s: once all loops tick, of which CPU is counted
+PATIENCE = 120.0  # s: for them to tick
 COUNTS = [1, 8, 32]
 TICKS = os.sysconf("SC_CLK_TCK")
 
@@ -28,11 +29,17 @@ def prepare():
             file.write(f'trajectory = "{path_of(k)}"\n')
 
 
-def start(hands, seconds):
-    """A process with so many hands; the numbers of their paths."""
-    arguments = [palpate, "run", scene, "--trajectory", path_of(hands[0]), "--no-gateway", "--json", "-q", "--seconds", str(seconds)]
+def start(hands):
+    """A process with these hands, until it is told to end."""
+    arguments = [palpate, "run", scene, "--trajectory", path_of(hands[0]), "--no-gateway", "--json", "-q"]
     others = [f"h{k}=" + os.path.join(folder, f"hand-{k % PATHS}.toml") for k in hands[1:]]
     return subprocess.Popen(arguments + (["--hands", ",".join(others)] if others else []), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
+
+
+def loops_of(process):
+    """How many loops it has."""
+    names = (f"/proc/{process.pid}/task/{task}/comm" for task in os.listdir(f"/proc/{process.pid}/task"))
+    return sum(open(name).read() == "palpate-servo\n" for name in names)
 
 
 def cpu_of(process):
@@ -51,12 +58,18 @@ def memory_of(process):
 
 def row(name, groups):
     count = sum(len(hands) for hands in groups)
-    processes = [start(hands, SETTLE + MEASURE + REST) for hands in groups]
+    processes = [start(hands) for hands in groups]
+    until = time.monotonic() + PATIENCE
+    while sum(map(loops_of, processes)) < count:
+        assert time.monotonic() < until, "they do not start"
+        time.sleep(0.1)
     time.sleep(SETTLE)
     before, begin = sum(map(cpu_of, processes)), time.monotonic()
     time.sleep(MEASURE)
     cores = (sum(map(cpu_of, processes)) - before) / (time.monotonic() - begin)
     resident, proportional, shared, private = (sum(each) for each in zip(*map(memory_of, processes)))
+    for process in processes:
+        process.terminate()
     documents = [json.loads(process.communicate()[0]) for process in processes]
     hands = documents + [hand for document in documents for hand in document.get("hands", {}).values()]
     assert len(hands) == count, (len(hands), count)
