@@ -13,7 +13,7 @@ set(palpate_public_headers
   device/device_plugin.h device/export_device.h device/giant_device.h device/giant_plant.h device/giant_setup.h device/hand_path.h
   device/playback_device.h device/profiles.h device/simulated_device.h device/testing/device_contract.h device/testing/scripted_device.h
   study/procedural.h study/still_life.h study/touch_path.h
-  live/config_toml.h live/factories.h live/live_gateway.h live/live_system.h)
+  live/config_toml.h live/factories.h live/live_gateway.h live/live_hands.h live/live_system.h)
 
 # Sets `result` to `headers` and all of src/palpate that they include.
 function(palpate_with_included headers result)

@@ -126,6 +126,7 @@ const Names kRun{
     {"state", "word", "of the governor, before the end"},
     {"faults", "word", "that there were, once each"},
     {"made", "", "see above"},
+    {"hands", "", "with --hands: of each other hand, under its name, the same"},
 };
 
 const Names kBench{

@@ -43,7 +43,7 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
   const auto view = std::make_unique<LiveView>();
   if (const auto refused = lock_memory()) notices.say("note: " + *refused);
   system.start({view.get()});
-  const RunSignals signals(system);  // which still let the force fall where it falls already
+  const RunSignals signals({&system});  // which still let the force fall where it falls already
   const LoopEnd end(system);
   for (const std::string& line : system.loop().refused()) notices.say("note: " + line);
   const auto sink = network.sink(settings, services_of(system));

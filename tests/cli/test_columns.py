@@ -74,7 +74,7 @@ class Columns(Case):
 
     def test_live(self):
         self.write("hand.csv", path_csv([(0, 0, 0, 0.1), (1, 0, 0, 0.1)]))
-        self.assert_told("palpate run --json", "run", "a.ply", "--trajectory", "hand.csv", "--no-gateway", "--seconds", "0.5")
+        self.assert_told("palpate run --json", "run", "a.ply", "--trajectory", "hand.csv", "--hands", "left", "--no-gateway", "--seconds", "0.5")
 
     def test_evaluate(self):
         self.assert_told("palpate evaluate --json", "evaluate", *AMOUNTS, "--shapes", "sphere", "--models", "proxy", "--csv", "t.csv")

@@ -66,10 +66,10 @@ class Live(Case):
         self.addCleanup(lambda: process.poll() is None and process.kill())
         return process
 
-    def on_a_terminal(self, **options):
+    def on_a_terminal(self, *more, **options):
         """A run whose keys and status line are those of a new terminal. Returns that and the process."""
         master, slave = pty.openpty()
-        process = subprocess.Popen([PALPATE, *self.arguments("--json")], cwd=self.folder, stdin=slave,
+        process = subprocess.Popen([PALPATE, *self.arguments("--json", *more)], cwd=self.folder, stdin=slave,
                                    stdout=subprocess.PIPE, stderr=slave, start_new_session=True,
                                    preexec_fn=lambda: __import__("fcntl").ioctl(0, 0x540E, 0), **options)  # TIOCSCTTY
         self.addCleanup(lambda: process.poll() is None and process.kill())

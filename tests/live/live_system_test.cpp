@@ -8,31 +8,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <palpate/base/clock.h>
 #include <palpate/base/error.h>
 #include <palpate/device/testing/scripted_device.h>
 #include <palpate/scene/ply_writer.h>
 #include <palpate/servo/live_view.h>
 #include <palpate/study/procedural.h>
 
+#include <support/live_scene.h>
 #include <support/temporary_file.h>
 
 namespace palpate::test {
 namespace {
-
-/// A plane at z = 0, as a file.
-const std::string& plane() {
-  static const TemporaryFile file(ply_bytes(make_scene(*make_surface("plane"), {}), "plane"), "plane.ply");
-  static const std::string path = file.path();
-  return path;
-}
-
-LiveConfig plane_config() {
-  LiveConfig config;
-  config.scene.path = plane();
-  config.scene.no_index_file = true;
-  return config;
-}
 
 /// Comes down until the tool, 40 mm long, is 2 mm in the plane.
 std::unique_ptr<HapticDevice> own_device() {
@@ -44,14 +30,6 @@ std::unique_ptr<HapticDevice> own_device() {
     pose.position.z() = std::max(0.038, 0.06 - 0.1 * t);
     return pose;
   });
-}
-
-/// Looks until `done` or for a minute: a busy machine is slow. \returns done()
-template <class Done>
-bool comes_true(const Done& done) {
-  const double until = monotonic_now() + 60.0;
-  while (!done() && monotonic_now() < until) sleep_until(monotonic_now() + 0.01);
-  return done();
 }
 
 TEST(LiveSystem, FeelsASceneWithADeviceOfTheCallers) {

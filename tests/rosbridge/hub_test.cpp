@@ -520,10 +520,10 @@ TEST_F(HubTest, AnswersThatAreLargeAreAFaultSooner) {
 TEST_F(HubTest, AClientThatGoesIsForgotten) {
   const Client* left = nullptr;
   std::size_t watched_by = 9;
-  hub.on_leave = [&](const Client& gone) {
+  hub.on_leave.emplace_back([&](const Client& gone) {
     left = &gone;
     watched_by = hub.client_count();
-  };
+  });
   EXPECT_EQ(hub.client_count(), 1U);
   const auto second = connect();
   for (Client* c : {client.get(), second.get()}) say(*c, {{"op", "subscribe"}, {"topic", "/a"}});

@@ -12,31 +12,9 @@
 
 namespace palpate {
 
-namespace {
-
-[[noreturn]] void refuse(const std::string& path, int error_number) {
-  throw Error("{}: cannot be taken into memory: {}", path, error_text(error_number));
-}
-
-std::span<const std::byte> copy_of(const std::string& path) {
-  const InputFile file(path);
-  if (file.size() == 0) throw Error("{}: is empty", path);
-  void* address = ::mmap(nullptr, file.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (address == MAP_FAILED) refuse(path, errno);
-  try {
-    file.read(0, {static_cast<char*>(address), file.size()});
-  } catch (...) {
-    ::munmap(address, file.size());
-    throw;
-  }
-  return {static_cast<const std::byte*>(address), file.size()};
-}
-
-}  // namespace
-
 MappedFile::MappedFile(const std::string& path, FileMemory memory) : path_(path) {
   if (memory == FileMemory::kOwn) {
-    bytes_ = copy_of(path);
+    bytes_ = copy_.emplace(path).bytes();
     return;
   }
   // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
@@ -51,10 +29,12 @@ MappedFile::MappedFile(const std::string& path, FileMemory memory) : path_(path)
   ::close(descriptor);
   if (!regular) throw Error("{}: is not a regular file", path);
   if (size == 0) throw Error("{}: is empty", path);
-  if (address == MAP_FAILED) refuse(path, error_number);
+  if (address == MAP_FAILED) throw_file_error(path, "be taken into memory", error_number);
   bytes_ = {static_cast<const std::byte*>(address), size};
 }
 
-MappedFile::~MappedFile() { ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size()); }
+MappedFile::~MappedFile() {
+  if (!copy_) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+}
 
 }  // namespace palpate

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
+
+#include <palpate/base/shared_copy.h>
 
 namespace palpate {
 
@@ -14,7 +17,7 @@ enum class FileMemory {
   /// memory that the system could not have back. The file must not be cut or written to meanwhile: touching
   /// a page that is gone raises SIGBUS. Who replaces it should rename another over it.
   kShared,
-  kOwn,  ///< a copy: nothing that happens to the file afterwards reaches it
+  kOwn,  ///< a SharedCopy: nothing that happens to the file afterwards reaches it
 };
 
 /// A regular file as memory, for reading, whole. Immutable; any thread.
@@ -32,6 +35,7 @@ class MappedFile {
 
  private:
   std::string path_;
+  std::optional<SharedCopy> copy_;  ///< none: it is a map
   std::span<const std::byte> bytes_;
 };
 

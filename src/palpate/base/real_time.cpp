@@ -1,6 +1,7 @@
 #include <palpate/base/real_time.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <system_error>
 
 #include <pthread.h>
@@ -14,9 +15,21 @@ namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
+/// Of threads once memory is locked, stacks and all: the usual 8 MiB would be 24 MiB a hand that nobody uses.
+/// Unit: [byte].
+constexpr std::size_t kLockedStack = std::size_t{2} << 20;
+
+void limit_stacks() {
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return;
+  if (pthread_attr_setstacksize(&attributes, kLockedStack) == 0) pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+}
+
 }  // namespace
 
 std::optional<std::string> lock_memory() {
+  limit_stacks();
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
   // An index larger than the memory: what has been touched stays, at least.
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return std::nullopt;

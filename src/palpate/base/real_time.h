@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// Locks all memory of the process, now and to come, so that no tick waits for a page. \returns a line that
-/// says why not and what to do, where it is not allowed.
+/// Locks all memory of the process, now and to come, so that no tick waits for a page; of which each thread
+/// to come has 2 MiB as stack. \returns a line that says why not and what to do, where it is not allowed.
 std::optional<std::string> lock_memory();
 
 /// Gives the calling thread a name, as `top -H` shows it. \param name 15 characters at most

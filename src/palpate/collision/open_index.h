@@ -31,8 +31,8 @@ struct OpenedIndex {
 /// How an index file may be used.
 enum class IndexFiles {
   kUse,   ///< the one beside the scene is mapped; if there is none that fits, it is made
-  kCopy,  ///< the same, but as memory of this process, which nothing that happens to the file can reach: for
-          ///< a loop that a hand holds on to
+  kCopy,  ///< the same, but as a SharedCopy, which nothing that happens to the file can reach: for a loop
+          ///< that a hand holds on to
   kNone,  ///< neither read nor written
 };
 

@@ -18,10 +18,25 @@ Color color_of(double k_min) {
   return {mix(0), mix(1), mix(2), 0.9};
 }
 
+/// Of hands, muted; of more of them again from the first.
+constexpr std::array<Color, 6> kHandColors{{{0.40, 0.52, 0.70, 0.35},
+                                            {0.45, 0.62, 0.48, 0.35},
+                                            {0.70, 0.55, 0.40, 0.35},
+                                            {0.60, 0.45, 0.65, 0.35},
+                                            {0.62, 0.60, 0.38, 0.35},
+                                            {0.45, 0.60, 0.62, 0.35}}};
 constexpr Color kToolColor{0.04, 0.34, 0.77, 0.35};
 constexpr Color kNormalColor{0.1, 0.14, 0.19, 0.9};
 /// Of an arrow's shaft. Unit: [m].
 constexpr double kThickness = 5e-4;
+
+std::vector<Marker> part_markers(const std::string& ns, const Color& color, const Tool& tool,
+                                 const Pose& pose) {
+  std::vector<Marker> markers;
+  for (const ToolPart& part : tool.parts())
+    markers.push_back(ellipsoid_marker(ns, static_cast<std::uint32_t>(markers.size()), part.at(pose), color));
+  return markers;
+}
 
 /// One of each id: the deepest of what several parts of the tool touch; at most `most`, the deepest.
 void choose(std::vector<Contact>& contacts, std::size_t most) {
@@ -61,10 +76,17 @@ const std::vector<Marker>& ContactMarkers::next(std::vector<Contact>& contacts,
 }
 
 std::vector<Marker> tool_markers(const Tool& tool, const Pose& pose) {
-  std::vector<Marker> markers;
-  std::uint32_t id = 0;
-  for (const ToolPart& part : tool.parts())
-    markers.push_back(ellipsoid_marker("tool", id++, part.at(pose), kToolColor));
+  return part_markers("tool", kToolColor, tool, pose);
+}
+
+std::vector<Marker> hand_markers(const std::string& name, std::size_t number, const Tool& tool,
+                                 const TickRecord& tick) {
+  Color color = kHandColors[number % kHandColors.size()];
+  std::vector<Marker> markers = part_markers(name, color, tool, tick.tool);
+  color.a = 0.9;
+  const Eigen::Vector3d& from = tick.tool.position;
+  markers.push_back(
+      arrow_marker(name + "/force", 0, from, from + kForceArrow * tick.sent_world.force, kThickness, color));
   return markers;
 }
 

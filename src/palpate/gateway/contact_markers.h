@@ -10,6 +10,7 @@
 #include <palpate/collision/ellipsoid_lookup.h>
 #include <palpate/haptics/tool.h>
 #include <palpate/rosbridge/marker.h>
+#include <palpate/servo/servo_tick.h>
 
 namespace palpate {
 
@@ -33,5 +34,12 @@ class ContactMarkers {
 
 /// The ellipsoids of a tool at a pose in the world, in the namespace "tool".
 std::vector<Marker> tool_markers(const Tool& tool, const Pose& pose);
+
+/// One of several hands: its tool in the namespace `name`, and what its device is sent as an arrow from the
+/// tool in `name`/force, kForceArrow long a newton. \param number of the hand, by which its colour is chosen
+std::vector<Marker> hand_markers(const std::string& name, std::size_t number, const Tool& tool,
+                                 const TickRecord& tick);
+/// Unit: [m/N].
+inline constexpr double kForceArrow = 0.02;
 
 }  // namespace palpate

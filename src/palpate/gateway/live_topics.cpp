@@ -16,7 +16,8 @@ constexpr const char* kWorld = "world";
 }  // namespace
 
 LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClock& clock,
-                       const LoopStatistics& statistics, const WorkspaceMap& map, bool client_is_device)
+                       const LoopStatistics& statistics, const WorkspaceMap& map, bool client_is_device,
+                       const std::string& prefix)
     : hub_(hub),
       feed_(feed),
       hand_(hand),
@@ -24,29 +25,30 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
       watch_(statistics),
       map_(map),
       client_is_device_(client_is_device),
-      pose_(hub.add_topic("/palpate/measured_cp", "geometry_msgs/PoseStamped")),
-      velocity_(hub.add_topic("/palpate/measured_cv", "geometry_msgs/TwistStamped")),
-      spatial_(hub.add_topic("/palpate/spatial/servo_cf", "geometry_msgs/WrenchStamped")),
-      body_(hub.add_topic("/palpate/body/servo_cf", "geometry_msgs/WrenchStamped")),
-      proxy_(hub.add_topic("/palpate/proxy_cp", "geometry_msgs/PoseStamped")),
-      contacts_(hub.add_topic("/palpate/contacts", "visualization_msgs/MarkerArray")),
-      tool_topic_(hub.add_topic("/palpate/tool", "visualization_msgs/MarkerArray")),
-      diagnostics_(hub.add_topic("/palpate/diagnostics", "diagnostic_msgs/DiagnosticArray")),
-      client_(hub.add_topic("/palpate/client/servo_cf", "geometry_msgs/WrenchStamped")),
-      local_model_(hub.add_topic("/palpate/client/local_model", "palpate/LocalModel")),
-      echo_(hub.add_topic("/palpate/client/echo", "std_msgs/Header")) {
+      status_(prefix.substr(1) + ": servo"),
+      pose_(hub.add_topic(prefix + "/measured_cp", "geometry_msgs/PoseStamped")),
+      velocity_(hub.add_topic(prefix + "/measured_cv", "geometry_msgs/TwistStamped")),
+      spatial_(hub.add_topic(prefix + "/spatial/servo_cf", "geometry_msgs/WrenchStamped")),
+      body_(hub.add_topic(prefix + "/body/servo_cf", "geometry_msgs/WrenchStamped")),
+      proxy_(hub.add_topic(prefix + "/proxy_cp", "geometry_msgs/PoseStamped")),
+      contacts_(hub.add_topic(prefix + "/contacts", "visualization_msgs/MarkerArray")),
+      tool_topic_(hub.add_topic(prefix + "/tool", "visualization_msgs/MarkerArray")),
+      diagnostics_(hub.add_topic(prefix + "/diagnostics", "diagnostic_msgs/DiagnosticArray")),
+      client_(hub.add_topic(prefix + "/client/servo_cf", "geometry_msgs/WrenchStamped")),
+      local_model_(hub.add_topic(prefix + "/client/local_model", "palpate/LocalModel")),
+      echo_(hub.add_topic(prefix + "/client/echo", "std_msgs/Header")) {
   const Marker reset = ContactMarkers::reset();
   contacts_.set_reset(marker_array(header({}, kWorld, 0), {&reset, 1}), ContactMarkers::kReach);
-  hub.add_input("/palpate/client/measured_cp", "geometry_msgs/PoseStamped",
+  hub.add_input(prefix + "/client/measured_cp", "geometry_msgs/PoseStamped",
                 [this](const Json& message, Client& from) { take(message, from); });
-  hub.add_input("/palpate/client/echoed", "std_msgs/Header",
+  hub.add_input(prefix + "/client/echoed", "std_msgs/Header",
                 [this](const Json& message, Client& from) { take_echo(message, from); });
-  hub.on_caught_up = [this](const Client& client) {
+  hub.on_caught_up.emplace_back([this](const Client& client) {
     if (&client == holder_) hand_over();
-  };
-  hub.on_leave = [this](const Client& gone) {
+  });
+  hub.on_leave.emplace_back([this](const Client& gone) {
     if (&gone == holder_) release();
-  };
+  });
 }
 
 void LiveTopics::feel(std::shared_ptr<const SceneIndex> index, const Tool& tool) {
@@ -83,7 +85,7 @@ std::optional<double> LiveTopics::measured_at(const Stamp& stamp, double now) {
 
 void LiveTopics::hold(Client& client) {
   holder_ = &client;
-  client.set_urgent(true);
+  client.take_hand();
   holder_clock_ = {};
   hand_.change_hand();
   ask_echo();
@@ -97,7 +99,7 @@ void LiveTopics::hold(Client& client) {
 void LiveTopics::release() {
   publish_device_wrench({});
   publish_local_model(0.0);
-  holder_->set_urgent(false);
+  holder_->leave_hand();
   holder_ = nullptr;
   waiting_.reset();
   waits_since_.reset();
@@ -251,7 +253,7 @@ void LiveTopics::publish_diagnostics(const Stamp& stamp) {
   Json values = Json::array();
   for (const auto& [key, value] : found.values) values.push_back({{"key", key}, {"value", value}});
   Json status{{"level", found.level},
-              {"name", "palpate: servo"},
+              {"name", status_},
               {"message", found.message},
               {"hardware_id", ""},
               {"values", std::move(values)}};

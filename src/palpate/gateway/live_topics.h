@@ -24,13 +24,15 @@
 
 namespace palpate {
 
-/// The topics under /palpate that tell what is felt, and the hand of a client. Belongs to the gateway's
+/// The topics of a hand that tell what is felt, and where a client says it is. Belongs to the gateway's
 /// thread.
 class LiveTopics {
  public:
   /// All must outlive it. \param map where the device is in the world, until a tick says where it is now
+  /// \param prefix of their names
   LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClock& clock,
-             const LoopStatistics& statistics, const WorkspaceMap& map, bool client_is_device);
+             const LoopStatistics& statistics, const WorkspaceMap& map, bool client_is_device,
+             const std::string& prefix = "/palpate");
 
   /// Called where another client than before takes a device that is one: the force must fall before its hand
   /// is felt.
@@ -58,6 +60,9 @@ class LiveTopics {
   /// A client that is silent for longer holds nothing. Unit: [s].
   static constexpr double kSilence = 1.0;
 
+  /// The tool where it was last, and what the device is sent there, world frame.
+  const Tool& tool() const { return tool_; }
+  const TickRecord& newest() const { return feed_.newest().record; }
   bool is_held() const { return holder_ != nullptr; }
   /// As if who holds the tool were silent: until it sends again, nobody does.
   void let_go() {
@@ -94,6 +99,7 @@ class LiveTopics {
   RateWatch watch_;
   WorkspaceMap map_;
   bool client_is_device_;
+  std::string status_;  ///< what diagnostics call it
   Topic &pose_, &velocity_, &spatial_, &body_, &proxy_, &contacts_, &tool_topic_, &diagnostics_, &client_,
       &local_model_, &echo_;
 

@@ -77,7 +77,8 @@ std::string to_toml(const LiveConfig& config, TomlFields fields) {
   if (fields == TomlFields::kAll && !config.scene.path.empty())
     text += fmt::format("{} = {}\n", kScenePath, toml_quoted(config.scene.path));
   for (const ConfigField& field : config_fields()) {
-    if (fields == TomlFields::kSaved && !field.traits.saved) continue;
+    if (fields != TomlFields::kAll && !field.traits.saved) continue;
+    if (fields == TomlFields::kSavedOfHand && field.group == ConfigGroup::kScene) continue;
     if (const auto value = value_of(field, config)) text += fmt::format("{} = {}\n", field.name, *value);
   }
   return text;
@@ -121,14 +122,23 @@ std::string value_text(const TomlValue& value) {
   return fmt::format("{}", fmt::join(parts, ","));
 }
 
-LiveConfig read_live_config(const std::string& path, LiveConfig config) {
+LiveConfig read_live_config(const std::string& path, LiveConfig config, bool (*is_refused)(ConfigGroup)) {
   const TomlFile file(path);
   TomlTable root = file.root();
-  if (const auto scene = root.find(kScenePath)) config.scene.path = scene->text();
+  const auto admit = [&](const TomlValue& value, ConfigGroup group) {
+    if (is_refused != nullptr && is_refused(group))
+      throw Error("{}: line {}: '{}' is for all hands: give it to the first", path, value.line(),
+                  value.key());
+  };
+  if (const auto scene = root.find(kScenePath)) {
+    admit(*scene, ConfigGroup::kScene);
+    config.scene.path = scene->text();
+  }
   for (const ConfigField& field : config_fields()) {
     if (field.name.empty()) continue;
     const auto value = root.find(field.name);
     if (!value) continue;
+    admit(*value, field.group);
     try {
       set_from_text(field, config, value_text(*value));
     } catch (const BadValue& error) {

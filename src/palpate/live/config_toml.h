@@ -16,8 +16,9 @@ class TomlValue;
 
 /// Which fields a file has.
 enum class TomlFields : std::uint8_t {
-  kSaved,  ///< the settings that a person works out and keeps: scene, tool and force
-  kAll,    ///< all that have a name, SceneConfig::path as `scene`, too
+  kSaved,        ///< the settings that a person works out and keeps: scene, tool and force
+  kSavedOfHand,  ///< of them, those of one hand of several, which share the scene
+  kAll,          ///< all that have a name, SceneConfig::path as `scene`, too
 };
 
 /// The text of a file that is read as `config`. Numbers read back exactly. Booleans that are false, and what
@@ -40,7 +41,10 @@ std::string toml_quoted(std::string_view text);
 std::string value_text(const TomlValue& value);
 
 /// Reads such a file over `defaults`. \throws Error with file and line if it is not TOML, has a key that is
-/// no field, a value that the field cannot take, or two fields that exclude each other.
-LiveConfig read_live_config(const std::string& path, LiveConfig defaults = {});
+/// no field, a value that the field cannot take, or two fields that exclude each other. \param is_refused
+/// groups, and with them `scene`, that the file may not have: those of a scene and a gateway that several
+/// hands share; null: none
+LiveConfig read_live_config(const std::string& path, LiveConfig defaults = {},
+                            bool (*is_refused)(ConfigGroup) = nullptr);
 
 }  // namespace palpate

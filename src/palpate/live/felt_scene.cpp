@@ -7,7 +7,7 @@ namespace palpate {
 
 FeltScene::FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, const ForceConfig& force,
                      const Materials& materials, ContactSearch contacts, const LoopClock& clock,
-                     double worker_delay, std::string path)
+                     double worker_delay, std::string path, const MakeAround& around)
     : index_(std::move(index)),
       path_(std::move(path)),
       tool_(tool),
@@ -18,10 +18,14 @@ FeltScene::FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, 
   for (std::size_t k = 0; k < models_.size(); ++k) {
     Model& model = models_[k];
     model.felt = make_force_model(static_cast<ForceModelKind>(k), force, *index_, tool_, materials, ahead_);
-    if (contacts != ContactSearch::kHold) continue;
-    if (model.felt->wants_contacts()) model.asked = std::make_unique<ToolTracker>(*index_, tool_);
-    model.held = std::make_unique<HeldForce>(*model.felt, model.asked.get());
-    work.push_back(model.held.get());
+    ForceModel* felt = model.felt.get();
+    if (contacts == ContactSearch::kHold) {
+      if (felt->wants_contacts()) model.asked = std::make_unique<ToolTracker>(*index_, tool_);
+      model.held = std::make_unique<HeldForce>(*felt, model.asked.get());
+      work.push_back(model.held.get());
+      felt = model.held.get();
+    }
+    if (around) model.around = around(*felt);
   }
   if (!work.empty()) worker_ = std::make_unique<WorkerThread>(work, clock, worker_delay);
 }
@@ -29,7 +33,7 @@ FeltScene::FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, 
 FeltModel FeltScene::model(ForceModelKind kind) {
   Model& model = models_[static_cast<std::size_t>(kind)];
   ForceModel* const felt = model.held ? static_cast<ForceModel*>(model.held.get()) : model.felt.get();
-  return {felt, &contacts_, worker_.get()};
+  return {model.around ? model.around.get() : felt, &contacts_, worker_.get()};
 }
 
 }  // namespace palpate

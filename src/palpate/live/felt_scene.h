@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,15 +15,18 @@
 
 namespace palpate {
 
+/// Makes a model that feels more than the one it is given, which outlives it; empty: there is no more.
+using MakeAround = std::function<std::unique_ptr<ForceModel>(ForceModel& model)>;
+
 /// Everything of a live system that is made anew when a person changes the scene, the tool, or what is felt
 /// of them. Nothing of it may go while a ServoTick uses it.
 class FeltScene {
  public:
   /// \param contacts but kAuto \param clock the loop's \param worker_delay Unit: [s]. \param path
-  /// SceneConfig::path of the scene
+  /// SceneConfig::path of the scene \param around what each model is felt with besides
   FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, const ForceConfig& force,
             const Materials& materials, ContactSearch contacts, const LoopClock& clock, double worker_delay,
-            std::string path = {});
+            std::string path = {}, const MakeAround& around = {});
 
   /// \pre one thread at a time
   FeltModel model(ForceModelKind kind);
@@ -36,6 +40,7 @@ class FeltScene {
     std::unique_ptr<ForceModel> felt;
     std::unique_ptr<ToolTracker> asked;  ///< for `felt` where that is held
     std::unique_ptr<HeldForce> held;
+    std::unique_ptr<ForceModel> around;  ///< either of them
   };
 
   std::shared_ptr<const SceneIndex> index_;

@@ -1,5 +1,5 @@
 /// \file
-/// Gateway of a live system: what clients see of it, and what they may change.
+/// Gateway of live hands: what clients see of them, and what they may change.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include <palpate/live/live_system.h>
+#include <palpate/live/live_hands.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
@@ -36,29 +36,30 @@ struct GatewayPages {
   std::string one_scene = {};
 };
 
-/// Serves a LiveSystem over HTTP and rosbridge: topics, parameters, services, the viewer, the scene's file
-/// and recordings; docs/gateway.md describes them. Owner's thread, unless a function says otherwise.
+/// Serves the hands of a LiveHands over HTTP and rosbridge: topics, parameters, services, the viewer, the
+/// scene's file and recordings; docs/gateway.md describes them. Owner's thread, unless a function says
+/// otherwise.
 ///
-///     LiveGateway gateway(system, {});
-///     system.start(gateway.observers());
+///     LiveGateway gateway(hands, {});
+///     hands.start({gateway.observers(0), gateway.observers(1)});
 ///     gateway.start();
 ///     ...
 ///     gateway.stop();
-///     system.stop();
+///     hands.stop();
 class LiveGateway {
  public:
-  /// Listens, as the system's GatewayConfig says. `system` must outlive it. \throws Error if the address
+  /// Listens, as the first hand's GatewayConfig says. `hands` must outlive it. \throws Error if the address
   /// cannot be had, or the scene's file not be read.
-  LiveGateway(LiveSystem& system, GatewayPages pages);
+  LiveGateway(LiveHands& hands, GatewayPages pages);
   ~LiveGateway();
   LiveGateway(const LiveGateway&) = delete;
   LiveGateway& operator=(const LiveGateway&) = delete;
 
-  /// To be given to LiveSystem::start().
-  std::vector<TickObserver*> observers();
-  /// Once the system has started.
+  /// To be given to LiveHands::start(), of each hand.
+  std::vector<TickObserver*> observers(std::size_t hand);
+  /// Once the hands have started.
   void start();
-  /// Before the system ends.
+  /// Before the hands end.
   void stop();
 
   /// "http://127.0.0.1:9090/", with the token.

@@ -28,6 +28,7 @@ namespace {
 /// What a force sensor says before that is taken for its bias: until then a hand stays where the handle
 /// rests. Unit: [s].
 constexpr double kTares = 1.5;
+constexpr const char* kFollows = "the scene is that of the first hand: change it there";
 /// Gaussians across a tool from which on a search takes so long that another thread had better do it.
 constexpr double kManyContacts = 200.0;
 
@@ -51,6 +52,14 @@ Pose waiting_place(const SceneIndex& index, const Tool& tool) {
   return pose;
 }
 
+/// The scene with the materials of `force`: those it has, or those of another file.
+SharedScene with_materials(SharedScene scene, const ForceConfig& force) {
+  if (force.materials == scene.materials_file) return scene;
+  scene.materials = load_materials(force, scene.config.path);
+  scene.materials_file = force.materials;
+  return scene;
+}
+
 LedHand::Lead waits_at(const Pose& home) {
   return [home](double t) { return t < kTares ? std::optional(home) : std::nullopt; };
 }
@@ -59,6 +68,15 @@ LedHand::Lead waits_at(const Pose& home) {
 
 LiveSystem::LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device, const Notify& notify,
                        const Progress& progress)
+    : LiveSystem(config, nullptr, std::move(device), notify, progress) {}
+
+LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene& scene,
+                       std::unique_ptr<HapticDevice> device, const Notify& notify)
+    : LiveSystem(config, &scene, std::move(device), notify, {}) {}
+
+/// \param scene that another has read; null: it is read here
+LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene* scene,
+                       std::unique_ptr<HapticDevice> device, const Notify& notify, const Progress& progress)
     : notify_([notify](const std::string& line) {
         if (notify) notify(line);
       }),
@@ -66,11 +84,16 @@ LiveSystem::LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> d
       stiffness_(config.force.proxy.stiffness),
       owns_device_(device == nullptr && config.device.driver.empty()),
       device_kind_(owns_device_ ? to_string(config.device.kind) : "external"),
+      follows_(scene != nullptr),
       settings_(config) {
-  read_scene(progress);
-  materials_ = load_materials(config.force, config.scene.path, progress);
+  const DeviceKind kind = config.device.kind;
+  if (owns_device_) read_motion();
+  scene != nullptr ? take(*scene) : read_scene(progress);
+  if (owns_device_ && is_giant(kind)) place_giant();
+  explores_ = owns_device_ && path_.empty() && (kind == DeviceKind::kSimulated || is_giant(kind));
+  if (explores_) find_way();
   if (contacts_ == ContactSearch::kAuto) {
-    const bool many = contacts_across(config.tool, index_->usual_extent()) > kManyContacts;
+    const bool many = contacts_across(config.tool, scene_.index->usual_extent()) > kManyContacts;
     contacts_ =
         many && std::thread::hardware_concurrency() > 1 ? ContactSearch::kWorker : ContactSearch::kInline;
   }
@@ -81,27 +104,36 @@ LiveSystem::LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> d
 
 LiveSystem::~LiveSystem() { stop(); }
 
+void LiveSystem::read_motion() {
+  const DeviceConfig& device = settings_.device;
+  if (!device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
+  if (device.kind == DeviceKind::kPlayback && path_.empty())
+    throw Error("--device playback has nothing to play; give --trajectory T.csv");
+}
+
 void LiveSystem::read_scene(const Progress& progress) {
   const SceneConfig& scene = settings_.scene;
-  const DeviceConfig& device = settings_.device;
-  const DeviceKind kind = device.kind;
-  if (owns_device_ && !device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
-  if (owns_device_ && kind == DeviceKind::kPlayback && path_.empty())
-    throw Error("--device playback has nothing to play; give --trajectory T.csv");
+  const ForceConfig& force = settings_.force;
   const IndexFiles files = scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
-  index_ = std::make_shared<SceneIndex>(open_or_make_index(scene, files, notify_, progress));
-  scene_origin_ = scene_origin(scene);
-  if (owns_device_ && is_giant(kind)) place_giant();
-  explores_ = owns_device_ && path_.empty() && (kind == DeviceKind::kSimulated || is_giant(kind));
-  if (explores_) find_way();
+  scene_.config = scene;
+  scene_.index = std::make_shared<SceneIndex>(open_or_make_index(scene, files, notify_, progress));
+  scene_.origin = scene_origin(scene);
+  scene_.materials = load_materials(force, scene.path, progress);
+  scene_.materials_file = force.materials;
+}
+
+/// What another has read.
+void LiveSystem::take(const SharedScene& scene) {
+  settings_.scene = scene.config;
+  scene_ = followed_ = with_materials(scene, settings_.force);
 }
 
 /// Where its handle rests, and the scene where that is in reach.
 void LiveSystem::place_giant() {
   home_ = rest_of_handle(giant_setup(settings_.device, settings_.loop.rate, stiffness_).chain);
   WorkspaceMap& map = settings_.device.map;
-  if (map != WorkspaceMap() || index_->size() == 0) return;
-  map.offset = waiting_place(*index_, settings_.tool).position - home_->position;
+  if (map != WorkspaceMap() || scene_.index->size() == 0) return;
+  map.offset = waiting_place(*scene_.index, settings_.tool).position - home_->position;
   notify_(fmt::format(
       "note: the scene is put below where the handle rests: --workspace-offset {:.3f},{:.3f},{:.3f}",
       map.offset.x(), map.offset.y(), map.offset.z()));
@@ -111,11 +143,11 @@ void LiveSystem::place_giant() {
 void LiveSystem::find_way() {
   const std::string name = settings_.scene.name();
   try {
-    path_ = explore(*index_, settings_.tool);
+    path_ = explore(*scene_.index, settings_.tool);
   } catch (const Error& error) {
-    if (index_->size() == 0) throw Error("{}: {}; or give --trajectory", name, error.what());
+    if (scene_.index->size() == 0) throw Error("{}: {}; or give --trajectory", name, error.what());
     notify_(fmt::format("note: the hand waits above the scene: {}: {}", name, error.what()));
-    path_.emplace_back().pose = waiting_place(*index_, settings_.tool);
+    path_.emplace_back().pose = waiting_place(*scene_.index, settings_.tool);
   }
 }
 
@@ -164,6 +196,7 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
     device = make_device(config, settings_.loop.rate, std::move(connections));
   }
   device_ = std::move(device);
+  guarded_.emplace(*device_);
   admittance_ = dynamic_cast<AdmittanceLoop*>(device_.get());
   open_device(*device_, [this](const std::string& line) { notify_("note: " + line); });
 }
@@ -179,14 +212,17 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
   ForceConfig force = settings.force;
   force.proxy.stiffness = stiffness_;  // the rest is gain
   force.proxy.hand_scale = settings.device.map.scale;
+  MakeAround around;
+  if (touch_ != nullptr)
+    around = [&](ForceModel& model) { return touch_->around(number_, model, settings.tool, stiffness_); };
   return std::make_shared<FeltScene>(std::move(index), settings.tool, force, std::move(materials), contacts_,
-                                     clock_, settings.loop.worker_delay, settings.scene.path);
+                                     clock_, settings.loop.worker_delay, settings.scene.path, around);
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {
   device_->enable();
   clock_ = LoopClock();
-  felt_ = make_felt(index_, settings_, materials_);
+  felt_ = make_felt(scene_.index, settings_, scene_.materials);
   ServoTickOptions ticks;
   ticks.period = 1.0 / settings_.loop.rate;
   ticks.map = settings_.device.map;
@@ -195,12 +231,16 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
     ticks.limits = SafetyLimits::of(device_->capabilities(), ticks.period);
     ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
   }
-  tick_ = std::make_unique<ServoTick>(*device_, felt_->model(settings_.force.model), ticks);
+  tick_ = std::make_unique<ServoTick>(*guarded_, felt_->model(settings_.force.model), ticks);
   ServoLoop::Options options;
   options.rate = settings_.loop.rate;
   if (settings_.loop.cpu >= 0) options.priority.cpu = settings_.loop.cpu;
   loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
   changer_ = std::thread([this, begin = settings_] { change_until_stopped(begin); });
+}
+
+void LiveSystem::begin_to_stop() {
+  if (tick_) tick_->governor().stop(Fault::kPaused);
 }
 
 void LiveSystem::stop() {
@@ -239,7 +279,7 @@ Provenance LiveSystem::provenance(std::string_view command) const {
     const std::scoped_lock lock(mutex_);
     config = settings_;
     if (felt_) config.scene.path = felt_->path();  // another may be in the making
-    scene = scene_origin_;
+    scene = scene_.origin;
   }
   Provenance known = palpate::provenance(command, scene, config, {kScene, kTool, kForce, kDevice, kLoop});
   known.made.push_back({"device", toml_quoted(fmt::format("{} ({})", device().name, device_kind()))});
@@ -261,6 +301,11 @@ std::uint64_t LiveSystem::version() const {
   return version_;
 }
 
+SharedScene LiveSystem::scene() const {
+  const std::scoped_lock lock(mutex_);
+  return scene_;
+}
+
 std::shared_ptr<const FeltScene> LiveSystem::felt() const {
   const std::scoped_lock lock(mutex_);
   return felt_;
@@ -268,11 +313,16 @@ std::shared_ptr<const FeltScene> LiveSystem::felt() const {
 
 void LiveSystem::change(const std::function<void(LiveConfig&)>& edit) { become(edit, nullptr); }
 
-void LiveSystem::open_scene(const std::string& path) {
-  if (home_)
-    throw Error("a scene for a room-scale device is placed when it starts: start again with {}", path);
+std::string_view LiveSystem::needs_its_scene() const {
+  if (home_) return "a scene for a room-scale device is placed when it starts";
   if (device_kind_ == to_string(DeviceKind::kPlayback))
-    throw Error("what is played back goes through the scene that is felt: start again with another");
+    return "what is played back goes through the scene that is felt";
+  return {};
+}
+
+void LiveSystem::open_scene(const std::string& path) {
+  if (follows_) throw Error("{}", kFollows);
+  if (const auto why = needs_its_scene(); !why.empty()) throw Error("{}: start again with another", why);
   become(
       [](LiveConfig& settings) {
         SceneConfig& scene = settings.scene;
@@ -292,6 +342,7 @@ void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std:
     const std::scoped_lock lock(mutex_);
     LiveConfig next = settings_;
     edit(next);
+    if (follows_ && next.scene != settings_.scene) throw Error("{}", kFollows);
     next.scene.path = settings_.scene.path;
     next.scene.no_index_file = settings_.scene.no_index_file;
     next.force.materials = settings_.force.materials;
@@ -304,6 +355,21 @@ void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std:
     next.loop = settings_.loop;
     next.gateway = settings_.gateway;
     settings_ = std::move(next);
+    ++settings_version_;
+    ++version_;
+  }
+  wanted_.notify_all();
+}
+
+void LiveSystem::follow(const SharedScene& scene) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (scene.config.path != settings_.scene.path) {
+      settings_.force.materials.clear();
+      settings_.room = {};
+    }
+    settings_.scene = scene.config;
+    followed_ = scene;
     ++settings_version_;
     ++version_;
   }
@@ -334,11 +400,13 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     wanted_.wait(lock, [&] { return ends_ || settings_version_ != seen; });
     if (ends_) return;
     const LiveConfig wanted = settings_;
+    const SharedScene followed = followed_;
     seen = settings_version_;
     lock.unlock();
     std::string failure;
     try {
-      apply(wanted, done);
+      set_stiffness(wanted);
+      apply(wanted, done, follows_ ? taken_over(wanted, followed) : read_again(wanted, done));
       done = wanted;
     } catch (const Error& error) {
       failure = error.what();
@@ -378,40 +446,50 @@ void LiveSystem::let_hand_move() {
   }
 }
 
-/// Makes what is new in `wanted`, has the loop feel it, and waits until it does.
-void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
-  set_stiffness(wanted);
+/// The scene of `wanted`, of which as much is made anew as is not that of `now`.
+SharedScene LiveSystem::read_again(const LiveConfig& wanted, const LiveConfig& now) {
   const SceneFilter& filter = wanted.scene.filter;
   const bool other_file = wanted.scene.path != now.scene.path;
   const bool other_place = wanted.scene.world_from_scene() != now.scene.world_from_scene();
   const bool other_gaussians = other_file || filter != now.scene.filter ||
                                (other_place && (filter.max_scale || filter.crop_box || filter.crop_sphere));
-  const bool other_tool = wanted.tool != now.tool;
-  const ProxyParameters &proxy = wanted.force.proxy, &before = now.force.proxy;
-  const bool other_feel = proxy.friction != before.friction || proxy.detail != before.detail ||
-                          wanted.force.density != now.force.density;
-  std::shared_ptr<const SceneIndex> index = index_;
-  Materials materials = materials_;
-  SceneOrigin origin = scene_origin_;
+  SharedScene next = scene_;
+  next.config = wanted.scene;
   if (other_file) {
     const std::string name = std::filesystem::path(wanted.scene.name()).filename().string();
     const Progress progress = progress_of("opening " + name);
     const IndexFiles files = wanted.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
     say("opening " + name);
-    index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, files, notify_, progress));
-    if (index->size() == 0) throw Error("{}: nothing of it can be touched; what was felt stays", name);
-    materials = load_materials(wanted.force, wanted.scene.path, progress);
-    origin = scene_origin(wanted.scene);
+    next.index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, files, notify_, progress));
+    if (next.index->size() == 0) throw Error("{}: nothing of it can be touched; what was felt stays", name);
+    next.materials = load_materials(wanted.force, wanted.scene.path, progress);
+    next.materials_file = wanted.force.materials;
+    next.origin = scene_origin(wanted.scene);
   } else if (other_gaussians) {
     say("looking which Gaussians can be felt");
-    index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
+    next.index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
   } else if (other_place) {
-    index = std::make_shared<SceneIndex>(index_->registered(wanted.scene.world_from_scene()));
+    next.index = std::make_shared<SceneIndex>(scene_.index->registered(wanted.scene.world_from_scene()));
   }
-  const bool other_scene = other_gaussians || other_place;
+  return next;
+}
+
+/// The scene of the other, once that is another; until it could be felt here, the one before.
+SharedScene LiveSystem::taken_over(const LiveConfig& wanted, const SharedScene& followed) const {
+  const bool other = followed.index != scene_.index && followed.config == wanted.scene;
+  return other ? with_materials(followed, wanted.force) : scene_;
+}
+
+/// Makes what is new in `wanted`, on `scene`, has the loop feel it, and waits until it does.
+void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const SharedScene& scene) {
+  const bool other_scene = scene.index != scene_.index;
+  const bool other_tool = wanted.tool != now.tool;
+  const ProxyParameters &proxy = wanted.force.proxy, &before = now.force.proxy;
+  const bool other_feel = proxy.friction != before.friction || proxy.detail != before.detail ||
+                          wanted.force.density != now.force.density;
   if (other_scene || other_tool || other_feel) {
-    if (!other_gaussians) say("making it ready");
-    next_ = make_felt(index, wanted, materials);
+    if (busy().empty()) say("making it ready");
+    next_ = make_felt(scene.index, wanted, scene.materials);
   } else if (wanted.force.model != now.force.model) {
     next_ = felt_;
   } else {
@@ -419,7 +497,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
   }
   if (explores_ && (other_scene || other_tool)) {
     try {
-      go(explore(*index, wanted.tool));
+      go(explore(*scene.index, wanted.tool));
     } catch (const Error&) {
       // There is no place to touch by itself: it goes on where it went, and a client may lead it elsewhere.
     }
@@ -435,11 +513,10 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now) {
   {
     const std::scoped_lock lock(mutex_);
     felt_.swap(next_);
-    index_ = index;
-    scene_origin_ = std::move(origin);
+    scene_ = scene;
   }
-  materials_ = std::move(materials);
   next_.reset();  // what was felt before, with its worker
+  if (other_scene && on_scene) on_scene(scene);
 }
 
 }  // namespace palpate

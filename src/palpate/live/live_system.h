@@ -18,12 +18,23 @@
 #include <palpate/live/felt_scene.h>
 #include <palpate/live/live_config.h>
 #include <palpate/live/live_scene.h>
+#include <palpate/live/mutual_touch.h>
 #include <palpate/live/provenance.h>
 #include <palpate/record/trajectory.h>
 #include <palpate/servo/admittance_loop.h>
+#include <palpate/servo/guarded_device.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
+
+/// A scene that has been read, for others that feel it as well. Immutable.
+struct SharedScene {
+  SceneConfig config;
+  SceneOrigin origin;
+  std::shared_ptr<const SceneIndex> index;
+  Materials materials;
+  std::string materials_file;  ///< ForceConfig::materials that `materials` are of
+};
 
 /// What an application embeds: reads or makes the scene, opens the device, and runs the servo loop between
 /// them, while scene, tool and model may be changed.
@@ -44,6 +55,10 @@ class LiveSystem {
   /// cannot be read, or a device that cannot be opened.
   explicit LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device = nullptr,
                       const Notify& notify = {}, const Progress& progress = {});
+  /// The same over a scene that another has read: no memory is taken for it once more. It stays that of the
+  /// other: see follow(). Of `config`, `scene` does not count.
+  LiveSystem(const LiveConfig& config, const SharedScene& scene, std::unique_ptr<HapticDevice> device,
+             const Notify& notify);
   /// As stop().
   ~LiveSystem();
   LiveSystem(const LiveSystem&) = delete;
@@ -52,8 +67,22 @@ class LiveSystem {
   /// Motors on, and begins. Owner's thread, once. \param observers see every tick, on the servo thread; must
   /// outlive stop() \throws Error if the device cannot be enabled.
   void start(std::vector<TickObserver*> observers);
+  /// The force begins to fall. Owner's thread, before stop(), which then waits for less: where several end,
+  /// they fall together.
+  void begin_to_stop();
   /// Ramps the force down, closes the device and ends. Owner's thread; more than once does nothing.
   void stop();
+
+  /// Told of every other scene once it is felt, on a thread of its own. To be set before start().
+  std::function<void(const SharedScene& scene)> on_scene;
+  /// From start() on it feels the others of `touch`, and they feel it. To be called before. \param hand its
+  /// number there. \pre `touch` outlives it
+  void touch_others(MutualTouch& touch, std::size_t hand) {
+    touch_ = &touch;
+    number_ = hand;
+  }
+  /// What another may be made over. Any thread.
+  SharedScene scene() const;
 
   /// \name From any thread, once it has started
   /// @{
@@ -62,13 +91,18 @@ class LiveSystem {
   /// Has `edit` change scene (but for its file), tool, force (but for materials) and room; other edits are
   /// undone. What it comes to is made on another thread, and felt once it is there and the force has fallen;
   /// returns at once. If it cannot be made, the settings become what they were, and message() says why. What
-  /// `edit` throws is thrown, and nothing changed.
+  /// `edit` throws is thrown, and nothing changed. \throws Error if the scene is another's, and `edit`
+  /// changes it.
   void change(const std::function<void(LiveConfig&)>& edit);
   /// Opens another scene in place of the one that is felt: as change(), with where it is, its crop and the
   /// materials of a file forgotten, since they are of the old one. \param path empty: the built-in one
-  /// \throws Error where that cannot be: with a giant, whose scene is where its handle rests, and where poses
-  /// are played back.
+  /// \throws Error where needs_its_scene(), and where the scene is another's.
   void open_scene(const std::string& path);
+  /// Why no other scene can be opened, with a giant, whose scene is where its handle rests, and where poses
+  /// are played back; empty where one can.
+  std::string_view needs_its_scene() const;
+  /// Has the scene of another be felt, of a system that was made over it: as change(). The newest counts.
+  void follow(const SharedScene& scene);
   /// How what is felt and recorded now is made. Reads the file of the materials, where there is one. \throws
   /// Error if that cannot be read.
   Provenance provenance(std::string_view command) const;
@@ -96,6 +130,7 @@ class LiveSystem {
   std::string_view device_kind() const { return device_kind_; }
   /// What the device says of itself in a fault; else empty.
   std::string_view device_fault() const {
+    if (!guarded_->thrown().empty()) return guarded_->thrown();
     return device_->status() == DeviceStatus::kFault ? device_->status_text() : std::string_view();
   }
   /// What keeps it from its motion, of the admittance type; empty where nothing does.
@@ -119,7 +154,11 @@ class LiveSystem {
   /// @}
 
  private:
+  LiveSystem(const LiveConfig& config, const SharedScene* scene, std::unique_ptr<HapticDevice> device,
+             const Notify& notify, const Progress& progress);
+  void read_motion();
   void read_scene(const Progress& progress);
+  void take(const SharedScene& scene);
   void place_giant();
   void find_way();
   Trajectory explore(const SceneIndex& index, const Tool& tool) const;
@@ -129,7 +168,9 @@ class LiveSystem {
   std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index, const LiveConfig& settings,
                                        Materials materials) const;
   void change_until_stopped(LiveConfig done);
-  void apply(const LiveConfig& wanted, const LiveConfig& now);
+  SharedScene read_again(const LiveConfig& wanted, const LiveConfig& now);
+  SharedScene taken_over(const LiveConfig& wanted, const SharedScene& followed) const;
+  void apply(const LiveConfig& wanted, const LiveConfig& now, const SharedScene& scene);
   void let_hand_move();
   void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);
@@ -139,10 +180,8 @@ class LiveSystem {
   Notify notify_;
   LoopClock clock_;
   ContactSearch contacts_;
-  Materials materials_;  ///< once it has started, the changer's thread's
-  double stiffness_;     ///< of gain 1. Unit: [N/m].
+  double stiffness_;  ///< of gain 1. Unit: [N/m].
   bool explores_ = false;
-  std::shared_ptr<const SceneIndex> index_;
   Trajectory path_;  ///< in the world; once it is played back, of the device
   /// Where the simulated hand goes: in the world; written by one thread at a time.
   LatestValue<std::shared_ptr<const HandPath>> way_;
@@ -152,15 +191,20 @@ class LiveSystem {
   std::optional<Pose> home_;  ///< of a giant's handle, device's frame
   bool owns_device_;          ///< it is none of the caller's
   std::string_view device_kind_;
+  bool follows_;  ///< another, which has the scene
+  MutualTouch* touch_ = nullptr;
+  std::size_t number_ = 0;  ///< there
   std::unique_ptr<HapticDevice> device_;
+  std::optional<GuardedDevice> guarded_;  ///< the same, as the loop sees it
   AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
   std::unique_ptr<ServoTick> tick_;
   std::unique_ptr<ServoLoop> loop_;
 
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable wanted_;
-  LiveConfig settings_;  ///< of which device, loop and gateway never change
-  SceneOrigin scene_origin_;
+  LiveConfig settings_;   ///< of which device, loop and gateway never change
+  SharedScene scene_;     ///< that is felt; changed by the changer's thread only
+  SharedScene followed_;  ///< that is to be felt, of one that follows another
   std::string busy_, message_;
   std::uint64_t version_ = 0, settings_version_ = 0;
   bool ends_ = false;

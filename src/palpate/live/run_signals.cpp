@@ -3,17 +3,23 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <utility>
 
 namespace palpate {
 namespace {
 
 // What a handler may touch.
 std::atomic<bool> ends = false;
-std::atomic<LiveSystem*> stoppable = nullptr;
-static_assert(std::atomic<LiveSystem*>::is_always_lock_free);
+std::atomic<const std::vector<LiveSystem*>*> stoppable = nullptr;
+static_assert(decltype(stoppable)::is_always_lock_free);
 
+template <class Stop>
+void for_all(const Stop& stop) {
+  if (const auto* systems = stoppable.load(std::memory_order_acquire))
+    for (LiveSystem* system : *systems) stop(*system);
+}
 void stop_for(Fault why) {
-  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->stop_force(why);
+  for_all([why](LiveSystem& system) { system.stop_force(why); });
 }
 extern "C" void end_run(int) {
   ends.store(true, std::memory_order_relaxed);
@@ -22,7 +28,7 @@ extern "C" void end_run(int) {
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
 /// The last thing that is done.
 extern "C" void die(int signal) {
-  if (LiveSystem* system = stoppable.load(std::memory_order_acquire)) system->tick().stall();
+  for_all([](LiveSystem& system) { system.tick().stall(); });
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -32,8 +38,8 @@ constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 }  // namespace
 
-RunSignals::RunSignals(LiveSystem& system) {
-  stoppable.store(&system, std::memory_order_release);
+RunSignals::RunSignals(std::vector<LiveSystem*> systems) : systems_(std::move(systems)) {
+  stoppable.store(&systems_, std::memory_order_release);
   for (const int signal : kEnding) std::signal(signal, end_run);
   for (const int signal : kDeadly) std::signal(signal, die);
   std::signal(SIGUSR1, stop_motors);

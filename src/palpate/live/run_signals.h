@@ -1,6 +1,8 @@
 /// \file
-/// Signals of a program that runs a live system.
+/// Signals of a program that runs live systems.
 #pragma once
+
+#include <vector>
 
 #include <palpate/live/live_system.h>
 
@@ -8,12 +10,12 @@ namespace palpate {
 
 /// Has handlers in place as long as it lives: INT, TERM, HUP and QUIT end the run, USR1 is an emergency stop.
 /// Both let the force fall by themselves, also where the main thread waits for something. What kills the
-/// program (SEGV, BUS, FPE, ILL, ABRT) stops the device before; PIPE and XFSZ are ignored, so that who writes
-/// finds out. One at a time, on the main thread.
+/// program (SEGV, BUS, FPE, ILL, ABRT) stops the devices before; PIPE and XFSZ are ignored, so that who
+/// writes finds out. One at a time, on the main thread.
 class RunSignals {
  public:
-  /// `system` must outlive it.
-  explicit RunSignals(LiveSystem& system);
+  /// `systems` must outlive it. \pre they have started
+  explicit RunSignals(std::vector<LiveSystem*> systems);
   /// From here on the signals that end a run end the program.
   ~RunSignals();
   RunSignals(const RunSignals&) = delete;
@@ -21,6 +23,9 @@ class RunSignals {
 
   /// Whether a signal has asked the run to end.
   static bool ended();
+
+ private:
+  std::vector<LiveSystem*> systems_;
 };
 
 }  // namespace palpate

@@ -126,7 +126,7 @@ Client::Client(Hub& hub, std::function<void()> wake, std::function<double()> clo
 Client::~Client() {
   while (!subscriptions_.empty()) drop(subscriptions_.begin());
   --hub_.clients_;
-  if (hub_.on_leave) hub_.on_leave(*this);
+  for (const auto& listener : hub_.on_leave) listener(*this);
 }
 
 bool Client::admit(std::size_t bytes) {

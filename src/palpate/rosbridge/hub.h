@@ -116,9 +116,9 @@ class Hub {
   const std::map<std::string, Offer>& services() const { return services_; }
   std::size_t client_count() const { return clients_; }  ///< Any thread.
   /// Told of every client that goes.
-  std::function<void(const Client&)> on_leave;
+  std::vector<std::function<void(const Client&)>> on_leave;
   /// Told when nothing more of what a client has sent waits: what it published last is the newest there is.
-  std::function<void(Client&)> on_caught_up;
+  std::vector<std::function<void(Client&)>> on_caught_up;
 
  private:
   friend class Client;
@@ -159,12 +159,14 @@ class Client {
   /// @}
   /// Nothing more waits of what it has sent.
   void caught_up() {
-    if (hub_.on_caught_up) hub_.on_caught_up(*this);
+    for (const auto& listener : hub_.on_caught_up) listener(*this);
   }
 
   /// Of whom frames go before those of others: who moves a hand.
-  bool is_urgent() const { return urgent_; }
-  void set_urgent(bool urgent) { urgent_ = urgent; }
+  bool is_urgent() const { return hands_ > 0; }
+  /// One hand more, or one less.
+  void take_hand() { ++hands_; }
+  void leave_hand() { --hands_; }
 
   struct Outgoing {
     std::shared_ptr<const std::string> bytes;
@@ -225,7 +227,8 @@ class Client {
   std::size_t answer_bytes_ = 0;
   /// Messages and bytes that may still come, when that was counted last.
   double messages_left_ = kMostMessages, bytes_left_ = kMostBytes, counted_at_;
-  bool quiet_ = false, urgent_ = false;
+  bool quiet_ = false;
+  int hands_ = 0;  ///< that it moves
   std::string fault_;
   std::shared_ptr<Client*> self_ = std::make_shared<Client*>(this);  ///< for Reply
 };

@@ -11,7 +11,7 @@ if [ $# -gt 2 ]; then
   PALPATE_BINARY=$(realpath "$3")
   export PALPATE_BINARY
   # It takes minutes a capture, where somebody names some: see PALPATE_SCENES there.
-  tests+=(program_test.mjs first_contact_test.mjs)
+  tests+=(program_test.mjs first_contact_test.mjs hands_test.mjs)
 fi
 here=$(dirname "$(realpath "$0")")
 # shellcheck source=tests/web/packages.sh

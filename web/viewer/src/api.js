@@ -36,6 +36,8 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     contacts: () => live.contacts.map(({ id, position, semiAxes, normal, depth }) =>
       ({ id, center: position, scale: semiAxes.map((s) => 2 * s), normal, depth })),
     drawnContacts: () => felt.contacts.count,
+    others: () => live.others,
+    drawnOthers: () => felt.others.count,
     centreOfDrawnContact: (id) => felt.drawnCentre(id),
     arrow: () => felt.force.direction,
     kept: () => splats.keptCount,

@@ -5,6 +5,8 @@
 
 import { Ros, Service, Topic, WebSocketTransportFactory } from 'roslib';
 
+import { rosName } from './address.js';
+
 const firstDelay = 250; // before another attempt. Unit: [ms].
 const longestDelay = 2000; // Unit: [ms].
 const checkPeriod = 500; // of whether anything is heard. Unit: [ms].
@@ -40,7 +42,7 @@ export class Connection {
     this.#listeners.add(listener);
   }
 
-  /// `name` is below /palpate/; `rest` is what roslib's Topic takes besides. To be called before `open`.
+  /// `name` is below /palpate/, or that of the page's hand; `rest` is what roslib's Topic takes besides. To be called before `open`.
   subscribe(name, messageType, callback, rest = {}) {
     this.#subscriptions.push({ name, messageType, callback, rest });
   }
@@ -54,7 +56,7 @@ export class Connection {
   /// The values of the answer; rejected if there is none.
   call(name, serviceType, request = {}) {
     if (!this.connected) return Promise.reject(new Error('Not connected.'));
-    const service = new Service({ ros: this.#ros, name: `/palpate/${name}`, serviceType });
+    const service = new Service({ ros: this.#ros, name: rosName(name), serviceType });
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => reject(new Error(`${name}: no answer`)), answerLimit);
       const settle = (finish) => (value) => {
@@ -75,7 +77,7 @@ export class Connection {
   }
 
   #topic(name, messageType, rest) {
-    return new Topic({ ros: this.#ros, name: `/palpate/${name}`, messageType, reconnect_on_close: false, ...rest });
+    return new Topic({ ros: this.#ros, name: rosName(name), messageType, reconnect_on_close: false, ...rest });
   }
 
   #attempt() {

@@ -41,10 +41,11 @@ export class FeltObjects {
     const hidden = shellMaterial('--tool', 0.06, 0.3, { depthTest: false });
     this.hidden = new Ellipsoids(mostParts, hidden, { order: order.hidden });
     this.proxy = new Ellipsoids(mostParts, shellMaterial('--proxy', 0, 0.95, { depthTest: false }), { order: order.proxy });
+    this.others = new Ellipsoids(mostParts, solidMaterial({ opacity: 0.55 }), { order: order.tool });
     this.normals = normalLines();
     this.force = new Arrow('--force', order.force);
     this.torque = new Arrow('--torque', order.torque);
-    this.group.add(this.contacts, this.normals, this.hidden, this.proxy, this.tool, this.torque, this.force);
+    this.group.add(this.contacts, this.others, this.normals, this.hidden, this.proxy, this.tool, this.torque, this.force);
   }
 
   /// Sizes that follow from the tool and the device.
@@ -62,6 +63,7 @@ export class FeltObjects {
     const changes = [
       this.tool.show(parts),
       this.hidden.show(parts),
+      this.others.show(live.others.flatMap((other) => other.parts)),
       this.#dim(!fresh),
       this.#showProxy(live, shown.proxy && fresh),
       this.#showContacts(live.isFresh('contacts') ? live.contacts : [], shown),

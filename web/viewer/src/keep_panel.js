@@ -1,7 +1,7 @@
 // Panel: what can be taken along: a recording, and a configuration that starts the next run as things are now.
 
 import { byId, element } from '../../shared/dom.js';
-import { httpUrl } from './address.js';
+import { recordingUrl } from './address.js';
 import { button, hint, setPressed } from './fields.js';
 
 const longEnough = 10000; // for a browser to take a file that is offered. Unit: [ms].
@@ -14,8 +14,8 @@ function download(text, name) {
 
 export function createKeepPanel(parameters, actions) {
   const record = button('Record', () => actions.record(!parameters.current.recording), { name: 'record' });
-  const report = element('a', { text: 'Last recording', attributes: { href: httpUrl('/recording.html'), target: '_blank', rel: 'noopener' } });
-  const raw = element('a', { text: 'as CSV', attributes: { href: httpUrl('/recording'), download: 'recording.csv' } });
+  const report = element('a', { text: 'Last recording', attributes: { href: recordingUrl('recording.html'), target: '_blank', rel: 'noopener' } });
+  const raw = element('a', { text: 'as CSV', attributes: { href: recordingUrl('recording'), download: 'recording.csv' } });
   const config = button('Save as configuration', async () => {
     const text = await actions.config();
     if (text !== null) download(text, 'palpate.toml');

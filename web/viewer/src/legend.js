@@ -20,6 +20,12 @@ function setBar({ line, text }, pixels, said) {
   text.textContent = said;
 }
 
+function handRow({ name, color, force }) {
+  const fill = `rgb(${color.map((c) => Math.round(255 * c)).join()})`;
+  const swatch = svg('svg', { class: 'swatch', width: 10, height: 10 }, svg('circle', { cx: 5, cy: 5, r: 5, fill }));
+  return element('div', { className: 'scale-row' }, swatch, element('span', { text: `${name || 'first hand'} ${formatFixed(force, 1)} N` }));
+}
+
 // A gradient in an SVG needs no inline style, which the page's policy forbids.
 function rampBar() {
   const stops = rampColors.map((color, i) => svg('stop', { offset: i / (rampColors.length - 1), 'stop-color': color }));
@@ -34,7 +40,16 @@ export class Legend {
     this.force = bar('force');
     this.from = element('span');
     this.to = element('span');
-    byId('legend').append(this.length.node, this.force.node, element('div', { className: 'scale-row' }, this.from, rampBar(), this.to));
+    this.hands = element('div');
+    byId('legend').append(this.length.node, this.force.node, element('div', { className: 'scale-row' }, this.from, rampBar(), this.to), this.hands);
+  }
+
+  /// A line for each of the other hands: its colour, its name, and how large the force is that it is sent.
+  showHands(others) {
+    const key = JSON.stringify(others.map(({ name, force }) => [name, formatFixed(force, 1)]));
+    if (key === this.shownHands) return;
+    this.shownHands = key;
+    this.hands.replaceChildren(...others.map(handRow));
   }
 
   update() {

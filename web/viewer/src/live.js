@@ -1,11 +1,13 @@
 // What the loop says while it runs: the newest message of every topic, and when it came.
 
 import { isNumber } from '../../shared/format.js';
+import { ownHand } from './address.js';
 
 export const staleAfter = 500; // Unit: [ms].
 const added = 0; // visualization_msgs/Marker: ADD, DELETE, DELETEALL
 const deleted = 2;
 const deletedAll = 3;
+const metresPerNewton = 0.02; // of the arrows of hands
 const ownRate = 10; // least time between two wrenches; who holds the tool would get one a tick. Unit: [ms].
 
 const vector = ({ x, y, z }) => [x, y, z];
@@ -41,6 +43,7 @@ export class Live {
   diagnostics = null; // {level, values}
   #toolMarkers = new Map();
   #contactMarkers = new Map();
+  #handMarkers = []; // of all hands, where there are several
   #heard = new Map(); // topic: when
   #listeners = new Map();
 
@@ -57,6 +60,7 @@ export class Live {
     // Markers are changes to what came before, so none may be left out.
     subscribe('contacts', 'visualization_msgs/MarkerArray', (m) => applyMarkers(this.#contactMarkers, m),
       { queue_length: 10 });
+    subscribe('hands', 'visualization_msgs/MarkerArray', (m) => { this.#handMarkers = m.markers; });
     subscribe('diagnostics', 'diagnostic_msgs/DiagnosticArray', ({ status: [status] }) => {
       this.diagnostics = { level: status.level, values: diagnosticValues(status) };
     });
@@ -78,6 +82,7 @@ export class Live {
     this.#heard.clear();
     this.#toolMarkers.clear();
     this.#contactMarkers.clear();
+    this.#handMarkers = [];
   }
 
   /// Calls `listener` after every message of a topic.
@@ -101,6 +106,21 @@ export class Live {
     return [...this.#toolMarkers.values()].map(ellipsoid);
   }
 
+  /// The hands but this page's: [{name, color, force: in N, parts: as toolParts}].
+  get others() {
+    const others = new Map();
+    for (const marker of this.isFresh('hands') ? this.#handMarkers : []) {
+      const name = marker.ns.replace(/\/force$/, '');
+      if (name === ownHand) continue;
+      const { r, g, b } = marker.color;
+      if (!others.has(name)) others.set(name, { name, color: [r, g, b], force: 0, parts: [] });
+      const other = others.get(name);
+      if (marker.ns === name) other.parts.push({ ...ellipsoid(marker), color: other.color });
+      else other.force = arrowLength(marker) / metresPerNewton;
+    }
+    return [...others.values()];
+  }
+
   /// [{id, position, orientation, semiAxes, color, normal: {from, to} or null, depth or null}].
   get contacts() {
     return [...this.#contactMarkers.values()].filter((m) => m.ns === 'contacts').map((marker) => {
@@ -110,6 +130,11 @@ export class Live {
       return { ...ellipsoid(marker), color: [marker.color.r, marker.color.g, marker.color.b], normal, depth };
     });
   }
+}
+
+function arrowLength(marker) {
+  const { from, to } = arrowEnds(marker);
+  return Math.hypot(...to.map((v, k) => v - from[k]));
 }
 
 // An ARROW goes from its first point to its second, or, without points, along x of its pose for scale.x.

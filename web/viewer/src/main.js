@@ -2,7 +2,7 @@
 
 import { byId, element } from '../../shared/dom.js';
 import { createActions } from './actions.js';
-import { webSocketUrl } from './address.js';
+import { rosName, webSocketUrl } from './address.js';
 import { Connection } from './connection.js';
 import { followEscape } from './escape.js';
 import { createFeelPanel, createToolPanel } from './feel_panel.js';
@@ -20,7 +20,7 @@ import { followShortcuts } from './shortcuts.js';
 import { StatusBar } from './status_bar.js';
 import { showWorld } from './world.js';
 
-const poseTopic = '/palpate/client/measured_cp';
+const poseTopic = rosName('client/measured_cp');
 const unseenPeriod = 100; // between updates of the panels where nothing is drawn. Unit: [ms].
 const drawn = ['frame-all', 'find', 'hold', 'sound']; // parts of the page that need the view
 

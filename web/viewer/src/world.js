@@ -88,6 +88,7 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
     takeHold.update();
     updatePanels();
     updateShown();
+    legend.showHands(live.others);
     legend.update();
   });
   view.applyTheme(view.world);

@@ -1,0 +1,152 @@
+#include "console.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <palpate/live/run_signals.h>
+
+#include "output.h"
+
+namespace palpate::cli {
+namespace {
+
+constexpr double kMicro = 1e6;
+/// Between two looks at the loop. Unit: [s].
+constexpr double kLook = 0.05;
+/// A press of + or -.
+constexpr double kStiffer = 1.25, kLeastGain = 0.05, kMostGain = 20.0;
+/// Lines at a time, which fit on any terminal.
+constexpr std::size_t kMostLines = 20;
+
+}  // namespace
+
+Console::Console(LiveHands& hands, const LiveViews& views, LiveGateway* gateway, bool quiet)
+    : hands_(hands),
+      views_(views),
+      gateway_(gateway),
+      quiet_(quiet),
+      stiffness_(hands.first().settings().force.proxy.stiffness),
+      draws_(!quiet && ::isatty(STDERR_FILENO) != 0),
+      told_(views.size()) {}
+
+bool Console::look() {
+  for (const auto& view : views_) view->update();
+  tell_transitions();
+  if (draws_) draw();
+  const auto key = keyboard_.key(kLook);
+  return !(key && !act(*key)) && !RunSignals::ended();
+}
+
+void Console::wait_for_no_force() {
+  const auto has_fallen = [](const auto& view) { return view->newest().state == GovernorState::kStopped; };
+  while (look() && !std::all_of(views_.begin(), views_.end(), has_fallen)) {
+  }
+}
+
+void Console::tell_transitions() {
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const auto transitions = views_[k]->transitions();
+    const LiveHands::Hand& hand = hands_.all()[k];
+    for (; told_[k] < transitions.size(); ++told_[k]) {
+      const GovernorTransition& change = transitions[told_[k]];
+      if (change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
+      const std::string_view device = hand.system->device_fault();
+      tell(fmt::format("{:.3f} s: {}no force: {}: {}{}{}", change.t, said_of(hand.name),
+                       traits(change.fault).name, traits(change.fault).advice,
+                       device.empty() ? "" : "; it says: ", device));
+    }
+  }
+}
+
+void Console::tell(const std::string& message) {
+  clear();
+  if (gateway_ != nullptr) gateway_->say(message);
+  if (!quiet_) stderr_.write(notice(message));
+}
+
+/// What takes the lines that are drawn off the terminal.
+std::string Console::erased() {
+  const std::size_t above = std::max<std::size_t>(std::exchange(drawn_, 0), 1) - 1;
+  return above > 0 ? fmt::format("\r\033[{}A\033[J", above) : "\r\033[K";
+}
+
+void Console::clear() {
+  if (draws_) stderr_.write(erased());
+}
+
+void Console::draw() {
+  const std::size_t count = views_.size(), shown = std::min(count, kMostLines);
+  std::string text = line_of(0);
+  for (std::size_t k = 1; k < shown; ++k) text += "\n\r" + line_of(k);
+  if (shown < count) text += fmt::format("  (and {} more)", count - shown);
+  // Of several, what is wider than the terminal is cut: a second line of it would not be counted.
+  stderr_.write(erased() + (count > 1 ? "\033[?7l" + text + "\033[?7h" : text));
+  drawn_ = shown;
+}
+
+std::string Console::line_of(std::size_t hand) const {
+  const auto& [name, system] = hands_.all()[hand];
+  const TickRecord& now = views_[hand]->newest();
+  const LiveConfig settings = system->settings();
+  const LoopStatistics& statistics = system->loop().statistics();
+  const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
+  const std::string margin = now.margin <= 0.0  ? "-"
+                             : now.margin < 1.0 ? fmt::format("{:.1f}x: softer, since it is late", now.margin)
+                                                : fmt::format("{:.1f}x", now.margin);
+  const std::string_view held_by = system->device_held_by();
+  const std::string held = held_by.empty() ? "" : fmt::format("  held: {}", held_by);
+  return fmt::format(
+      "{:7.1f} s  {}{}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
+      "margin {}{}",
+      now.t, said_of(name), to_string(now.state), why, to_string(settings.force.model),
+      settings.force.proxy.stiffness, now.sent.force.norm(), now.contacts,
+      kMicro * statistics.whole.quantile(0.5), kMicro * statistics.whole.quantile(0.99),
+      statistics.overruns.load(), margin, held);
+}
+
+bool Console::act(char key) {
+  LiveSystem& first = hands_.first();
+  switch (key) {
+    case ' ': pause_or_go_on(); break;
+    case 'r':
+      for (const LiveHands::Hand& hand : hands_.all()) hand.system->resume();
+      break;
+    case 'e': hands_.stop_force(); break;
+    case 'm':
+      first.change([](LiveConfig& settings) {
+        const auto next = static_cast<std::size_t>(settings.force.model) + 1;
+        settings.force.model = static_cast<ForceModelKind>(next % kForceModelNames.size());
+      });
+      break;
+    case '+': make_stiffer(kStiffer); break;
+    case '-': make_stiffer(1.0 / kStiffer); break;
+    case 'c':
+      clutched_ = !clutched_;
+      first.tick().press_clutch(clutched_);
+      break;
+    case 'q': return false;
+    default: break;
+  }
+  return true;
+}
+
+/// As the first is not.
+void Console::pause_or_go_on() {
+  const bool paused = views_.front()->newest().fault == Fault::kPaused;
+  for (const LiveHands::Hand& hand : hands_.all()) {
+    SafetyGovernor& governor = hand.system->tick().governor();
+    paused ? governor.unpause() : governor.stop(Fault::kPaused);
+  }
+}
+
+void Console::make_stiffer(double times) {
+  hands_.first().change([&](LiveConfig& settings) {
+    double& stiffness = settings.force.proxy.stiffness;
+    stiffness = std::clamp(times * stiffness, kLeastGain * stiffness_, kMostGain * stiffness_);
+  });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,67 @@
+/// \file
+/// What a person at the terminal sees and does while `palpate run` runs.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <palpate/live/live_gateway.h>
+#include <palpate/live/live_hands.h>
+#include <palpate/servo/live_view.h>
+
+#include "keyboard.h"
+#include "terminal.h"
+
+namespace palpate::cli {
+
+/// One of each hand, in the order of LiveHands::all().
+using LiveViews = std::vector<std::unique_ptr<LiveView>>;
+
+/// A line a hand, keys, and what there is to be told. On the main thread.
+class Console {
+ public:
+  /// All must outlive it. \param gateway whose pages show what is told, too; may be null
+  Console(LiveHands& hands, const LiveViews& views, LiveGateway* gateway, bool quiet);
+  ~Console() { clear(); }
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  /// Looks, and waits a little for a key. \returns false once someone wants to end.
+  bool look();
+  void tell_transitions();
+  void tell(const std::string& message);
+
+  /// Until a fall that was asked for is over, so that its reason is told, and recorded where that is
+  /// possible.
+  void wait_for_no_force();
+
+  static constexpr const char* kHelp =
+      "keys: space pause and go on, e emergency stop, r resume after a fault, m model, + - stiffness, c "
+      "clutch, q quit";
+  /// Besides, where there are several.
+  static constexpr const char* kHelpOfHands = "space, e and r are for all hands, the others for the first";
+
+ private:
+  std::string erased();
+  void clear();
+  void draw();
+  std::string line_of(std::size_t hand) const;
+  bool act(char key);
+  void pause_or_go_on();
+  void make_stiffer(double times);
+
+  LiveHands& hands_;
+  const LiveViews& views_;
+  LiveGateway* gateway_;
+  bool quiet_;
+  double stiffness_;  ///< of the first at the beginning. Unit: [N/m].
+  bool draws_;
+  bool clutched_ = false;
+  std::size_t drawn_ = 0;  ///< lines that are on the terminal now
+  NonblockingStderr stderr_;
+  Keyboard keyboard_;
+  std::vector<std::size_t> told_;  ///< transitions of each hand
+};
+
+}  // namespace palpate::cli

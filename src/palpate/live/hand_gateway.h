@@ -1,0 +1,104 @@
+/// \file
+/// What a LiveGateway has of each hand. Internal to live/.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <palpate/base/latest_value.h>
+#include <palpate/gateway/live_topics.h>
+#include <palpate/live/gateway_metrics.h>
+#include <palpate/live/gateway_notices.h>
+#include <palpate/live/live_system.h>
+#include <palpate/live/recording_switch.h>
+#include <palpate/rosbridge/hub.h>
+
+namespace palpate {
+
+/// std_srvs/Trigger, SetBool: what `work` throws as Refusal or Error is an answer, too.
+Json answer_of(const std::function<std::string()>& work);
+
+/// The topics, parameters, switches and recording of one hand, under /palpate or /palpate/NAME. On the
+/// gateway's thread, unless a function says otherwise.
+class HandGateway {
+ public:
+  /// What it has of the gateway, all of which outlives it.
+  struct Surroundings {
+    Hub& hub;
+    GatewayNotices& notices;
+    Elsewhere elsewhere;
+    std::function<std::string(const std::string& csv)> report;  ///< GatewayPages::report
+    std::function<void(Json& parameters)> describe;             ///< adds what is of all hands
+    std::function<void()> stop;                                 ///< what its emergency stop does
+  };
+
+  /// \param name empty: the first `system` must outlive it.
+  HandGateway(std::string name, LiveSystem& system, Surroundings around);
+
+  const std::string& name() const { return name_; }
+  LiveSystem& system() { return system_; }
+  std::vector<TickObserver*> observers() { return {&feed_, &recording_}; }
+  Wake& wake() { return feed_.wake(); }
+  /// Once the system has started.
+  void start();
+  /// Called LiveTopics::kRate times a second. \param shared another number whenever what describe() adds is
+  /// another
+  void beat(std::uint64_t shared);
+  /// Called when wake() is set.
+  void answer() { topics_->answer(); }
+  const LiveTopics& topics() const { return *topics_; }
+
+  Json parameters() const;
+  /// As a client has set them.
+  void change(const Json& wanted);
+
+  /// \name On any thread
+  /// @{
+  bool is_recording() const { return records_; }
+  RecordingSwitch::Recorded recorded() const { return recording_.recorded(); }
+  /// @}
+
+  /// \name On the thread of pages
+  /// @{
+  MetricsOfHand metrics();
+  /// Since its last tick. Unit: [s].
+  double silence();
+  /// @}
+
+ private:
+  /// What parameters() depends on.
+  struct Shown {
+    std::uint64_t system = 0, recorded = 0, shared = 0, notices = 0;  ///< numbers of their versions
+    bool records = false, paused = false, moves_itself = false;
+    bool operator==(const Shown&) const = default;
+  };
+
+  std::string named(const char* what) const { return prefix_ + what; }
+  void add_switches();
+  void add_recording();
+  void add_settings();
+  void look_at_recording();
+  void end_recording(RecordingSwitch::Done done);
+  bool is_paused() const { return feed_.newest().record.fault == Fault::kPaused; }
+  std::string message() const;
+
+  std::string name_, prefix_;
+  LiveSystem& system_;
+  Surroundings around_;
+  WorkspaceMap map_;
+  TickFeed feed_;
+  LatestValue<TickFeed::Tick> tick_for_pages_;
+  RecordingSwitch recording_;
+  Topic& parameters_topic_;
+  std::unique_ptr<LiveTopics> topics_;
+  std::atomic<bool> records_ = false;    ///< recording_.is_on(), for other threads
+  std::optional<Shown> told_;            ///< to clients
+  std::weak_ptr<const FeltScene> felt_;  ///< what the topics are of; not kept alive here
+  std::string recording_notice_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,86 @@
+#include <palpate/live/live_hands.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <palpate/base/error.h>
+
+namespace palpate {
+namespace {
+
+/// Does `work` for a hand, whose name is then in what it throws.
+template <class Work>
+void for_hand(const std::string& name, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    throw Error("{}{}", said_of(name), error.what());
+  }
+}
+
+/// `notify` with the name of a hand in each line, after what kind of line it is.
+Notify notify_of(const std::string& name, const Notify& notify) {
+  if (name.empty() || !notify) return notify;
+  return [name, notify](const std::string& line) {
+    constexpr std::array<std::string_view, 2> kKinds{"note: ", "warning: "};
+    std::size_t at = 0;
+    for (const std::string_view kind : kKinds)
+      if (line.starts_with(kind)) at = kind.size();
+    notify(line.substr(0, at) + said_of(name) + line.substr(at));
+  };
+}
+
+}  // namespace
+
+std::string said_of(const std::string& hand) { return hand.empty() ? std::string() : "hand " + hand + ": "; }
+
+LiveHands::LiveHands(std::vector<HandSetup> setups, const Notify& notify, const Progress& progress,
+                     bool touch_each_other) {
+  if (touch_each_other) touch_.emplace(setups.size());
+  for (HandSetup& setup : setups) {
+    for_hand(setup.name, [&] {
+      const Notify tell = notify_of(setup.name, notify);
+      auto system =
+          hands_.empty()
+              ? std::make_unique<LiveSystem>(setup.config, std::move(setup.device), tell, progress)
+              : std::make_unique<LiveSystem>(setup.config, first().scene(), std::move(setup.device), tell);
+      if (touch_) system->touch_others(*touch_, hands_.size());
+      hands_.push_back({setup.name, std::move(system)});
+    });
+  }
+  first().on_scene = [this](const SharedScene& scene) {
+    for (const Hand& hand : all().subspan(1)) hand.system->follow(scene);
+  };
+}
+
+LiveHands::~LiveHands() { stop(); }
+
+void LiveHands::start(const std::vector<std::vector<TickObserver*>>& observers) {
+  try {
+    for (std::size_t k = 0; k < hands_.size(); ++k)
+      for_hand(hands_[k].name, [&] { hands_[k].system->start(observers[k]); });
+  } catch (const Error&) {
+    stop();
+    throw;
+  }
+}
+
+void LiveHands::stop() {
+  for (const Hand& hand : hands_) hand.system->begin_to_stop();
+  for (const Hand& hand : hands_) hand.system->stop();  // the first first: nobody follows it from then on
+}
+
+void LiveHands::stop_force(Fault why) {
+  for (const Hand& hand : hands_) hand.system->stop_force(why);
+}
+
+void LiveHands::open_scene(const std::string& path) {
+  for (const Hand& hand : all().subspan(1)) {
+    if (const auto why = hand.system->needs_its_scene(); !why.empty())
+      throw Error("{}{}: start again with another", said_of(hand.name), why);
+  }
+  first().open_scene(path);
+}
+
+}  // namespace palpate

@@ -1,0 +1,135 @@
+#include <palpate/live/mutual_touch.h>
+
+#include <algorithm>
+
+#include <palpate/collision/k_function.h>
+
+namespace palpate {
+namespace {
+
+double in_series(double a, double b) { return a + b > 0.0 ? a * b / (a + b) : 0.0; }
+
+bool may_meet(const Eigen::Vector3d& a, double radius_a, const Eigen::Vector3d& b, double radius_b) {
+  const double reach = radius_a + radius_b;
+  return (a - b).squaredNorm() <= reach * reach;
+}
+
+}  // namespace
+
+/// A model with what is felt of the others.
+class MutualTouch::Touching final : public ForceModel {
+ public:
+  Touching(MutualTouch& all, std::size_t hand, ForceModel& model, const Tool& tool, double stiffness)
+      : all_(all), hand_(hand), model_(model) {
+    own_.tool = &tool;
+    own_.radius = tool.radius();
+    own_.stiffness = stiffness;
+  }
+
+  bool wants_contacts() const override { return model_.wants_contacts(); }
+  void reset() override {
+    model_.reset();
+    all_.leave(hand_);
+  }
+  ForceOutput evaluate(const ForceInput& input) override {
+    ForceOutput felt = model_.evaluate(input);
+    own_.pose = input.tool;
+    all_.enter(hand_, own_);
+    all_.push(hand_, own_, felt);
+    return felt;
+  }
+
+ private:
+  MutualTouch& all_;
+  std::size_t hand_;
+  ForceModel& model_;
+  Place own_;
+};
+
+MutualTouch::MutualTouch(std::size_t hands)
+    : hands_(hands), links_(new Link[hands * hands]), presence_(hands), is_there_(hands) {}
+
+std::unique_ptr<ForceModel> MutualTouch::around(std::size_t hand, ForceModel& model, const Tool& tool,
+                                                double stiffness) {
+  return std::make_unique<Touching>(*this, hand, model, keep(tool), stiffness);
+}
+
+const Tool& MutualTouch::keep(const Tool& tool) {
+  const std::scoped_lock lock(mutex_);
+  const auto at = std::find(kept_.begin(), kept_.end(), tool);
+  return at != kept_.end() ? *at : kept_.emplace_back(tool);
+}
+
+void MutualTouch::enter(std::size_t hand, Place place) {
+  if (is_there_[hand] == 0) ++presence_[hand];
+  is_there_[hand] = 1;
+  place.presence = presence_[hand];
+  for (std::size_t other = 0; other < hands_; ++other) {
+    if (other == hand) continue;
+    Link& to = link(hand, other);
+    to.place.back() = place;
+    to.place.publish();
+  }
+}
+
+void MutualTouch::leave(std::size_t hand) {
+  if (is_there_[hand] == 0) return;
+  is_there_[hand] = 0;
+  for (std::size_t other = 0; other < hands_; ++other) {
+    if (other == hand) continue;
+    Link& to = link(hand, other);
+    to.place.back() = {};
+    to.place.publish();
+    link(other, hand).were_apart = false;
+  }
+}
+
+void MutualTouch::push(std::size_t hand, const Place& own, ForceOutput& felt) {
+  for (std::size_t other = 0; other < hands_; ++other) {
+    if (other == hand) continue;
+    Link& from = link(other, hand);
+    from.place.update();
+    const Place& theirs = from.place.front();
+    if (theirs.presence != from.presence) from.were_apart = false;
+    from.presence = theirs.presence;
+    if (theirs.presence == 0) continue;
+    // In one order, so that both find the same contact to the last bit.
+    const bool is_low = hand < other;
+    const bool meet = push_pair(is_low ? own : theirs, is_low ? theirs : own, is_low ? 1.0 : -1.0,
+                                from.were_apart, own.pose, felt);
+    from.were_apart = from.were_apart || !meet;
+  }
+}
+
+/// Adds what the tool at `handle` feels. \param sign 1: that is `low`; -1: it is `high` \param pushes false:
+/// only looks \returns true where they overlap.
+bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bool pushes, const Pose& handle,
+                            ForceOutput& felt) {
+  if (!may_meet(low.pose.position, low.radius, high.pose.position, high.radius)) return false;
+  const double stiffness = in_series(low.stiffness, high.stiffness);
+  bool meet = false;
+  for (const ToolPart& a : low.tool->parts()) {
+    const Ellipsoid one = a.at(low.pose);
+    const double radius = one.radius();
+    if (!may_meet(one.center, radius, high.pose.position, high.radius)) continue;
+    const WhitenedTool whitened(one);
+    for (const ToolPart& b : high.tool->parts()) {
+      const Ellipsoid two = b.at(high.pose);
+      if (!spheres_overlap(one, radius, two, two.radius())) continue;
+      const KFunction k(whitened, two);
+      const KMinimum minimum = minimize(k);
+      if (!(minimum.k_min > 0.0)) continue;
+      meet = true;
+      if (!pushes) return meet;
+      const Contact contact = make_contact(whitened, two, k, minimum);
+      const Eigen::Vector3d force = sign * stiffness * contact.depth * contact.normal;
+      felt.wrench.force += force;
+      felt.wrench.torque += (contact.point - handle.position).cross(force);
+      felt.stored += 0.5 * stiffness * contact.depth * contact.depth;
+      felt.stiffness += stiffness;
+    }
+  }
+  return meet;
+}
+
+}  // namespace palpate

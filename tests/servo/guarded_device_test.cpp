@@ -1,0 +1,111 @@
+#include <palpate/servo/guarded_device.h>
+
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <palpate/base/error.h>
+
+namespace palpate {
+namespace {
+
+/// Throws from the call that it is told.
+class Thrower final : public HapticDevice {
+ public:
+  enum class At { kNowhere, kRead, kWait, kWrite };
+  At at = At::kNowhere;
+  int calls = 0, stops = 0;
+
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double, DeviceReading&) override { return call(At::kRead); }
+  void wait(const LoopClock&, double) override { call(At::kWait); }
+  void write(const Wrench&) override { call(At::kWrite); }
+  void stop() noexcept override { ++stops; }
+
+ private:
+  bool call(At here) {
+    ++calls;
+    if (at == here) throw Error("the cable burns");
+    return true;
+  }
+  DeviceCapabilities capabilities_;
+};
+
+class GuardedDeviceTest : public testing::TestWithParam<Thrower::At> {
+ protected:
+  void tick() {
+    device.wait(clock, 0.0);
+    DeviceReading reading;
+    heard = device.read(0.0, reading);
+    device.write({});
+  }
+  Thrower driver;
+  GuardedDevice device{driver};
+  LoopClock clock;
+  bool heard = false;
+};
+
+TEST_P(GuardedDeviceTest, AsksADriverThatThrewNoMore) {
+  tick();
+  EXPECT_TRUE(heard);
+  EXPECT_EQ(driver.calls, 3);
+  EXPECT_EQ(device.thrown(), "");
+  driver.at = GetParam();
+  tick();
+  EXPECT_EQ(device.thrown(), "the cable burns");
+  EXPECT_EQ(driver.stops, 1);
+  const int calls = driver.calls;
+  driver.at = Thrower::At::kNowhere;
+  tick();
+  EXPECT_FALSE(heard);
+  EXPECT_EQ(driver.calls, calls);
+  device.stop();  // as before
+  EXPECT_EQ(driver.stops, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Calls, GuardedDeviceTest,
+                         testing::Values(Thrower::At::kRead, Thrower::At::kWait, Thrower::At::kWrite));
+
+/// Throws what says nothing.
+class Silent final : public HapticDevice {
+ public:
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double, DeviceReading&) override { throw 3; }
+  void write(const Wrench&) override { throw std::runtime_error(""); }
+
+ private:
+  DeviceCapabilities capabilities_;
+};
+
+TEST(GuardedDevice, SaysSomethingWhateverIsThrown) {
+  Silent driver;
+  GuardedDevice device(driver), other(driver);
+  DeviceReading reading;
+  EXPECT_FALSE(device.read(0.0, reading));
+  EXPECT_EQ(device.thrown(), "its driver failed");
+  other.write({});
+  EXPECT_EQ(other.thrown(), "its driver failed");
+}
+
+/// A message that is longer than what is kept of it.
+class Talker final : public HapticDevice {
+ public:
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double, DeviceReading&) override { throw std::runtime_error(std::string(10000, 'x')); }
+  void write(const Wrench&) override {}
+
+ private:
+  DeviceCapabilities capabilities_;
+};
+
+TEST(GuardedDevice, KeepsTheBeginningOfALongMessage) {
+  Talker driver;
+  GuardedDevice device(driver);
+  DeviceReading reading;
+  EXPECT_FALSE(device.read(0.0, reading));
+  EXPECT_EQ(device.thrown(), std::string(256, 'x'));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Measures 1, 8 and 32 hands over one scene, in one process and in a process each, and writes what docs/network.md says about it,
+# between the two marks in the page. Takes three minutes, on a machine with nothing else to do.
+set -euo pipefail
+root=$(dirname "$(dirname "$(realpath "$0")")")
+# shellcheck source=tools/common.sh
+source "$root/tools/common.sh"
+[[ $# -le 1 ]] || die "usage: tools/hands.sh [SCENE.ply]"
+
+page=$root/docs/network.md
+check_marks "$page"
+
+ensure_packages "${build_packages[@]}"
+ensure_npm
+build_preset release OFF palpate_cli
+palpate=$root/build/release/bin/palpate
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+scene=${1:-$work/still-life.ply}
+[[ $# -eq 1 ]] || "$palpate" make-scene still-life --out "$scene" -q
+gaussians=$("$palpate" info "$scene" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["gaussians"])')
+
+{
+  printf '%s\n\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, load $(cut -d ' ' -f 1 /proc/loadavg) before, $gaussians Gaussians, $(date -u +%Y-%m-%d)"
+  python3 "$root/tools/hands_rows.py" "$palpate" "$scene" "$work"
+} >"$work/table"
+write_between_marks "$page" "$work/table"
