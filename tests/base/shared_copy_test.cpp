@@ -126,6 +126,20 @@ TEST_F(SharedCopyTest, TakesNothingThatIsNotSealed) {
   ::close(memory);
 }
 
+// The link of a process that was killed, whose number another process has now, with other memory of that
+// size.
+TEST_F(SharedCopyTest, TakesNothingThatIsOfAnotherFile) {
+  std::string link;
+  {
+    const SharedCopy copy(file_.path());
+    link = links().at(0);
+  }
+  const TemporaryFile other(std::string(bytes_.size(), 'x'));
+  const SharedCopy others(other.path());
+  fs::create_symlink(fs::read_symlink(links().at(0)), link);
+  EXPECT_EQ(text_of(SharedCopy(file_.path())), bytes_);
+}
+
 TEST_F(SharedCopyTest, OutlivesWhoMadeIt) {
   auto first = std::make_unique<SharedCopy>(file_.path());
   const SharedCopy second(file_.path());

@@ -1,6 +1,7 @@
 #include <palpate/base/shared_copy.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
@@ -70,12 +71,23 @@ bool is_sealed(const Descriptor& memory) {
   return seals >= 0 && (seals & kSeals) == kSeals;
 }
 
-/// The memory behind `link`, if it can be trusted to be what it says and to stay that.
-Descriptor find(const std::string& link, const struct stat& file) {
+/// A link outlives a process that is killed, and its number may be another's then, with other memory. An
+/// index says in its last page what it is of.
+bool end_alike(const Descriptor& a, const Descriptor& b, off_t size) {
+  std::array<char, 4096> of_a, of_b;
+  const off_t at = std::max<off_t>(0, size - static_cast<off_t>(of_a.size()));
+  const ssize_t length = ::pread(a.get(), of_a.data(), of_a.size(), at);
+  return length > 0 && ::pread(b.get(), of_b.data(), of_b.size(), at) == length &&
+         std::equal(of_a.begin(), of_a.begin() + length, of_b.begin());
+}
+
+/// The memory behind `link`, if it can be trusted to be that of `file` and to stay that.
+Descriptor find(const std::string& link, const Descriptor& file, const struct stat& of_file) {
   Descriptor found = open_to_read(link);
   struct stat status {};
   const bool is_it = found && ::fstat(found.get(), &status) == 0 && status.st_uid == ::geteuid() &&
-                     status.st_size == file.st_size && is_sealed(found);
+                     status.st_size == of_file.st_size && is_sealed(found) &&
+                     end_alike(found, file, of_file.st_size);
   return is_it ? std::move(found) : Descriptor(-1);
 }
 
@@ -131,7 +143,7 @@ SharedCopy::SharedCopy(const std::string& path) {
   if (status.st_size == 0) throw Error("{}: is empty", path);
   lock(file);  // until `file` is closed
   const std::string link = link_of(status);
-  Descriptor found = find(link, status);
+  Descriptor found = find(link, file, status);
   const bool is_new = !found;
   Descriptor memory = is_new ? make(path) : std::move(found);
   const auto size = static_cast<std::size_t>(status.st_size);
