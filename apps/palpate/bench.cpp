@@ -46,9 +46,9 @@ std::size_t peak_resident_bytes() {
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
-/// A query, and how it came to be.
+/// What answers, and how it came to be.
 struct Opened {
-  std::unique_ptr<ContactQuery> query;
+  Pipeline pipeline;
   OpenFigures figures;
 };
 
@@ -74,19 +74,18 @@ Opened open_exact(const Options& options, const Progress& progress) {
     if (remark) figures.remarks.push_back(*remark);
   figures.index_bytes = index.index.bytes();
   figures.gaussians = index.index.size();
-  opened.query = std::make_unique<SceneIndex>(std::move(index.index));
+  opened.pipeline.index = std::make_unique<SceneIndex>(std::move(index.index));
   return opened;
 }
 
 Opened open_paper(const Options& options, const Progress& progress) {
   Opened opened;
   const Stopwatch watch;
-  opened.query = options.query.build(options.live, progress);
+  opened.pipeline = options.query.build(options.live, progress);
   opened.figures.seconds = watch.seconds();
   opened.figures.origin = "memory";
   // A tool without bounds may touch all of them from out of reach.
-  const auto& paper = dynamic_cast<const PaperPipeline&>(*opened.query);
-  opened.figures.gaussians = paper.can_miss(std::numeric_limits<double>::infinity());
+  opened.figures.gaussians = opened.pipeline.paper->can_miss(std::numeric_limits<double>::infinity());
   return opened;
 }
 
@@ -127,8 +126,7 @@ std::vector<Pose> poses_for_batches(const BenchFigures& figures, const Trajector
 
 BenchFigures measure(const Options& options, const Progress& progress) {
   Opened opened = open_query(options, progress);
-  const TimedQuery timed{*opened.query, dynamic_cast<const SceneIndex*>(opened.query.get()),
-                         options.live.tool};
+  const TimedQuery timed{opened.pipeline.query(), opened.pipeline.index.get(), options.live.tool};
   const Trajectory path = path_of(options, timed.index, progress);
 
   BenchFigures figures;
@@ -141,7 +139,7 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   figures.open = std::move(opened.figures);
   figures.rounds = options.rounds;
   figures.tracked = timed.index != nullptr;
-  const auto model = options.query.build_model(options.live, *opened.query, progress);
+  const auto model = options.query.build_model(options.live, opened.pipeline, progress);
   figures.poses = time_path(timed, path, *model, options.rounds, progress);
 
   using tbb::global_control;

@@ -50,12 +50,11 @@ Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const 
 }
 
 Provenance made_by(const CommonOptions& common, LiveConfig live, const QueryOptions& query_options,
-                   const ContactQuery& query) {
+                   const Pipeline& pipeline) {
   using enum ConfigGroup;
   live.force.model = query_options.model(live);
   Provenance known = made_by(common, live, {kScene, kTool, kForce});
-  if (const auto* paper = dynamic_cast<const PaperPipeline*>(&query); paper != nullptr)
-    set(known, "search-radius", fmt::format("{}", paper->search_radius()));
+  if (pipeline.paper) set(known, "search-radius", fmt::format("{}", pipeline.paper->search_radius()));
   return known;
 }
 

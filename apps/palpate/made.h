@@ -22,9 +22,9 @@ Provenance made_by(const CommonOptions& common, const LiveConfig& live,
 Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const LiveConfig& live,
                    std::initializer_list<ConfigGroup> groups);
 
-/// Of a command that asks poses, for the contacts of `query`, which query_options made.
+/// Of a command that asks poses, for the contacts of `pipeline`, which query_options made.
 Provenance made_by(const CommonOptions& common, LiveConfig live, const QueryOptions& query_options,
-                   const ContactQuery& query);
+                   const Pipeline& pipeline);
 
 /// Changes a setting, or adds it. \param value as TOML
 void set(Provenance& provenance, std::string_view name, const std::string& value);

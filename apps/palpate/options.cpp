@@ -105,28 +105,27 @@ void QueryOptions::declare(CLI::App& app, LiveConfig& config) {
   add_count(app, "--iterations", iterations, 1, 200, "of the paper's golden section").in_group(group);
 }
 
-std::unique_ptr<ContactQuery> QueryOptions::build(const LiveConfig& config, const Progress& progress) const {
+Pipeline QueryOptions::build(const LiveConfig& config, const Progress& progress) const {
   if (is_exact()) {
     const IndexFiles files = config.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
-    return std::make_unique<SceneIndex>(open_or_make_index(config.scene, files, notify, progress));
+    return {std::make_unique<SceneIndex>(open_or_make_index(config.scene, files, notify, progress)), nullptr};
   }
   EllipsoidScene scene = load_or_make_scene(config.scene, notify, progress).kept;
   const double radius =
       search_radius.value_or(PaperPipeline::default_search_radius(scene, config.tool.longest()));
-  return std::make_unique<PaperPipeline>(std::move(scene), radius, iterations);
+  return {nullptr, std::make_unique<PaperPipeline>(std::move(scene), radius, iterations)};
 }
 
 ForceModelKind QueryOptions::model(const LiveConfig& config) const {
   return is_exact() || is_given(*app_, "--model") ? config.force.model : ForceModelKind::kDensity;
 }
 
-std::unique_ptr<ForceModel> QueryOptions::build_model(const LiveConfig& config, const ContactQuery& query,
+std::unique_ptr<ForceModel> QueryOptions::build_model(const LiveConfig& config, const Pipeline& pipeline,
                                                       const Progress& progress) const {
   const ForceModelKind kind = model(config);
-  const auto* index = dynamic_cast<const SceneIndex*>(&query);
-  if (index == nullptr) return make_force_model(kind, config.force, config.tool);
+  if (!pipeline.index) return make_force_model(kind, config.force, config.tool);
   const bool proxy = kind == ForceModelKind::kProxy;
-  return make_force_model(kind, config.force, *index, config.tool,
+  return make_force_model(kind, config.force, *pipeline.index, config.tool,
                           proxy ? load_materials(config.force, config.scene.path, progress) : nullptr);
 }
 

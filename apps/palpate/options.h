@@ -39,6 +39,14 @@ void declare_force_parameters(CLI::App& app, LiveConfig& config);
 /// Loads and filters; warns on stderr if nothing is left. \throws Error.
 LoadedScene load(const SceneConfig& config, const Progress& progress);
 
+/// What answers poses: one of the two.
+struct Pipeline {
+  std::unique_ptr<SceneIndex> index;     ///< the exact one
+  std::unique_ptr<PaperPipeline> paper;  ///< the paper's
+
+  const ContactQuery& query() const { return index ? static_cast<const ContactQuery&>(*index) : *paper; }
+};
+
 /// How contacts are found, and what feels them.
 struct QueryOptions {
   std::string pipeline = "exact";
@@ -49,12 +57,12 @@ struct QueryOptions {
 
   bool is_exact() const { return pipeline == "exact"; }
   /// \throws Error.
-  std::unique_ptr<ContactQuery> build(const LiveConfig& config, const Progress& progress) const;
+  Pipeline build(const LiveConfig& config, const Progress& progress) const;
   /// The model that was asked for; else the proxy, or the paper's on the contacts of the paper's pipeline.
   ForceModelKind model(const LiveConfig& config) const;
-  /// Of model(), for the contacts of `query`, which build() made and must outlive it. \throws Error if the
-  /// model needs a SceneIndex and has none, or for broken materials.
-  std::unique_ptr<ForceModel> build_model(const LiveConfig& config, const ContactQuery& query,
+  /// Of model(), for the contacts of `pipeline`, which must outlive it. \throws Error if the model needs a
+  /// SceneIndex and has none, or for broken materials.
+  std::unique_ptr<ForceModel> build_model(const LiveConfig& config, const Pipeline& pipeline,
                                           const Progress& progress) const;
 
  private:

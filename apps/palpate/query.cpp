@@ -41,13 +41,13 @@ struct Answer {
   ForceOutput felt;
 };
 
-Answer ask(const Options& options, const ContactQuery& query, ForceModel& model) {
+Answer ask(const Options& options, const Pipeline& pipeline, ForceModel& model) {
   ContactSet set;
   const Tool& tool = options.live.tool;
-  palpate::query(query, tool, options.pose, set);
+  palpate::query(pipeline.query(), tool, options.pose, set);
   std::vector<double> confidences(set.contacts.size(), std::numeric_limits<double>::quiet_NaN());
-  if (const auto* index = dynamic_cast<const SceneIndex*>(&query))
-    confidences = confidence(*index, tool, options.pose, options.live.force.proxy, set.contacts);
+  if (pipeline.index)
+    confidences = confidence(*pipeline.index, tool, options.pose, options.live.force.proxy, set.contacts);
   Answer answer{set.candidates, set.filtered, {}, model.evaluate({options.pose, {}, 0.0, &set})};
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& contact = set.contacts[i];
@@ -112,19 +112,18 @@ void print_text(const Answer& answer, const std::string& model, const Options& o
 
 void run(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
-  const auto query = options.query.build(options.live, progress);
-  const auto model = options.query.build_model(options.live, *query, progress);
-  const Answer answer = ask(options, *query, *model);
+  const Pipeline pipeline = options.query.build(options.live, progress);
+  const auto model = options.query.build_model(options.live, pipeline, progress);
+  const Answer answer = ask(options, pipeline, *model);
 
-  const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
     Json json = to_json(answer);
-    if (paper != nullptr) add_reach(*paper, options.live.tool, json);
-    json["made"] = made_json(made_by(options.common, options.live, options.query, *query));
+    if (pipeline.paper) add_reach(*pipeline.paper, options.live.tool, json);
+    json["made"] = made_json(made_by(options.common, options.live, options.query, pipeline));
     print_json(json);
   } else {
     print_text(answer, std::string(to_string(options.query.model(options.live))), options);
-    if (paper != nullptr) print_reach(*paper, options.live.tool);
+    if (pipeline.paper) print_reach(*pipeline.paper, options.live.tool);
   }
 }
 

@@ -93,21 +93,21 @@ void run(Options& options) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, parallelism);
 
   const Trajectory trajectory = read_trajectory(options.trajectory);
-  const auto query = options.query.build(options.live, progress);
-  const auto model = options.query.build_model(options.live, *query, progress);
-  const std::vector<RunRow> rows = play_back(*query, options.live.tool, *model, trajectory, progress);
-  const Provenance known = made_by(options.common, options.live, options.query, *query);
+  const Pipeline pipeline = options.query.build(options.live, progress);
+  const auto model = options.query.build_model(options.live, pipeline, progress);
+  const std::vector<RunRow> rows =
+      play_back(pipeline.query(), options.live.tool, *model, trajectory, progress);
+  const Provenance known = made_by(options.common, options.live, options.query, pipeline);
   write_run(rows, options.out, to_toml(known), progress);
 
-  const auto* paper = dynamic_cast<const PaperPipeline*>(query.get());
   if (options.common.json) {
     Json json = to_json(rows);
     json["made"] = made_json(known);
-    if (paper != nullptr) add_reach(*paper, options.live.tool, json);
+    if (pipeline.paper) add_reach(*pipeline.paper, options.live.tool, json);
     print_json(json);
   } else if (!options.common.quiet) {
     print_text(rows);
-    if (paper != nullptr) print_reach(*paper, options.live.tool);
+    if (pipeline.paper) print_reach(*pipeline.paper, options.live.tool);
     fmt::print("wrote {}\n", printable(options.out));
   }
 }
