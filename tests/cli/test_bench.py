@@ -4,7 +4,7 @@ import re
 import unittest
 import xml.etree.ElementTree as ElementTree
 
-from support import Case, columns_of, path_csv, ply, tapping_path, wall_rows
+from support import Case, columns_of, path_csv, ply, rows_of, tapping_path, wall_rows
 
 KEYS = ["machine", "scene", "scene_bytes", "gaussians", "pipeline", "simd", "model", "tool", "open", "path", "poses",
         "contact_poses", "rounds", "latency_us", "sizes", "throughput", "made"]
@@ -86,7 +86,7 @@ class Figures(Bench):
         self.assertIsNone(figures["path"])
         self.assertGreater(figures["contact_poses"], 0)
         self.succeed("make-path", "s.ply", "--out", "p.csv", "-q")
-        self.assertEqual(figures["poses"], self.read("p.csv").count(b"\n") - 1)
+        self.assertEqual(figures["poses"], len(rows_of(self.read("p.csv"))))
 
     def test_the_papers_pipeline_has_neither_tracker_nor_index(self):
         figures = self.figures("--pipeline", "paper", "--search-radius", "0.5")

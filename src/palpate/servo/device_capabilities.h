@@ -36,7 +36,7 @@ struct DeviceCapabilities {
   /// What the motors hold for ever, at most the peak; 0: as much as the peak. Above it SafetyGovernor keeps
   /// to SustainedLimit. Unit: [N], [N m].
   double force_sustained = 0.0, torque_sustained = 0.0;
-  DeviceAxes sensed;           ///< a device that senses no rotation tells one orientation for ever
+  DeviceAxes sensed;  ///< a device that senses no rotation tells one orientation for ever
   /// Of each kind as many as are sensed, or none; rotation > 0 where torque_max is, and nowhere else.
   DeviceAxes actuated{3, 0};
   double stiffness_max = 0.0;  ///< of a wall that it shows without buzzing, as the maker says. Unit: [N/m].

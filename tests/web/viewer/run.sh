@@ -10,8 +10,9 @@ tests=(kept_test.mjs page_test.mjs phone_test.mjs)
 if [ $# -gt 2 ]; then
   PALPATE_BINARY=$(realpath "$3")
   export PALPATE_BINARY
-  # It takes minutes a capture, where somebody names some: see PALPATE_SCENES there.
-  tests+=(program_test.mjs first_contact_test.mjs hands_test.mjs)
+  tests+=(program_test.mjs hands_test.mjs)
+  # It takes minutes a scene.
+  [ -z "${PALPATE_SCENES:-}${PALPATE_LONG:-}" ] || tests+=(first_contact_test.mjs)
 fi
 here=$(dirname "$(realpath "$0")")
 # shellcheck source=tests/web/packages.sh
