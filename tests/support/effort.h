@@ -6,13 +6,14 @@
 
 namespace palpate::test {
 
-#ifdef PALPATE_UNDER_SANITIZER
+#if defined(PALPATE_UNDER_SANITIZER) || defined(PALPATE_EMULATED)
 inline constexpr std::size_t kSlowdown = 10;
 #else
 inline constexpr std::size_t kSlowdown = 1;
 #endif
 
-/// `full` draws; a tenth of that where instrumented code takes ten times as long.
+/// `full` draws; a tenth of that where code takes ten times as long: instrumented, or on an emulated
+/// processor.
 constexpr std::size_t draws(std::size_t full) { return full / kSlowdown; }
 
 }  // namespace palpate::test

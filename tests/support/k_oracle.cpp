@@ -209,7 +209,9 @@ Real PairOracle<Real>::k_min(Real stop_below) const {
 }
 
 template class PairOracle<long double>;
+#if LDBL_MANT_DIG < 113
 template class PairOracle<Quad>;
+#endif
 
 OracleMinimum<Quad> oracle_minimum(const Ellipsoid& tool, const Ellipsoid& gaussian) {
   const Quad guess = PairOracle<long double>(tool, gaussian).minimize().t;

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <cstddef>
 
@@ -21,7 +22,11 @@
 
 namespace palpate::test {
 
+#if LDBL_MANT_DIG >= 113
+using Quad = long double;
+#else
 __extension__ typedef __float128 Quad;  ///< 113-bit significand
+#endif
 
 template <typename Real>
 struct Vec3 {
@@ -32,6 +37,7 @@ struct Vec3 {
 };
 
 inline long double square_root(long double v) { return std::sqrt(v); }
+#if LDBL_MANT_DIG < 113
 /// Newton's method on the 64 bits of long double: two steps give more than 113.
 inline Quad square_root(Quad v) {
   if (v == 0) return 0;
@@ -39,6 +45,7 @@ inline Quad square_root(Quad v) {
   r = (r + v / r) / 2;
   return (r + v / r) / 2;
 }
+#endif
 
 template <typename Real>
 Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {

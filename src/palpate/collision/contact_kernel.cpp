@@ -5,15 +5,11 @@
 #include <type_traits>
 
 #include <palpate/collision/candidate_sample.h>
+#include <palpate/collision/instruction_sets.h>
 #include <palpate/collision/pair_buffer.h>
 #include <palpate/collision/simd_target.h>
 #include <palpate/collision/whitened_pairs.h>
 
-// Instruction sets: AVX-512 ("AVX3"), AVX2, SSE4, NEON, and the portable baseline, one lane of plain C++.
-// Left out is what differs from its neighbour only in instructions that are not used here, and vectors whose
-// length is not known when compiling.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE_256 | HWY_SVE2 | HWY_SVE2_128 | HWY_RVV | HWY_WASM_EMU256)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpate/collision/contact_kernel.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
@@ -373,8 +369,9 @@ void contacts_among(CandidateSet& candidates, const IndexView& index, const Tool
 namespace {
 
 /// What this build has and the processor runs, as Highway's bits; asked once, as a choice hides the others.
+/// What all of the program is compiled for is among them, which Highway does not say of NEON without AES.
 std::int64_t usable_targets() {
-  static const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
+  static const std::int64_t usable = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
   return usable;
 }
 

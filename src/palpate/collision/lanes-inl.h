@@ -29,6 +29,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// A yes or no for each lane of Lanes<D, N>.
 template <class D, std::size_t N>
 struct LaneMask {
+  HWY_INLINE LaneMask() {}  // one that is implicit would not be for the target
   hn::Mask<D> m[N];
 };
 
@@ -158,7 +159,9 @@ PALPATE_LANES std::size_t count_of(const LaneMask<D, N>& mask) {
 /// The first `n` lanes.
 template <class L>
 HWY_INLINE LaneMask<decltype(L::d()), 1> first_lanes(std::size_t n) {
-  return {{hn::FirstN(L::d(), n)}};
+  LaneMask<decltype(L::d()), 1> mask;
+  mask.m[0] = hn::FirstN(L::d(), n);
+  return mask;
 }
 
 /// Where a number is: not NaN.
@@ -248,7 +251,7 @@ PALPATE_LANES Lanes<D, N> quick_reciprocal(const Lanes<D, N>& a) {
 PALPATE_LANES Lanes<D, N> reciprocal_sqrt(const Lanes<D, N>& a) {
   using T = hn::TFromD<D>;
   // Each step doubles the digits, of which NEON has eight to start with, and x86 eleven.
-  constexpr int kSteps = (sizeof(T) == sizeof(double) ? 2 : 1) + (HWY_TARGET == HWY_NEON ? 1 : 0);
+  constexpr int kSteps = (sizeof(T) == sizeof(double) ? 2 : 1) + (HWY_ARCH_ARM ? 1 : 0);
   Lanes<D, N> r;
   for (std::size_t j = 0; j < N; ++j) {
     if constexpr (sizeof(T) == sizeof(double)) {

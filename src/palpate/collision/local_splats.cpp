@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <palpate/collision/contact_kernel.h>
+#include <palpate/collision/instruction_sets.h>
 #include <palpate/collision/tool_frame.h>
 
 #undef HWY_TARGET_INCLUDE

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include <palpate/collision/instruction_sets.h>
 #include <palpate/collision/neighbourhood.h>
 
 #undef HWY_TARGET_INCLUDE
