@@ -80,3 +80,6 @@ write_between_marks() {
   printf '%s\n' "$text" >"$page"
   say "wrote $page"
 }
+
+# processor: what it calls itself.
+processor() { sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1; }

@@ -43,7 +43,7 @@ table() {
 }
 
 write_tables() {
-  printf '%s\n\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(date -u +%Y-%m-%d)"
+  printf '%s\n\n' "$(processor), $(date -u +%Y-%m-%d)"
   table "$work/all.csv" 1 'direction p50 deg=direction_p50_deg:%.1f' 'p95=direction_p95_deg:%.1f' \
     'F / (k depth)=magnitude_p50:%.2f' 'below the seen surface=magnitude_seen_p50:%.2f' 'seen at mm=seen_p50_mm:%.1f' \
     'ripple=ripple_p50:%.3f' 'jump N=jump_max_n:%.3f' 'loop=loop_p50:%.0e' \

@@ -18,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 run=$root/tests/web/gateway/run.sh
 
 {
-  printf '%s\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, $(date -u +%Y-%m-%d)"
+  printf '%s\n' "$(processor), $(nproc) cores, $(date -u +%Y-%m-%d)"
   for script in latency load; do
     say "tests/web/gateway/$script.mjs" >&2
     printf '\n'

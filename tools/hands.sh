@@ -22,7 +22,7 @@ scene=${1:-$work/still-life.ply}
 gaussians=$("$palpate" info "$scene" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["gaussians"])')
 
 {
-  printf '%s\n\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, load $(cut -d ' ' -f 1 /proc/loadavg) before, $gaussians Gaussians, $(date -u +%Y-%m-%d)"
+  printf '%s\n\n' "$(processor), $(nproc) cores, load $(cut -d ' ' -f 1 /proc/loadavg) before, $gaussians Gaussians, $(date -u +%Y-%m-%d)"
   python3 "$root/tools/hands_rows.py" "$palpate" "$scene" "$work"
 } >"$work/table"
 write_between_marks "$page" "$work/table"

@@ -104,7 +104,7 @@ row() {
 }
 
 {
-  printf '%s\n\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, $(date -u +%Y-%m-%d)"
+  printf '%s\n\n' "$(processor), $(nproc) cores, $(date -u +%Y-%m-%d)"
   printf '| link, each way | poses/s | force | age p50 ms | p99 | felt N/m | at rest µm | put out at rest mJ | in all, less absorbed, mJ | drops | cut, to zero ms |\n'
   printf '|---|---|---|---|---|---|---|---|---|---|---|\n'
   row '0 ms' 1000 0 0 0

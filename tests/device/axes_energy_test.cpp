@@ -7,7 +7,6 @@
 #include <memory>
 #include <numbers>
 #include <ostream>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -20,6 +19,7 @@
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/servo/servo_tick.h>
 #include <support/noisy_plane.h>
+#include <support/uneven_ticks.h>
 
 namespace palpate {
 namespace {
@@ -120,12 +120,12 @@ Outcome AxesEnergy::run(double delay) {
   loop.set_delay(delay);
 
   Outcome outcome;
-  std::mt19937 random(18);
+  test::UnevenTicks ticks;
   Eigen::AlignedBox3d rest;
   double t = 0.0, before = 0.0;
   int stroke = 0;
   while (t < kEnd) {
-    t += random() % 200 == 0 ? 6e-3 : 0.3e-3 + 1.7e-3 * static_cast<double>(random() % 1000) / 1000.0;
+    t = ticks.next();
     const TickRecord& now = loop.run(t);
     if (now.margin > 0.0) outcome.softest = std::min(outcome.softest, now.margin);
     if (t > kAway - 1.0 && t < kAway) rest.extend(device.pose().position);

@@ -4,7 +4,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
 #include <support/noisy_plane.h>
+#include <support/uneven_ticks.h>
 
 namespace palpate {
 namespace {
@@ -105,9 +105,9 @@ TEST_P(ClosedLoop, MakesNoEnergyWhileSliding) {
   EXPECT_LE(tick().put_out, 1e-3);
 }
 
-// Ticks of 0.3 to 2 ms, now and then one of 6; a force that is late by up to 10 ms; and half of the damping
-// that the device is said to have, of which the controller knows nothing. Either the hand rests or the
-// stiffness is lowered until it does.
+// Uneven ticks; a force that is late by up to 10 ms; and half of the damping that the device is said to
+// have, of which the controller knows nothing. Either the hand rests or the stiffness is lowered until it
+// does.
 TEST_P(ClosedLoop, RestsHoweverLateAndUneven) {
   for (const double delay : {0.0, 1e-3, 3e-3, 10e-3}) {
     model_->reset();
@@ -117,12 +117,12 @@ TEST_P(ClosedLoop, RestsHoweverLateAndUneven) {
     plant_.delay = delay;
     hold(press(0.01, 5.5));
     loop_->set_delay(delay);
-    std::mt19937 random(18);
+    test::UnevenTicks ticks;
     double t = 0.0, softest = std::numeric_limits<double>::infinity();
     Eigen::AlignedBox3d rest;
     const TickRecord* now = nullptr;
     while (t < 6.5) {
-      t += random() % 200 == 0 ? 6e-3 : 0.3e-3 + 1.7e-3 * static_cast<double>(random() % 1000) / 1000.0;
+      t = ticks.next();
       now = &loop_->run(t);
       if (now->margin > 0.0) softest = std::min(softest, now->margin);
       if (t > 4.5 && t < 5.5) rest.extend(device_->pose().position);
