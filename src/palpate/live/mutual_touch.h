@@ -2,7 +2,6 @@
 /// Hands that feel each other's tools.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
