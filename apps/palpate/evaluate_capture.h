@@ -14,7 +14,7 @@ struct CaptureOptions {
   LiveConfig live;      ///< its scene; the analytic shapes instead if its path is empty
   std::string against;  ///< another capture of the same object, registered alike; empty: none
   std::string worst;    ///< folder for the worst pushes; empty: none
-  int rays = 127;       ///< of a tool's cross-section
+  int rays = 1000;      ///< of a tool's cross-section
   int slides = 50;
 
   void declare(CLI::App& app);

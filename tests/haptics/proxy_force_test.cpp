@@ -251,8 +251,10 @@ TEST(ProxyForce, BeginsAContactOnlyWhereTheToolTouches) {
         const double height = kRadius + 0.005 * std::cos(2.0 * std::numbers::pi * k / 300.0);
         const Vector3d way = s.point + k * along;
         const Vector3d at = way + height * bench.surface->project(way).normal;
-        const bool felt = !bench.at(at).wrench.force.isZero(0.0), touches = bench.touches(at), was = contact;
-        contact = touches || (contact && felt);
+        const ForceOutput output = bench.at(at);
+        const bool felt = !output.wrench.force.isZero(0.0), touches = bench.touches(at), was = contact;
+        // A proxy that is still on its way back may pull with nothing for a tick.
+        contact = touches || (contact && output.proxy.position != at);
         ASSERT_TRUE(contact || !felt) << shape << ", seed " << seed << ", tick " << k;
         begun += contact && !was ? 1 : 0;
         ended += was && !contact ? 1 : 0;

@@ -14,6 +14,7 @@
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/haptics/surface_patches.h>
 #include <palpate/haptics/tool_query.h>
+#include <palpate/study/random.h>
 #include <support/splats.h>
 
 namespace palpate {
@@ -496,6 +497,45 @@ TEST(Haze, IsFeltByAHandThatTrembles) {
       EXPECT_GT(felt.wrench.force.z(), 0.4 * kStiffness * 0.005) << aside;
     }
   }
+}
+
+// A mist of thin discs that are turned and placed by lot is less dense to a look against the normal of what
+// is found than along the way that the ball came. What it has met is there while it is pressed in, unless it
+// slips off to the side, as it may from one disc in a few.
+TEST(Haze, IsNotLostWhileItIsPressed) {
+  struct Mist {
+    double opacity, size;
+  };
+  int felt = 0, lost = 0;
+  for (const Mist& mist : {Mist{0.2, 0.008}, Mist{0.15, 0.01}}) {
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      Random random(seed);
+      std::vector<test::Splat> discs;
+      for (int k = 0; k < 100; ++k) {
+        const Vector3d at(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05), random.uniform(-0.04, 0));
+        const double w = random.uniform(-1, 1), x = random.uniform(-1, 1), y = random.uniform(-1, 1),
+                     z = random.uniform(-1, 1);
+        discs.push_back(test::splat(at, {mist.size, mist.size, 1e-4},
+                                    Eigen::Quaterniond(w, x, y, z).normalized(), mist.opacity));
+      }
+      const SceneIndex index(test::scene_of(discs), SceneFilter{}, Similarity{});
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+      ForceInput input;
+      input.dt = 1e-3;
+      std::optional<double> met;
+      bool silent = false;
+      for (double z = 0.05; z > -0.03 && !(met && z < *met - 0.01); z -= 1e-4) {
+        input.tool.position = {0, 0, z};
+        const double force = model.evaluate(input).wrench.force.norm();
+        if (!met && force > 0.0) met = z;
+        silent |= met && *met - z > 0.003 && force < 0.05 * kStiffness * (*met - z);
+      }
+      felt += met ? 1 : 0;
+      lost += silent ? 1 : 0;
+    }
+  }
+  EXPECT_GT(felt, 40);
+  EXPECT_LT(4 * lost, felt) << felt;
 }
 
 std::shared_ptr<const MaterialMap> everywhere(const Material& material) {

@@ -136,6 +136,37 @@ TEST(CaptureEvaluation, NothingIsSilentAndLate) {
   EXPECT_EQ(figures.silent_10mm, 1.0);
 }
 
+// On a sheet a rigid tool is held; at its end, which the ball touches with its flank, one slips off to the
+// side.
+TEST(CaptureEvaluation, SilenceIsAvoidableWhereARigidToolIsHeld) {
+  EXPECT_EQ(Bench(sheet(), Knowledge{.early = -0.007}).push().avoidable_5mm, 1.0);
+  EXPECT_EQ(Bench(sheet(), Knowledge{}).push().avoidable_5mm, 0.0);
+  Bench bench(sheet(0.0, 0.04), Knowledge{.gain = 0.0});
+  for (const double aside : {0.0, 0.0534}) {
+    CaptureAim aim = bench.down();
+    aim.from.x() = aside;
+    aim.seen = *bench.seen.first_touch(bench.tool, aim.from, aim.along);
+    const CapturePush push = bench.evaluation.push(aim);
+    EXPECT_TRUE(push.silent_5mm);
+    EXPECT_EQ(push.avoidable_5mm, aside == 0.0) << aim.seen;
+  }
+}
+
+// What is too faint for the filter is seen, if there is much of it, and is no ellipsoid to be touched.
+TEST(CaptureEvaluation, SilenceIsNotAvoidableWhereNothingCanBeTouched) {
+  std::vector<test::Splat> faint{test::splat({0.0, 0.0, -1.0}, {0.01, 0.01, 0.01})};
+  for (int layer = 0; layer < 20; ++layer)
+    for (test::Splat splat : sheet(-0.0005 * layer)) {
+      splat.opacity = 0.08;
+      faint.push_back(splat);
+    }
+  Bench bench(faint, Knowledge{.gain = 0.0});
+  const CaptureFigures figures = bench.push();
+  EXPECT_FALSE(bench.last.touched);
+  EXPECT_EQ(figures.silent_5mm, 1.0);
+  EXPECT_EQ(figures.avoidable_5mm, 0.0);
+}
+
 TEST(CaptureEvaluation, AJumpIsFound) {
   Bench bench(sheet(), Knowledge{.jump = 0.3});
   EXPECT_NEAR(bench.push().push_step.max, 0.3, 1e-9);
@@ -212,7 +243,7 @@ TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
   const std::vector<CapturePush> pushes{{aim, 0.005, 0.005, false, false, 1.0, 0.1},
                                         {aim, -0.005, -0.006, true, false, 1.5, 0.2},
                                         {aim, -0.006, 0.006, true, false, 2.0, 0.3},
-                                        {aim, 0.007, -0.005, true, true, 0.5, 0.4},
+                                        {aim, 0.007, -0.005, true, true, 0.5, 0.4, true},
                                         {aim, {}, {}, true, true, 3.0, 0.5}};
   const std::vector<CaptureSlide> slides{{aim, 0.1, 300, 30, 60, 0.7}, {aim, 0.02, 100, 70, 20, 0.9}};
   const CaptureFigures f = bench.evaluation.figures(pushes, slides);
@@ -223,6 +254,7 @@ TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
   EXPECT_EQ(f.late, 0.4);
   EXPECT_EQ(f.silent_5mm, 0.8);
   EXPECT_EQ(f.silent_10mm, 0.4);
+  EXPECT_EQ(f.avoidable_5mm, 0.2);
   EXPECT_EQ(f.untouched, 0.6);
   EXPECT_EQ(f.touched_within, 0.4);
   EXPECT_EQ(f.onset.max, 0.007);

@@ -398,7 +398,7 @@ void Cast(DepthViewLanes lanes) {
       const V share = hn::Mul(fall, set(1.0F / (DepthViewLanes::kBright - DepthViewLanes::kDim)));
       hn::Store(hn::Add(share, hn::Load(d, lanes.share() + k)), d, lanes.share() + k);
       hn::Store(hn::MulAdd(share, t, hn::Load(d, lanes.sum() + k)), d, lanes.sum() + k);
-      const auto seen = hn::And(hn::Ge(before, set(DepthView::kHalf)), hn::Lt(after, set(DepthView::kHalf)));
+      const auto seen = hn::And(hn::Ge(before, set(DepthView::kSeen)), hn::Lt(after, set(DepthView::kSeen)));
       if (hn::AllFalse(d, seen)) return;
       hn::Store(hn::IfThenElse(seen, t, hn::Load(d, lanes.depth() + k)), d, lanes.depth() + k);
       hn::Store(hn::IfThenElse(hn::RebindMask(du, seen), number, hn::Load(du, lanes.splat() + k)), du,
@@ -605,7 +605,7 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   order(HWY_DYNAMIC_DISPATCH(Choose)(job, lanes));
   if (job.since < job.start) HWY_DYNAMIC_DISPATCH(Shade)(job, lanes);
   for (std::size_t k = 0; k < kRays; ++k) {
-    left_[k] = std::max(left_[k], kHalf);
+    left_[k] = std::max(left_[k], kSeen);
     if (k < kRegular) light.left[k] = left_[k];
     if (!(near_[k] < far_[k])) left_[k] = 0.0F;  // has nothing to look at
   }

@@ -82,7 +82,7 @@ struct RayLight {
 
   double since =
       std::numeric_limits<double>::infinity();  ///< at this depth, or where the look begins. Unit: [m].
-  std::array<float, RayPattern::kMost> left;    ///< in [0.5, 1]
+  std::array<float, RayPattern::kMost> left;    ///< in [DepthView::kSeen, 1]
 };
 
 /// Sums over the regular rays that hit something, with b = (1, x, y, x^2 + y^2, x^2 - y^2, 2 x y), x and y
@@ -125,7 +125,7 @@ struct SplatImage {
 
 /// Splatting for touch (Kerbl et al. 2023, for a handful of rays instead of pixels). A Gaussian is met where
 /// the ray is nearest to it by its own measure, with alpha exp(-m^2 / 2), at most 0.99, front to back by the
-/// depth of its centre; what a ray meets when its transmittance falls below one half is what is seen there.
+/// depth of its centre; what a ray meets when its transmittance falls below kSeen is what is seen there.
 /// Regular rays fill a window evenly; besides, there is one in its middle, one that is aimed
 /// (RayPattern::aim), and some through the centres of what is nearest below the solid.
 ///
@@ -140,8 +140,8 @@ class DepthView {
 
   /// Looks at those of `splats` that reach into `larger`, below the solid of `profile`; both solids' centre
   /// is the view's origin. Nothing is seen that is nearer than the depth `start`, but from `light.since` on
-  /// it takes light away: half of it at most, since what has not been felt there will not be. `light` is then
-  /// what is left at `start`. Unit: [m].
+  /// it takes light away: no more than down to kSeen, since what has not been felt there will not be. `light`
+  /// is then what is left at `start`. Unit: [m].
   /// \param known a depth that rays begin at least at, even where that is behind the solid: where something
   /// has been seen before. Unit: [m].
   void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
@@ -170,8 +170,11 @@ class DepthView {
   DepthMoments moments(const DepthKernel& kernel) const;
 
   static constexpr float kNothing = 1e30F;
-  /// What is left of the light where something is seen.
-  static constexpr float kHalf = 0.5F;
+  /// What is left of the light where something is seen. An eye sees a surface where half of it is left, at
+  /// the densest place before the tool; rays are a quarter of the window apart, and the densest of a few are
+  /// not as dense as that. With this, as many pushes at captures are felt before the place that is seen as
+  /// behind.
+  static constexpr float kSeen = 0.55F;
 
   /// What is left of the light where a ray is not followed further.
   static constexpr float kDark = 0.1F;

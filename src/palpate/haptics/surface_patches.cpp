@@ -59,6 +59,9 @@ constexpr double kCertain = 0.9;
 /// Rays begin so far before where the surface was, at least, in details, and one that the tool is in no
 /// deeper than this: a tip that is under it loses sight of it else.
 constexpr double kKnown = 0.5, kIn = 1.0;
+/// What lets light through is less dense from another side: it gives way to a tool that comes into it no
+/// sooner than over this way along it, in details, where half of the light goes through.
+constexpr double kHeld = 0.5;
 /// The cosine of the most that a patch may turn in a look.
 constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
@@ -329,7 +332,9 @@ bool SurfacePatches::stay(const Ellipsoid& solid, SurfacePatch& patch) const {
 }
 
 bool SurfacePatches::see_again(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch) {
-  const Vector3d from = patch.seen_at;
+  const Vector3d from = patch.seen_at, surface = patch.on_surface();
+  const Vector3d gone = carried(patch.seen_by, solid, from) - from;
+  const double hazy = (1.0 - patch.confidence) / (1.0 - kSeen), held = kHeld * detail_ * hazy * hazy;
   Look seen;
   if (!look(splats, solid, patch, seen)) return false;
   const Vector3d way = patch.foot - from;
@@ -337,6 +342,12 @@ bool SurfacePatches::see_again(const LocalSplats& splats, const Ellipsoid& solid
   const double wanted = seen.least - seen.fitted, band = kSlack * patch.roughness;
   patch.offset -= std::expm1(-along / (kMemory * detail_)) * (wanted - patch.offset);
   patch.offset = std::clamp(patch.offset, wanted - band, wanted + band);
+  const double stays = (patch.foot - surface).dot(patch.normal);
+  const double recedes = seen.fitted + patch.offset - stays;
+  if (recedes > 0.0 && held > 0.0) {
+    const double aside = (gone - gone.dot(patch.normal) * patch.normal).norm();
+    patch.offset -= std::exp(-aside / held) * recedes;
+  }
   patch.gap = seen.fitted + patch.offset;
   patch.seen_at = patch.foot;
   patch.seen_by = solid;

@@ -88,7 +88,8 @@ class LookBudget {
 /// touch first: the felt surface is the fit, moved by an offset that follows, over two details of the way
 /// that the foot goes, the least clearance of all rays. Where a patch is first met, the offset is such that
 /// it is met where it is seen. Where it covers little of its window, as an edge does, it faces as the solid
-/// does where it touches. What is not seen any more stays until the foot has moved on by half a detail.
+/// does where it touches. What is not seen any more stays until the foot has moved on by half a detail, and
+/// what lets light through recedes no faster than the tool moves along it.
 class SurfacePatches {
  public:
   /// As many constraints as a rigid body has degrees of freedom, and two to choose from.

@@ -41,6 +41,8 @@ const std::vector<FigureColumn<CaptureRow>>& capture_columns() {
        [](const CaptureRow& r) { return kPercent * r.figures.silent_5mm; }},
       {"silent_10mm_percent", "silent 10 mm deep, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.silent_10mm; }},
+      {"avoidable_5mm_percent", "silent 5 mm deep where a rigid tool is not, and an ellipsoid is touched, %",
+       "{:.1f}", [](const CaptureRow& r) { return kPercent * r.figures.avoidable_5mm; }},
       {"untouched_percent", "more than 1 N before an ellipsoid is touched, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.untouched; }},
       {"push_step_p50_n", "largest step of the force, median push, N", "{:.3f}",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <palpate/base/quantile.h>
 #include <palpate/haptics/tool_query.h>
@@ -67,6 +68,22 @@ double CaptureEvaluation::free_before(const CaptureAim& aim) {
   return std::min(way, aim.seen);
 }
 
+bool CaptureEvaluation::slips_off(const CaptureAim& aim, double depth) const {
+  constexpr int kRounds = 3, kWays = 16;
+  const double silent = kSilent * depth;
+  const SeenRays rays(seen_, aim.from, aim.along, tool_.radius() + silent);
+  const Vector3d u = aim.along.unitOrthogonal(), v = aim.along.cross(u);
+  for (int round = 1; round <= kRounds; ++round) {
+    for (int k = 0; k < kWays; ++k) {
+      const double aside = 0.99 * silent * round / kRounds, angle = 2.0 * std::numbers::pi * k / kWays;
+      const auto touch = rays.first_touch(tool_, aside * (std::cos(angle) * u + std::sin(angle) * v), rings_);
+      const double held_up = touch ? std::max(0.0, aim.seen + depth - *touch) : 0.0;
+      if (std::hypot(aside, held_up) < silent) return true;
+    }
+  }
+  return false;
+}
+
 CapturePush CaptureEvaluation::push(const CaptureAim& aim, std::vector<CaptureTick>* ticks) {
   CapturePush result;
   result.aim = aim;
@@ -101,6 +118,8 @@ CapturePush CaptureEvaluation::push(const CaptureAim& aim, std::vector<CaptureTi
   }
   for (int k = down; k >= 0; --k) feel(k * kHandStep - before);
   result.step = steps.largest();
+  result.avoidable_5mm =
+      result.silent_5mm && result.touched && *result.touched <= kShallow && !slips_off(aim, kShallow);
   return result;
 }
 
@@ -146,7 +165,8 @@ CaptureFigures CaptureEvaluation::figures(const std::vector<CapturePush>& pushes
   CaptureFigures f;
   f.pushes = pushes.size();
   f.slides = slides.size();
-  std::size_t within = 0, early = 0, silent_5mm = 0, silent_10mm = 0, untouched = 0, touched = 0;
+  std::size_t within = 0, early = 0, silent_5mm = 0, silent_10mm = 0, untouched = 0, touched = 0,
+              avoidable = 0;
   std::vector<double> onset, push_step, slide_step;
   for (const CapturePush& push : pushes) {
     if (push.onset) onset.push_back(*push.onset);
@@ -155,6 +175,7 @@ CaptureFigures CaptureEvaluation::figures(const std::vector<CapturePush>& pushes
     touched += push.touched && std::abs(*push.touched) <= kNear ? 1 : 0;
     silent_5mm += push.silent_5mm ? 1 : 0;
     silent_10mm += push.silent_10mm ? 1 : 0;
+    avoidable += push.avoidable_5mm ? 1 : 0;
     untouched += push.untouched_force > kUntouched ? 1 : 0;
     push_step.push_back(push.step);
   }
@@ -163,6 +184,7 @@ CaptureFigures CaptureEvaluation::figures(const std::vector<CapturePush>& pushes
   f.late = share_of(pushes.size() - within - early, pushes.size());
   f.silent_5mm = share_of(silent_5mm, pushes.size());
   f.silent_10mm = share_of(silent_10mm, pushes.size());
+  f.avoidable_5mm = share_of(avoidable, pushes.size());
   f.untouched = share_of(untouched, pushes.size());
   f.touched_within = share_of(touched, pushes.size());
   f.onset = spread_of(std::move(onset));

@@ -53,6 +53,7 @@ struct CapturePush {
   double untouched_force = 0.0;                  ///< largest, before an ellipsoid is overlapped. Unit: [N].
   /// Largest change of the force in a tick beyond stiffness times the tool's motion. Unit: [N].
   double step = 0.0;
+  bool avoidable_5mm = false;  ///< see CaptureFigures
 };
 
 /// A slide at 0.1 m/s across the aim, half of the tool's thinnest semi-axis below the seen surface all the
@@ -73,6 +74,10 @@ struct CaptureFigures {
   double onset_within = 0.0;       ///< force begins within 5 mm of the seen surface
   double late = 0.0, early = 0.0;  ///< more than 5 mm behind it, or never; before it
   double silent_5mm = 0.0, silent_10mm = 0.0;
+  /// Silent 5 mm deep, though an ellipsoid has been overlapped by then, and though no rigid tool, without
+  /// friction and outside of all that is seen, is so near that its spring would be silent, too: what is met
+  /// with the flank gives way to the side.
+  double avoidable_5mm = 0.0;
   double untouched = 0.0;       ///< more than 1 N before an ellipsoid is overlapped
   double touched_within = 0.0;  ///< the first ellipsoid is overlapped within 5 mm of the seen surface
   Spread onset;                 ///< Unit: [m].
@@ -104,6 +109,9 @@ class CaptureEvaluation {
   bool touches(const Eigen::Vector3d& position);
   /// From the seen surface back, the way to where nothing is touched.
   double free_before(const CaptureAim& aim);
+  /// True if a rigid tool without friction that is pushed to `depth` slips off what is seen before its spring
+  /// is long enough to be felt.
+  bool slips_off(const CaptureAim& aim, double depth) const;
 
   const SceneIndex& index_;
   const SeenSurface& seen_;

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// What splatting does not draw.
-constexpr double kLeastAlpha = 1.0 / 255.0, kMostAlpha = 0.99, kHalf = 0.5;
+constexpr double kLeastAlpha = 1.0 / 255.0, kMostAlpha = 0.99;
 /// Where an opaque Gaussian falls below kLeastAlpha, in standard deviations.
 constexpr double kEnd = 3.33;
 /// A Gaussian of no thickness has this one, of its longest deviation.
@@ -44,8 +44,8 @@ SeenSurface::SeenSurface(const GaussianScene& scene, const Similarity& world_fro
   }
 }
 
-std::optional<double> SeenSurface::depth(const Vector3d& from, const Vector3d& along) const {
-  return SeenRays(*this, from, along, 0.0).depth(from);
+std::optional<double> SeenSurface::depth(const Vector3d& from, const Vector3d& along, double left) const {
+  return SeenRays(*this, from, along, 0.0).depth(from, left);
 }
 
 std::optional<double> SeenSurface::first_touch(const Tool& tool, const Vector3d& from,
@@ -69,7 +69,7 @@ SeenRays::SeenRays(const SeenSurface& scene, const Vector3d& from, const Vector3
   }
 }
 
-std::optional<double> SeenRays::depth(const Vector3d& point) const {
+std::optional<double> SeenRays::depth(const Vector3d& point, double left) const {
   const Eigen::Vector2d place((point - from_).dot(u_), (point - from_).dot(v_));
   std::vector<std::pair<double, double>> met;  // depth and alpha
   for (const Image& image : images_) {
@@ -85,13 +85,16 @@ std::optional<double> SeenRays::depth(const Vector3d& point) const {
   double transmittance = 1.0;
   for (const auto& [depth, alpha] : met) {
     transmittance *= 1.0 - alpha;
-    if (transmittance < kHalf) return depth;
+    if (transmittance < left) return depth;
   }
   return {};
 }
 
 std::optional<double> SeenRays::first_touch(const Tool& tool, const Vector3d& aside, int rings) const {
+  // Rings are as far from each other along the tool as across it: at the flank, where it is steep, a ray that
+  // is a little farther out sees what is much nearer to the tool.
   constexpr double kSilhouette = 0.98;
+  const double farthest = std::asin(kSilhouette);
   std::optional<double> first;
   for (const ToolPart& part : tool.parts()) {
     const Ellipsoid solid = part.at({});
@@ -100,7 +103,7 @@ std::optional<double> SeenRays::first_touch(const Tool& tool, const Vector3d& as
     const Vector3d w = (solid.axes.inverse() * along_).normalized(), p = w.unitOrthogonal(), q = w.cross(p);
     for (int ring = 0; ring <= rings; ++ring) {
       const int rays = ring == 0 ? 1 : 6 * ring;
-      const double r = kSilhouette * ring / std::max(1, rings);
+      const double r = std::sin(farthest * ring / std::max(1, rings));
       for (int k = 0; k < rays; ++k) {
         const double angle = 2.0 * std::numbers::pi * k / rays;
         const Vector3d lowest =

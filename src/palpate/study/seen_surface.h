@@ -24,9 +24,12 @@ class SeenSurface {
  public:
   SeenSurface(const GaussianScene& scene, const Similarity& world_from_scene);
 
+  static constexpr double kHalf = 0.5;  ///< what is left of the light behind the seen surface
+
   /// How far along the unit vector `along` a ray from `from` sees the surface; nothing if it does not. World
-  /// frame. Unit: [m].
-  std::optional<double> depth(const Eigen::Vector3d& from, const Eigen::Vector3d& along) const;
+  /// frame. Unit: [m]. \param left less of the light than this is left there
+  std::optional<double> depth(const Eigen::Vector3d& from, const Eigen::Vector3d& along,
+                              double left = kHalf) const;
 
   /// As SeenRays::first_touch(), for one way of one tool.
   std::optional<double> first_touch(const Tool& tool, const Eigen::Vector3d& from,
@@ -53,10 +56,10 @@ class SeenRays {
            double radius);
 
   /// Of rays of a cross-section: one in the middle, and six more in each ring than in the one before.
-  static constexpr int kRings = 6;
+  static constexpr int kRings = 8;
 
   /// How far from the plane the ray through `point` sees the surface; nothing if it does not.
-  std::optional<double> depth(const Eigen::Vector3d& point) const;
+  std::optional<double> depth(const Eigen::Vector3d& point, double left = SeenSurface::kHalf) const;
 
   /// How far a tool of the orientation of the world goes from `from`, moved across the rays by `aside`, until
   /// the first of the rays of its cross-section meets the seen surface: the middle and `rings` rings for each
