@@ -151,7 +151,7 @@ export class TakeHold {
     const middle = depth.gap && depth.gap.from.clone().lerp(depth.gap.to, 0.5).toArray();
     const at = middle && view.project(middle);
     return {
-      at: view.project(position), towards: view.towards(position), radius: felt.size / view.pixelAt(position),
+      covered: this.#covered().top, at: view.project(position), towards: view.towards(position), radius: felt.size / view.pixelAt(position),
       distant: at && { text: formatLength(depth.gap.length), at },
     };
   }

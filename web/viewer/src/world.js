@@ -82,6 +82,7 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
     headset.update(now);
     hold.publish();
     cues.update();
+    felt.pixel = live.tool && !view.renderer.xr.isPresenting ? view.pixelAt(live.tool.position) : 0;
     if (felt.update(live, shown)) view.invalidateFront();
     if (depth.update(live, 1000 * now)) view.invalidateFront();
     if (splats.update(live.tool?.position ?? [0, 0, 0])) view.invalidateFront();
