@@ -29,6 +29,25 @@ std::string value_given(const std::vector<std::string>& arguments, const std::st
   return {};
 }
 
+/// The first that is neither an option nor the value of one.
+std::string first_positional(const CLI::App& command, const std::vector<std::string>& arguments) {
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    if (!argument.starts_with("-")) return argument;
+    const CLI::Option* option = command.get_option_no_throw(argument);
+    if (option != nullptr && option->get_expected_max() > 0) ++i;
+  }
+  return {};
+}
+
+/// The run whose settings are the defaults; empty where there is none.
+std::string run_taken_from(const CLI::App& command, const std::vector<std::string>& arguments) {
+  if (command.get_name() == "replay") return value_given(arguments, kFromRun);
+  if (command.get_name() != "report" || !gives(arguments, "--scene")) return {};
+  const std::string run = first_positional(command, arguments);
+  return !run.empty() && says_how_it_was_made(run) ? run : std::string();
+}
+
 const CLI::Option* find_option(const CLI::App& app, const std::string& name) {
   return app.get_option_no_throw(name);
 }
@@ -98,10 +117,8 @@ Arguments with_config(const CLI::App& app, const std::vector<std::string>& argum
   if (command == nullptr) return result;
   if (const std::string path = value_given(arguments, "--config"); !path.empty())
     add(result, app, *command, read_config(path));
-  if (command->get_name() == "replay") {
-    if (const std::string run = value_given(result.all, kFromRun); !run.empty())
-      add(result, app, *command, RunOrigin(run).entries());
-  }
+  if (const std::string run = run_taken_from(*command, result.all); !run.empty())
+    add(result, app, *command, RunOrigin(run).entries());
   return result;
 }
 

@@ -30,9 +30,9 @@ std::vector<ConfigEntry> read_config(const std::string& path);
 inline constexpr const char* kFromRun = "--from";
 
 /// `arguments` (without the program name) plus what its --config FILE adds, and then the settings of the run
-/// of `replay --from RUN` (see run_origin.h): entries that the command has an option for and that the
-/// arguments neither set nor exclude. \throws Error for a broken file, a key that is no option of any
-/// command, or two that exclude each other.
+/// of `replay --from RUN`, and of the first of `report RUN --scene SCENE` (see run_origin.h): entries that
+/// the command has an option for and that the arguments neither set nor exclude. \throws Error for a broken
+/// file, a key that is no option of any command, or two that exclude each other.
 struct Arguments {
   std::vector<std::string> all;
   std::vector<ConfigEntry> from_files;  ///< what was added

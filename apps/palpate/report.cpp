@@ -119,7 +119,8 @@ Command declare_report(CLI::App& parent) {
   declare_common(app, options->common);
   add_files(
       app, "RUN.csv", options->runs,
-      "a run, as replay writes it, or a recording; others are drawn over the first, each on its own clock")
+      "a run, as replay writes it, or a recording, whose settings are those of --scene where no option says "
+      "otherwise; others are drawn over the first, each on its own clock")
       .required();
   add_text(app, "--out,--html", options->out, "R.html", "the page").required();
   add_text(app, "--svg", options->svg, "DIR", "a folder, for figures of counts, forces and times as files");

@@ -23,6 +23,8 @@ std::string text_at(TomlTable& table, std::string_view key) {
 
 }  // namespace
 
+bool says_how_it_was_made(const std::string& run) { return !CsvReader(run).header().comment.empty(); }
+
 RunOrigin::RunOrigin(const std::string& run) : run_(run) {
   const std::string head = CsvReader(run).header().comment;
   if (head.empty())

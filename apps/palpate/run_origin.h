@@ -1,5 +1,6 @@
 /// \file
-/// How a run was made, from its own file, for `palpate replay --from RUN`.
+/// How a run was made, from its own file, for `palpate replay --from RUN` and `palpate report RUN --scene
+/// SCENE`.
 #pragma once
 
 #include <string>
@@ -10,6 +11,9 @@
 #include "config.h"
 
 namespace palpate::cli {
+
+/// Whether the file of a run has a head. \throws Error if it cannot be read.
+bool says_how_it_was_made(const std::string& run);
 
 /// What the head of a run's file says (to_toml(const Provenance&)).
 class RunOrigin {

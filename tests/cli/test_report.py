@@ -75,6 +75,24 @@ class Report(Case):
         self.assertIsNone(document["contacts"])
         self.assertIsNone(document["scene"])
 
+    def test_the_settings_of_the_scene_are_those_of_the_run(self):
+        settings = ["--scale", "2", "--tool", "0.03,0.03,0.03", "--opacity-min", "0.3", "--sigma", "1.2"]
+        self.succeed("replay", "a.ply", "--trajectory", "path.csv", "--out", "run.csv", "-q", *settings)
+        said = json.loads(self.report("run.csv", "--scene", "a.ply", *settings).document)
+        os.makedirs(os.path.join(self.folder, "elsewhere"))
+        for name in ("a.ply", "run.csv"):
+            os.rename(os.path.join(self.folder, name), os.path.join(self.folder, "elsewhere", name))
+        run = os.path.join("elsewhere", "run.csv")
+        scene = ["--scene", os.path.join("elsewhere", "a.ply")]
+        own = json.loads(self.report(run, *scene).document)
+        for part in ("contacts", "scene", "tool"):
+            self.assertEqual(own[part], said[part], part)
+        other = json.loads(self.report(run, *scene, "--tool", "0.05,0.05,0.05").document)
+        self.assertNotEqual(other["tool"], said["tool"])
+        self.assertEqual(other["scene"], said["scene"])
+        self.succeed("report", *scene, "--out", "page.html", "-q", run)  # in any order
+        self.assertEqual(json.loads(Page(self.read("page.html").decode()).document)["tool"], said["tool"])
+
     def test_a_scene_adds_points_and_contacts(self):
         document = json.loads(self.report("run.csv", "--scene", "a.ply").document)
         run = columns_of(self.read("run.csv"))

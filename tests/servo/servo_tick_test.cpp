@@ -422,6 +422,31 @@ TEST_F(ServoTickTest, TheClutchTurnsTheHandAndNotTheTool) {
   EXPECT_LT(again.orientation.angularDistance(turned.tool.orientation), 1e-9);
 }
 
+TEST_F(ServoTickTest, BringsTheToolElsewhereAndLeavesTheHand) {
+  begin();
+  device.pose.position.x() = 0.02;
+  run(1.0);
+  go_to(-0.01);
+  const auto from_hand = [](const TickRecord& now) {
+    return Vector3d(now.tool.position - now.reading.pose.position);
+  };
+  Pose place;
+  place.position = {0.5, 0.0, 700.0};
+  loop->bring(place, 1e3);
+  EXPECT_EQ(from_hand(run(0.3)).norm(), 0.0) << "it is within reach of it";
+  EXPECT_EQ(loop->governor().state(), GovernorState::kActive);
+  EXPECT_NE(device.shown.force.norm(), 0.0);
+  loop->bring(place, 1.0);
+  for (run(kTick); device.shown.force.norm() > 0.0; run(kTick))
+    ASSERT_EQ(from_hand(run(kTick)).norm(), 0.0) << "as long as there is a force";
+  const TickRecord& there = run(0.01);
+  EXPECT_NEAR((there.tool.position - place.position).norm(), 0.0, 1e-4);
+  EXPECT_TRUE(there.map.to_world(there.reading.pose).position.isApprox(there.tool.position, 1e-12));
+  const double x = there.tool.position.x();
+  go_to(0.0);
+  EXPECT_NEAR(run(kTick).tool.position.x() - x, 0.01, 1e-4);
+}
+
 TEST_F(ServoTickTest, AMapScalesTheWayAndNotTheStiffness) {
   ServoTickOptions options;
   options.map.scale = 4.0;

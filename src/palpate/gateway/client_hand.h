@@ -36,11 +36,12 @@ class ClientHand {
   /// @{
   /// The newest; the same one until another has come.
   const Sample& newest();
-  bool is_held() const { return held_.load(std::memory_order_relaxed); }
   /// Waits until something is put, for `seconds` at most.
   void wait(double seconds) { arrived_.wait(seconds); }
   /// @}
 
+  /// Whether somebody holds on. Any thread.
+  bool is_held() const { return held_.load(std::memory_order_relaxed); }
   /// Number of the sample that the servo thread has seen last. Any thread.
   std::uint64_t seen() const { return seen_.load(std::memory_order_acquire); }
 

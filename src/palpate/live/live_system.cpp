@@ -28,6 +28,8 @@ namespace {
 /// What a force sensor says before that is taken for its bias: until then a hand stays where the handle
 /// rests. Unit: [s].
 constexpr double kTares = 1.5;
+/// What a simulated hand has for its way to another scene. Unit: [s].
+constexpr double kMoves = 1.5;
 constexpr const char* kFollows = "the scene is that of the first hand: change it there";
 /// Gaussians across a tool from which on a search takes so long that another thread had better do it.
 constexpr double kManyContacts = 200.0;
@@ -433,11 +435,28 @@ void LiveSystem::set_stiffness(const LiveConfig& settings) {
   if (stiffness_ > 0.0) tick_->set_gain(stiffness / stiffness_);
 }
 
+/// Has the simulated hand explore another scene, or with another tool. A scene that is another size may be so
+/// far from it that the way would take minutes: then the tool is brought there.
+void LiveSystem::lead_hand(const SceneIndex& index, const Tool& tool) {
+  Trajectory path;
+  try {
+    path = explore(index, tool);
+  } catch (const Error&) {
+    // There is no place to touch by itself. A client may lead it to one.
+    if (index.size() > 0 && !home_) path.emplace_back().pose = waiting_place(index, tool);
+  }
+  if (!path.empty()) {
+    go(path);
+    if (!home_ && !client_hand_.is_held()) tick_->bring(path.front().pose, kMoves * LedHand::kSpeed);
+  }
+  let_hand_move();
+}
+
 /// To the beginning of its new way, without a force: else it would come out of what was put around it through
 /// its walls.
 void LiveSystem::let_hand_move() {
-  constexpr double kTakes = 1.5, kAgain = 5e-3;  // s
-  const double until = monotonic_now() + kTakes;
+  constexpr double kAgain = 5e-3;  // s
+  const double until = monotonic_now() + kMoves;
   while (moves_itself() && monotonic_now() < until) {
     tick_->governor().stop(Fault::kChanging);
     sleep_until(monotonic_now() + kAgain);
@@ -495,14 +514,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const Sh
   } else {
     return;
   }
-  if (explores_ && (other_scene || other_tool)) {
-    try {
-      go(explore(*scene.index, wanted.tool));
-    } catch (const Error&) {
-      // There is no place to touch by itself: it goes on where it went, and a client may lead it elsewhere.
-    }
-  }
-  if (explores_ && (other_scene || other_tool)) let_hand_move();
+  if (explores_ && (other_scene || other_tool)) lead_hand(*scene.index, wanted.tool);
   tick_->use(next_->model(wanted.force.model));
   constexpr double kLook = 5e-3;  // s
   while (!tick_->is_used()) {

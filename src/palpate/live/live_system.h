@@ -171,6 +171,7 @@ class LiveSystem {
   SharedScene read_again(const LiveConfig& wanted, const LiveConfig& now);
   SharedScene taken_over(const LiveConfig& wanted, const SharedScene& followed) const;
   void apply(const LiveConfig& wanted, const LiveConfig& now, const SharedScene& scene);
+  void lead_hand(const SceneIndex& index, const Tool& tool);
   void let_hand_move();
   void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);

@@ -50,6 +50,11 @@ void ServoTick::use(const FeltModel& model) {
 
 void ServoTick::press_clutch(bool pressed) { clutch_pressed_.store(pressed, std::memory_order_relaxed); }
 
+void ServoTick::bring(const Pose& place, double reach) {
+  places_.back() = {place, reach};
+  places_.publish();
+}
+
 /// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
 /// \param passed since the last tick. Unit: [s].
 void ServoTick::change(double passed) {
@@ -57,7 +62,14 @@ void ServoTick::change(double passed) {
   gain_ += -std::expm1(-passed / kGainFilter) * (gain - gain_);
   changing_ = next_.update() || changing_;
   clutched_ = clutch_pressed_.load(std::memory_order_relaxed);
-  if (changing_ || clutched_) governor_.stop(Fault::kChanging);
+  brings_ = places_.update() || brings_;
+  const Place& place = places_.front();
+  if ((place.pose.position - record_.tool.position).norm() <= place.reach) brings_ = false;
+  if (changing_ || clutched_ || brings_) governor_.stop(Fault::kChanging);
+  if (governor_.state() == GovernorState::kStopped && brings_ && !clutched_ && !tool_held_) {
+    map_.attach(place.pose, record_.reading.pose);
+    brings_ = false;
+  }
   if (governor_.state() == GovernorState::kStopped && changing_) {
     used_ = next_.front().model;
     gain_max_ = std::numeric_limits<double>::infinity();

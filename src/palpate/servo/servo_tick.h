@@ -106,6 +106,10 @@ class ServoTick {
   /// While it is pressed, the tool keeps its pose and there is no force: the hand can be moved and turned to
   /// where it has room. TickRecord::map is another once it is released.
   void press_clutch(bool pressed);
+  /// Has the tool be at `place` once no force is on, with the hand where it is, as if a clutch had been
+  /// pressed meanwhile; not if it is within `reach` of it. TickRecord::map is another then. One thread at a
+  /// time. \param reach Unit: [m].
+  void bring(const Pose& place, double reach);
   /// run() does not come to an end, or the program is about to: the device is stopped, and whatever run() was
   /// about to write is of no force. Also from a signal handler.
   void stall() {
@@ -159,6 +163,12 @@ class ServoTick {
   std::atomic<std::uint64_t> taken_ = 0;
   bool changing_ = false;  ///< next_.front() waits until no force is on
   std::atomic<bool> clutch_pressed_ = false;
+  struct Place {
+    Pose pose;
+    double reach = 0.0;  ///< Unit: [m].
+  };
+  LatestValue<Place> places_;
+  bool brings_ = false;  ///< places_.front() waits until no force is on
   std::atomic<double> wanted_gain_, delay_ = 0.0;
 };
 

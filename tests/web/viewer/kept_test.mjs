@@ -71,6 +71,32 @@ test('a ray sees the first solid Gaussian in its way', () => {
   assert.equal(scene.hit([0, 0, 9], [0, 0, 1]), null);
 });
 
+test('of many Gaussians a ray sees what it sees of them one by one', () => {
+  let seed = 1;
+  const random = () => { seed = (48271 * seed) % 2147483647; return seed / 2147483647; };
+  const spot = () => [random() - 0.5, random() - 0.5, 0.2 * random()];
+  const all = Array.from({ length: 3000 }, (_, i) => gaussian(i % 500 === 0 ? spot().map((c) => 40 * c) : spot(), {
+    deviations: [0, 0, 0].map(() => (i % 300 === 0 ? 0.5 : 0.02) * (0.1 + random())), opacity: 0.05 + 0.9 * random() }));
+  const scene = kept(...all);
+  for (let k = 0; k < 300; ++k) {
+    const origin = spot().map((c) => 3 * c);
+    const to = spot();
+    const direction = k % 10 === 0 ? [0, 0, -1] : to.map((c, i) => c - origin[i]);
+    let left = 1;
+    for (const [x, y, z, sx, sy, sz, , , , , opacity] of all) { // none of which is turned
+      const scaled = (v) => [v[0] / sx, v[1] / sy, v[2] / sz];
+      const [o, u] = [scaled([origin[0] - x, origin[1] - y, origin[2] - z]), scaled(direction)];
+      const dot = (p, q) => p.reduce((sum, c, i) => sum + c * q[i], 0);
+      const t = -dot(o, u) / dot(u, u);
+      const square = dot(o, o) - t * t * dot(u, u);
+      if (t >= 0 && square < 9) left *= 1 - opacity * Math.exp(-0.5 * square);
+    }
+    const seen = scene.hit(origin, direction)?.opacity ?? 0;
+    if (seen === 0) assert.ok(1 - left < 0.21, `${k}: ${1 - left}`); // too little to count
+    else assert.ok(Math.abs(seen - (1 - left)) < 1e-3, `${k}: ${seen}, ${1 - left}`);
+  }
+});
+
 test('a ray goes through haze, and stops where most of what is seen is', () => {
   const haze = gaussian([0, 0, 1], { opacity: 0.15 });
   const scene = kept(haze, gaussian([0, 0, 3], { opacity: 0.95 }));

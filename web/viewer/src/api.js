@@ -5,6 +5,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     get ready() { return parameters.current !== null && live.isFresh('measured_cp') && splats.knowsFelt; },
     get connected() { return connection.connected; },
     get frames() { return view.frames; },
+    get sceneFrames() { return view.sceneFrames; },
     get idle() { return splats.isSorting ? 0 : view.idle; },
     get sceneLoaded() { return splats.knowsFelt; },
     get held() { return hold.active; },

@@ -14,6 +14,8 @@ import { toolSize } from './tool_shape.js';
 const mostContacts = 256;
 const mostParts = 256;
 const longestForce = 12; // sizes of the tool, that an arrow of all the device can is long: what is felt is mostly a tenth of that
+const leastLength = 240; // of that arrow: of a small tool in a large scene it is seen, too. Unit: [px].
+const leastThickness = 2.5; // of its shaft. Unit: [px].
 const normalLength = 0.6; // of the longest contact normal that is drawn, in sizes of the tool
 const leastForce = 0.01; // what is shorter is no arrow. Unit: [N].
 const [middle, rim] = [0.5, 0.95]; // opacities of the tool
@@ -29,7 +31,8 @@ export class FeltObjects {
   group = new Group();
   colorBy = 'k_min';
   size = 0.03; // of the tool. Unit: [m].
-  forceLength = 0.01; // of an arrow. Unit: [m/N].
+  pixel = 0; // the size of one where the tool is. Unit: [m].
+  forceMax = 10; // of the device. Unit: [N].
   parts = []; // of the tool: {semi_axes, position, orientation}
 
   constructor() {
@@ -52,7 +55,12 @@ export class FeltObjects {
   follow({ tool, device }) {
     this.parts = tool;
     this.size = toolSize(tool);
-    this.forceLength = niceFloor((longestForce * this.size) / (device.force_max || 10));
+    this.forceMax = device.force_max || 10;
+  }
+
+  /// Of an arrow, as the legend says. Unit: [m/N].
+  get forceLength() {
+    return niceFloor(Math.max(longestForce * this.size, leastLength * this.pixel) / this.forceMax);
   }
 
   /// Shows the newest of everything; what is stale keeps its place but claims no force and no contact. Returns whether
@@ -75,12 +83,13 @@ export class FeltObjects {
   #showWrench(live, shown) {
     const wrench = live.force && live.tool ? live.wrench : { force: [0, 0, 0], torque: [0, 0, 0] };
     const at = live.tool?.position ?? [0, 0, 0];
-    const thickness = 0.09 * this.size;
+    const thickness = Math.max(0.09 * this.size, leastThickness * this.pixel);
     const scaled = (v, by) => v.map((c) => c * by);
-    const force = this.force.point(at, scaled(wrench.force, shown.force ? this.forceLength : 0), thickness, leastForce * this.forceLength);
+    const { forceLength } = this;
+    const force = this.force.point(at, scaled(wrench.force, shown.force ? forceLength : 0), thickness, leastForce * forceLength);
     // A torque is as long as the force that makes it with a lever of the tool's size.
-    const torqueLength = this.forceLength / this.size;
-    const torque = this.torque.point(at, scaled(wrench.torque, shown.torque ? torqueLength : 0), thickness, leastForce * this.forceLength);
+    const torqueLength = forceLength / this.size;
+    const torque = this.torque.point(at, scaled(wrench.torque, shown.torque ? torqueLength : 0), thickness, leastForce * forceLength);
     return force || torque;
   }
 

@@ -1,9 +1,12 @@
 // What the hand can feel: the Gaussians that the program has kept, as ellipsoids. In the frame of the capture.
 
+import { RayBlocks } from './ray_blocks.js';
+
 const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
 const boxSample = 50000; // Gaussians that say where the others are
 const reach = 0.4; // beyond the inner four fifths of a scene: what is even, or a ball, is not cut
 const cutoff = 3; // a ray that passes farther from a centre does not see it. Unit: [standard deviations].
+const rounding = 1.0001; // of single precision, that a box of what is seen has room for
 const leastSeen = 0.2; // opacity along a ray below which nothing is seen there
 
 /// Reads a SplatMesh once.
@@ -24,11 +27,13 @@ export class Kept {
   #isKept; // by row
   #semiAxes; // of the ellipsoids, by row
   #box = null;
+  #blocks;
 
   constructor(data) {
     this.#data = data;
     this.#isKept = new Uint8Array(data.length / stride);
     this.#semiAxes = new Float32Array(3 * (data.length / stride));
+    this.#blocks = new RayBlocks(data, stride, (row) => rounding * this.#reach(row));
   }
 
   get count() {
@@ -119,8 +124,14 @@ export class Kept {
   // What a ray passes: {row, distance, alpha}, from the front to the back.
   #along(origin, direction) {
     const met = [];
-    for (let row = 0; row < this.#isKept.length; ++row) this.#meet(row, origin, direction, met);
+    this.#blocks.visit(origin, direction, (row) => this.#meet(row, origin, direction, met));
     return met.sort((a, b) => a.distance - b.distance);
+  }
+
+  // How far from its centre a Gaussian is seen.
+  #reach(row) {
+    const at = stride * row;
+    return cutoff * Math.max(this.#data[at + 3], this.#data[at + 4], this.#data[at + 5]);
   }
 
   // In the frame where the Gaussian is round: where |o + t d| is least, if that is small.
@@ -128,7 +139,7 @@ export class Kept {
     const at = stride * row;
     const d = this.#data;
     const offset = [origin[0] - d[at], origin[1] - d[at + 1], origin[2] - d[at + 2]];
-    const reach = cutoff * Math.max(d[at + 3], d[at + 4], d[at + 5]);
+    const reach = this.#reach(row);
     const along = dot(offset, direction) ** 2 / dot(direction, direction);
     if (dot(offset, offset) - along > reach * reach) return;
     const inverse = conjugate([d[at + 6], d[at + 7], d[at + 8], d[at + 9]]);

@@ -46,6 +46,7 @@ export class Live {
   #handMarkers = []; // of all hands, where there are several
   #heard = new Map(); // topic: when
   #listeners = new Map();
+  #waiting = new Map(); // topic: who waits for its next message
 
   constructor(connection) {
     this.connection = connection;
@@ -74,6 +75,8 @@ export class Live {
         apply(message);
         this.#heard.set(name, performance.now());
         for (const listener of this.#listeners.get(name) ?? []) listener();
+        for (const done of this.#waiting.get(name) ?? []) done();
+        this.#waiting.delete(name);
       }, rest),
     };
   }
@@ -88,6 +91,14 @@ export class Live {
   /// Calls `listener` after every message of a topic.
   on(name, listener) {
     this.#listeners.set(name, [...(this.#listeners.get(name) ?? []), listener]);
+  }
+
+  /// Kept once a message of a topic has come, or after `most` ms without.
+  next(name, most) {
+    return new Promise((done) => {
+      this.#waiting.set(name, [...(this.#waiting.get(name) ?? []), done]);
+      setTimeout(done, most);
+    });
   }
 
   /// Whether what was last heard of a topic can still be taken for what is.

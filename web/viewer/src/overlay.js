@@ -21,7 +21,8 @@ export class Overlay {
     document.body.append(this.node); // not of the view, which the bar lies on
   }
 
-  /// `tool` is {at: where it is on the page, radius: of it there, distant: text and where, or null}; null hides all.
+  /// `tool` is {at: where it is on the page, towards: where it lies, radius: of it there, distant: text and where, or null, covered:
+  /// what the page takes of the view from above}; null hides all.
   show(tool) {
     const key = JSON.stringify(tool);
     if (key === this.#key) return;
@@ -30,7 +31,7 @@ export class Overlay {
     if (!tool) return;
     const seen = this.view.canvas.getBoundingClientRect();
     const inside = tool.at && tool.at[0] > seen.left && tool.at[1] > seen.top && tool.at[0] < seen.right && tool.at[1] < seen.bottom;
-    if (!inside) this.#point(tool.towards, seen);
+    if (!inside) this.#point(tool.towards, { left: seen.left, top: seen.top + tool.covered, width: seen.width, height: seen.height - tool.covered });
     else if (tool.radius < large) this.#encircle(tool.at, tool.radius);
     if (inside && tool.distant) this.#tell(tool.distant);
   }

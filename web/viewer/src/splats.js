@@ -1,10 +1,11 @@
 // The scene as it was captured, unfiltered, placed by the program's registration; and what of it can be felt, as the
 // program says.
 
-import { SparkRenderer } from '@sparkjsdev/spark';
 import { Box3, Group, Ray, Vector3 } from 'three';
 
 import { httpUrl } from './address.js';
+import { sceneLayer } from './backdrop.js';
+import { BatchedSpark } from './batched_spark.js';
 import { Ellipsoids, solidMaterial } from './ellipsoids.js';
 import { readGaussians } from './kept.js';
 import { MirroredMesh } from './mirrored_mesh.js';
@@ -64,7 +65,8 @@ export class Splats {
   /// Centres stay in single precision through all of Spark: halves would drift from what is felt.
   constructor(renderer, onDirty) {
     this.onDirty = onDirty;
-    this.spark = new SparkRenderer({ renderer, accumExtSplats: true, onDirty });
+    this.spark = new BatchedSpark({ renderer, accumExtSplats: true, onDirty });
+    this.spark.layers.set(sceneLayer);
     this.group.matrixAutoUpdate = false;
   }
 
@@ -86,6 +88,7 @@ export class Splats {
     this.#kept = readGaussians(mesh);
     this.knowsFelt = false;
     mesh.visible = this.sceneShown;
+    mesh.layers.set(sceneLayer);
     this.group.add(mesh);
   }
 
@@ -165,12 +168,11 @@ export class Splats {
     return felt;
   }
 
-  /// Draws the felt ellipsoids nearest to a point of the world, if they are on.
+  /// Draws the felt ellipsoids nearest to a point of the world, if they are on. Returns whether they are others than before.
   update(point) {
-    if (!this.#felt?.visible || !this.#kept) return;
-    if (!this.#drawn.follow(this.#kept, this.#local(point), this.#most)) return;
-    this.#felt.show(this.#drawn.rows.map((row) => this.#kept.at(row)));
-    this.onDirty();
+    if (!this.#felt?.visible || !this.#kept) return false;
+    if (!this.#drawn.follow(this.#kept, this.#local(point), this.#most)) return false;
+    return this.#felt.show(this.#drawn.rows.map((row) => this.#kept.at(row)));
   }
 
   /// Where what can be felt is nearest to a point of the world: {point, distance} in the world, or null.

@@ -13,6 +13,7 @@ import { boxAround } from './view.js';
 const findShare = 0.12; // of the height of the view, that the tool fills once it is looked for
 const focusShare = 0.5; // of the way to what is double-clicked, that is left
 const mostTimes = 300; // that a scene is larger than the tool, where its unit is probably not the metre
+const patience = 1000; // with a program that has not said where the tool is. Unit: [ms].
 const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
 const nearest = 8; // a double click goes no nearer. In sizes of the tool.
 const solid = 0.8; // opacity along a ray from which on it is no haze
@@ -115,7 +116,13 @@ export class TakeHold {
   #touch({ point, felt }, direction) {
     if (this.parameters.current?.demo === undefined || this.view.renderer.xr.isPresenting) return; // a device has a hand of its own
     if (!felt) notify('What is seen there is cut off by the filter: it cannot be felt.');
-    else if (!this.approach.to(point, direction)) notify('The tool can be moved as soon as the program says where it is.');
+    else this.#approach(point, direction);
+  }
+
+  // A page that has just taken long to draw has not heard meanwhile where the tool is.
+  async #approach(point, direction) {
+    if (!this.live.isFresh('measured_cp')) await this.live.next('measured_cp', patience);
+    if (!this.approach.to(point, direction)) notify('The tool can be moved as soon as the program says where it is.');
   }
 
   #focus(ray) {
@@ -144,7 +151,7 @@ export class TakeHold {
     const middle = depth.gap && depth.gap.from.clone().lerp(depth.gap.to, 0.5).toArray();
     const at = middle && view.project(middle);
     return {
-      at: view.project(position), towards: view.towards(position), radius: felt.size / view.pixelAt(position),
+      covered: this.#covered().top, at: view.project(position), towards: view.towards(position), radius: felt.size / view.pixelAt(position),
       distant: at && { text: formatLength(depth.gap.length), at },
     };
   }

@@ -8,6 +8,7 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 import { createAxes } from '../../shared/axes.js';
 import { applyTheme, followTheme, themeValue } from '../../shared/theme.js';
+import { Backdrop, sceneLayer } from './backdrop.js';
 
 const fieldOfView = 45; // vertical. Unit: [deg].
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
@@ -18,10 +19,12 @@ const axisReach = 22; // of the axes in the corner. Unit: [px].
 
 export class View {
   frames = 0; // that have been drawn
+  sceneFrames = 0; // in which the scene was, too
   idle = 0; // times in a row that there was nothing to draw
   world = new Group();
   #scene = new Scene();
   #dirty = true;
+  #sceneDirty = true;
   #perFrame = [];
   #opaque = true;
   #atDesk = null; // the camera before a headset had it
@@ -33,6 +36,8 @@ export class View {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true });
     this.camera = new PerspectiveCamera(fieldOfView, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
+    this.camera.layers.enable(sceneLayer);
+    this.backdrop = new Backdrop(this.renderer, this.#scene);
     this.camera.position.copy(firstDirection);
     this.orbit = new OrbitControls(this.camera, canvas);
     this.orbit.addEventListener('change', () => this.invalidate());
@@ -65,7 +70,14 @@ export class View {
     this.#perFrame.push(work);
   }
 
+  /// All is to be drawn anew.
   invalidate() {
+    this.#sceneDirty = true;
+    this.invalidateFront();
+  }
+
+  /// What lies before the scene is.
+  invalidateFront() {
     this.#dirty = true;
   }
 
@@ -196,9 +208,16 @@ export class View {
     }
     this.#dirty = false;
     this.idle = 0;
-    this.renderer.render(this.#scene, this.camera);
+    this.#draw();
     this.axes.turn(this.camera);
     ++this.frames;
+  }
+
+  #draw() {
+    if (this.#sceneDirty) ++this.sceneFrames;
+    if (this.renderer.xr.isPresenting) this.renderer.render(this.#scene, this.camera);
+    else this.backdrop.draw(this.camera, this.#sceneDirty);
+    this.#sceneDirty = this.renderer.xr.isPresenting;
   }
 
   /// Where a point of the world is, in pixels from the top left of the page; null behind the camera.

@@ -82,9 +82,10 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
     headset.update(now);
     hold.publish();
     cues.update();
-    if (felt.update(live, shown)) view.invalidate();
-    if (depth.update(live, 1000 * now)) view.invalidate();
-    splats.update(live.tool?.position ?? [0, 0, 0]);
+    felt.pixel = live.tool && !view.renderer.xr.isPresenting ? view.pixelAt(live.tool.position) : 0;
+    if (felt.update(live, shown)) view.invalidateFront();
+    if (depth.update(live, 1000 * now)) view.invalidateFront();
+    if (splats.update(live.tool?.position ?? [0, 0, 0])) view.invalidateFront();
     takeHold.update();
     updatePanels();
     updateShown();
