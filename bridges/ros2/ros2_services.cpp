@@ -15,15 +15,17 @@ using SetBoolDone_ = std_srvs_srv_dds__SetBool_Response_;
 
 }  // namespace
 
-Services::Services(Participant& participant, const Resolve& resolve, node::NodeServices services)
+Services::Services(Participant& participant, const Resolve& resolve, std::vector<node::SinkHand> hands)
     : participant_(participant), resolve_(resolve) {
   set_ = checked(dds_create_waitset(participant.id()), "wait for services");
   end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
   checked(dds_waitset_attach(set_, end_, end_), "wait for services");
-  trigger("palpate/emergency_stop", std::move(services.emergency_stop));
-  trigger("palpate/resume", std::move(services.resume));
-  set_bool("palpate/pause", std::move(services.pause));
-  set_bool("palpate/clutch", std::move(services.clutch));
+  for (auto& [prefix, services] : hands) {
+    trigger(prefix + "/emergency_stop", std::move(services.emergency_stop));
+    trigger(prefix + "/resume", std::move(services.resume));
+    set_bool(prefix + "/pause", std::move(services.pause));
+    set_bool(prefix + "/clutch", std::move(services.clutch));
+  }
   thread_ = std::thread([this] { run(); });
 }
 
@@ -38,7 +40,7 @@ Services::~Services() {
   dds_delete(end_);
 }
 
-void Services::add(const char* name, const dds_topic_descriptor_t& request,
+void Services::add(const std::string& name, const dds_topic_descriptor_t& request,
                    const dds_topic_descriptor_t& response, std::function<void(const Service&)> answer) {
   const std::string full = resolve_(name);
   const dds_entity_t reader = participant_.make_reader("rq", full + "Request", request, kServices);
@@ -48,7 +50,7 @@ void Services::add(const char* name, const dds_topic_descriptor_t& request,
   all_.push_back({reader, writer, std::move(answer)});
 }
 
-void Services::trigger(const char* name, std::function<void()> work) {
+void Services::trigger(const std::string& name, std::function<void()> work) {
   add(name, std_srvs_srv_dds__Trigger_Request__desc, std_srvs_srv_dds__Trigger_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<Trigger_>(service.reader, [&](const Trigger_& request, dds_instance_handle_t) {
@@ -60,7 +62,7 @@ void Services::trigger(const char* name, std::function<void()> work) {
       });
 }
 
-void Services::set_bool(const char* name, std::function<void(bool)> work) {
+void Services::set_bool(const std::string& name, std::function<void(bool)> work) {
   add(name, std_srvs_srv_dds__SetBool_Request__desc, std_srvs_srv_dds__SetBool_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<SetBool_>(service.reader, [&](const SetBool_& request, dds_instance_handle_t) {
