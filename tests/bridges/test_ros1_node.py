@@ -18,7 +18,7 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ros1_support import FREE, PRESSED, Driver, Master, free_port
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import ply, wall_rows  # noqa: E402
@@ -27,20 +27,6 @@ NODE = os.environ["PALPATE_ROS1"]
 PACKAGES = os.environ["PALPATE_ROS1_PACKAGES"]
 OK, WARN, ERROR = 0, 1, 2
 DECIMATION = 7
-
-
-class Ear:
-    """The messages of a topic, newest last, as long as a test listens: Python is slow."""
-
-    def __init__(self, topic, kind):
-        self.all = []
-        self.subscriber = rospy.Subscriber(topic, kind, self.all.append)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.subscriber.unregister()
 
 
 def is_unit(q):
