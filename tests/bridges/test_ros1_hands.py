@@ -156,7 +156,7 @@ class Hands(unittest.TestCase):
                 left.spoil = lambda message: message
                 for driver, force in zip((self.drivers[""], self.drivers["flat"]), before):
                     self.assertAlmostEqual(driver.force, force, delta=1e-3 * force)
-                self.assertEqual(self.statuses()["palpate: device"].level, 0)
+                self.assertLess(self.statuses()["palpate: device"].level, 2)
         self.assertIn("hand left: ros1:/left: poses of", self.text())
         self.assertNotIn("palpate_ros1: ros1:/omni: poses of", self.text())
 

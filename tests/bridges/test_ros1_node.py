@@ -210,6 +210,7 @@ class Node(unittest.TestCase):
     def test_5_what_is_wrong_with_poses_is_in_the_diagnostics(self):
         for level, message, notice, change in (
             (ERROR, "not finite", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
+            (ERROR, "no unit quaternion", "no force until they do", lambda m: setattr(m.pose.orientation, "w", 2.0)),
             (ERROR, "wrong frame_id", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
             (ERROR, "too late", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
             (ERROR, "future", "stamps of the future", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(5))),
@@ -231,6 +232,15 @@ class Node(unittest.TestCase):
                     self.wait_said(notice)
                 self.driver.spoil = lambda m: m
                 self.wait_status("palpate: device", OK)
+        other = subprocess.Popen(["rostopic", "pub", "-r", "50", "/omni/measured_cp", "geometry_msgs/PoseStamped",
+                                  "{header: auto, pose: {position: {z: 0.3}, orientation: {w: 1.0}}}"],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            self.wait_status("palpate: device", WARN, "poses are dropped")
+            self.wait(lambda: "holds the device, until it is silent for 1 s" in self.status("palpate: device")[1]["notice"])
+        finally:
+            other.kill()
+            other.wait()
         self.driver.spoil = lambda m: None
         self.wait_status("palpate: device", ERROR, "no poses come")
         self.driver.spoil = lambda m: m

@@ -70,6 +70,14 @@ describe('a driver on ROS 2', () => {
     await driver.lean();
   });
 
+  test('drops what is of the future, until its clock is known to be set', async () => {
+    await driver.lean();
+    driver.tell('late -5');
+    await palpate.says('stamps of the future');
+    driver.tell('late 0');
+    await driver.lean();
+  });
+
   test('does not feel a second publisher', async (context) => {
     const other = new Driver('/omni');
     context.after(() => other.kill());

@@ -104,7 +104,7 @@ describe('several hands', () => {
     await drivers.left.noForce();
     await eventually(async () => (await status('palpate/left: device')).level === 2, 'an error of that hand');
     near(await forceOf('first'), before_, 1e-3 * before_);
-    assert.equal((await status('palpate: device')).level, 0);
+    assert.ok((await status('palpate: device')).level < 2);
     assert.ok(node.said.includes('hand left: ros2:/left: poses of'), node.said);
     drivers.left.good();
     await lean('left');

@@ -155,18 +155,37 @@ describe('the node', () => {
     });
   }
 
-  test('says in diagnostics what is wrong with poses', async () => {
-    await statusIs('palpate: device', 0);
-    driver.bad(poseMessage('base', NaN));
-    const { notice, dropped } = await statusIs('palpate: device', 2, 'not finite');
-    assert.ok(notice.includes('no force until they do'));
-    assert.ok(Number(dropped) > 0);
-    driver.tell('mute 1');
-    await statusIs('palpate: device', 2);
-    driver.tell('mute 0');
-    driver.good();
-    await statusIs('palpate: device', 0);
+  for (const [words, said, spoil, mend] of [
+    ['not finite', 'no force until they do', () => driver.bad(poseMessage('base', NaN))],
+    ['no unit quaternion', 'no force until they do', () => driver.bad(poseMessage('base', 0.016, 2))],
+    ['wrong frame_id', "in the frame 'else', not 'base'", () => driver.bad(poseMessage('else', 0.016))],
+    ['too late', 'late, twice or out of order', () => driver.tell('late 0.5'), () => driver.tell('late 0')],
+    ['no poses come', '', () => driver.tell('mute 1'), () => driver.tell('mute 0')],
+  ]) {
+    test(`says in diagnostics: ${words}`, async () => {
+      await driver.lean();
+      await statusIs('palpate: device', 0);
+      spoil();
+      await driver.noForce();
+      const { notice, dropped } = await statusIs('palpate: device', 2, words);
+      assert.ok(notice.includes(said), notice);
+      assert.ok(said === '' || Number(dropped) > 0);
+      (mend ?? (() => driver.good()))();
+      await statusIs('palpate: device', 0);
+      await driver.lean();
+    });
+  }
+
+  test('says in diagnostics: stamps of the future, and a second publisher', async (context) => {
     await driver.lean();
+    driver.tell('late -5');
+    await eventually(async () => (await status('palpate: device')).notice.includes('stamps of the future'), 'a notice');
+    driver.tell('late 0');
+    await driver.lean();
+    const other = new Driver('/arm');
+    context.after(() => other.kill());
+    await eventually(async () => (await status('palpate: device')).notice.includes('holds the device, until it is silent for 1 s'), 'a notice');
+    await statusIs('palpate: device', 1, 'poses are dropped');
   });
 });
 
