@@ -126,8 +126,9 @@ void put_message(std::string& out, const Definition& definition, const Json& mes
       put_value(out, field.type, value);
       continue;
     }
-    put(out, static_cast<std::uint32_t>(value.is_array() ? value.size() : 0));
-    for (const Json& item : value) put_value(out, field.type, item);
+    const std::size_t count = value.is_array() ? value.size() : 0;
+    put(out, static_cast<std::uint32_t>(count));
+    for (std::size_t k = 0; k < count; ++k) put_value(out, field.type, value[k]);
   }
 }
 
