@@ -28,8 +28,8 @@ void run(int argc, char** argv) {
     return ros2::make_transport(
         prefix, [&of_hand](const std::string& line) { of_hand.say(line); }, resolve, &participant);
   };
-  network.sink = [&](const node::NodeSettings&, std::vector<node::SinkHand> hands) {
-    return ros2::make_sink(participant, resolve, settings.world_frame, std::move(hands));
+  network.sink = [&](const node::NodeSettings&, const std::vector<node::SinkHand>& hands) {
+    return ros2::make_sink(participant, resolve, settings.world_frame, hands);
   };
   network.is_up = [] { return true; };
   node::run_node(settings, network, notices);

@@ -15,16 +15,16 @@ using SetBoolDone_ = std_srvs_srv_dds__SetBool_Response_;
 
 }  // namespace
 
-Services::Services(Participant& participant, const Resolve& resolve, std::vector<node::SinkHand> hands)
+Services::Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands)
     : participant_(participant), resolve_(resolve) {
   set_ = checked(dds_create_waitset(participant.id()), "wait for services");
   end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
   checked(dds_waitset_attach(set_, end_, end_), "wait for services");
-  for (auto& [prefix, services] : hands) {
-    trigger(prefix + "/emergency_stop", std::move(services.emergency_stop));
-    trigger(prefix + "/resume", std::move(services.resume));
-    set_bool(prefix + "/pause", std::move(services.pause));
-    set_bool(prefix + "/clutch", std::move(services.clutch));
+  for (const auto& [prefix, services] : hands) {
+    trigger(prefix + "/emergency_stop", services.emergency_stop);
+    trigger(prefix + "/resume", services.resume);
+    set_bool(prefix + "/pause", services.pause);
+    set_bool(prefix + "/clutch", services.clutch);
   }
   thread_ = std::thread([this] { run(); });
 }

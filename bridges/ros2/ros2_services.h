@@ -20,7 +20,7 @@ namespace palpate::ros2 {
 class Services {
  public:
   /// \param participant must outlive it
-  Services(Participant& participant, const Resolve& resolve, std::vector<node::SinkHand> hands);
+  Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands);
   ~Services();
   Services(const Services&) = delete;
   Services& operator=(const Services&) = delete;

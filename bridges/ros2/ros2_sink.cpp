@@ -67,7 +67,7 @@ Marker_ message_of(const SinkMarker& marker, const Header_& header, std::vector<
 class Ros2Sink final : public node::NodeSink {
  public:
   Ros2Sink(Participant& participant, const Resolve& resolve, std::string world,
-           std::vector<node::SinkHand> hands)
+           const std::vector<node::SinkHand>& hands)
       : world_(std::move(world)) {
     const auto writer = [&](const std::string& name, const dds_topic_descriptor_t& type,
                             const Quality& quality) {
@@ -80,7 +80,7 @@ class Ros2Sink final : public node::NodeSink {
     transforms_ = writer("/tf", tf2_msgs_msg_dds__TFMessage__desc, kTf);
     diagnostics_ = writer("/diagnostics", diagnostic_msgs_msg_dds__DiagnosticArray__desc, kShown);
     centers_ = writer("palpate/centers", sensor_msgs_msg_dds__PointCloud2__desc, kLatched);
-    services_.emplace(participant, resolve, std::move(hands));
+    services_.emplace(participant, resolve, hands);
   }
   ~Ros2Sink() override {
     for (const Hand& hand : hands_) {
@@ -171,8 +171,8 @@ class Ros2Sink final : public node::NodeSink {
 }  // namespace
 
 std::unique_ptr<node::NodeSink> make_sink(Participant& participant, const Resolve& resolve, std::string world,
-                                          std::vector<node::SinkHand> hands) {
-  return std::make_unique<Ros2Sink>(participant, resolve, std::move(world), std::move(hands));
+                                          const std::vector<node::SinkHand>& hands) {
+  return std::make_unique<Ros2Sink>(participant, resolve, std::move(world), hands);
 }
 
 }  // namespace palpate::ros2

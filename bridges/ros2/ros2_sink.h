@@ -15,6 +15,6 @@ namespace palpate::ros2 {
 
 /// \param world frame_id of what is in the world \param participant must outlive it
 std::unique_ptr<node::NodeSink> make_sink(Participant& participant, const Resolve& resolve, std::string world,
-                                          std::vector<node::SinkHand> hands);
+                                          const std::vector<node::SinkHand>& hands);
 
 }  // namespace palpate::ros2

@@ -47,18 +47,27 @@ describe('several hands', () => {
     const found = array?.status.find((one) => one.name === name);
     return found && { level: Number(found.level), ...Object.fromEntries(found.values.map((v) => [v.key, v.value])) };
   }
+  /** At rest, again where a busy machine has let go. */
+  async function feels(name, force, by) {
+    let last;
+    for (let k = 0; k < 5; k += 1) {
+      await lean(name);
+      for (let l = 0; l < 50; l += 1) {
+        last = await forceOf(name);
+        if (Math.abs(last - force) <= by) return;
+        await wait(20);
+      }
+    }
+    assert.fail(`${name} feels ${last}, not ${force}`);
+  }
   const lean = (name) => drivers[name].lean(0.9 * (kSoft / 2) * kDeep);
 
   test('each feels for itself', async () => {
-    await lean('left');
-    await wait(300);
+    await feels('left', kDeep * kSoft / 2, 0.05 * kDeep * kSoft);
     assert.equal(await forceOf('first'), 0);
     assert.equal(await forceOf('flat'), 0);
-    near(await forceOf('left'), kDeep * kSoft / 2, 0.05 * kDeep * kSoft);
     assert.ok((await watcher().newest('left', kMarkers)).markers.length > 0);
-    await lean('first');
-    await wait(300);
-    near(await forceOf('first'), kDeep * kSoft, 0.05 * kDeep * kSoft);
+    await feels('first', kDeep * kSoft, 0.05 * kDeep * kSoft);
   });
 
   test('a hundred contacts are read back', async () => {
@@ -83,9 +92,13 @@ describe('several hands', () => {
   });
 
   test('a local model is the surface about the handle', async () => {
-    await lean('left');
-    await wait(500);
-    const { layout, data } = await watcher().newest('model', kArray);
+    await feels('left', kDeep * kSoft / 2, 0.05 * kDeep * kSoft);
+    let layout;
+    let data;
+    await eventually(async () => {
+      ({ layout, data } = await watcher().newest('model', kArray));
+      return data[8] === 1 && Math.abs(data[4] - PRESSED) < 1e-4;
+    }, 'a model at rest');
     assert.deepEqual([layout.data_offset, layout.dim.map((d) => [d.label, d.size, d.stride])],
       [9, [['planes', 1, 6], ['point, normal', 6, 6]]]);
     assert.equal(data.length, 15);
@@ -93,17 +106,16 @@ describe('several hands', () => {
     const [x, y, z, stiffness, , friction, share] = data.subarray(2, 9);
     near(z, PRESSED, 1e-3);
     assert.deepEqual([x, y, stiffness, friction, share], [0, 0, kSoft / 2, 0, 1]);
-    near(stiffness * (data[11] - z) * data[14], await forceOf('left'), 0.05 * kDeep * kSoft); // the force itself, from the plane alone
+    near(stiffness * (data[11] - z) * data[14], kDeep * kSoft / 2, 0.05 * kDeep * kSoft); // the force itself, from the plane alone
   });
 
   test('what befalls one hand leaves the others, and each has its stop', async () => {
-    await lean('first');
-    await wait(300);
+    await feels('first', kDeep * kSoft, 0.01 * kDeep * kSoft);
     const before_ = await forceOf('first');
     drivers.left.bad(poseMessage('base', NaN));
     await drivers.left.noForce();
     await eventually(async () => (await status('palpate/left: device')).level === 2, 'an error of that hand');
-    near(await forceOf('first'), before_, 1e-3 * before_);
+    await eventually(async () => Math.abs(await forceOf('first') - before_) <= 1e-3 * before_, `${before_} N`, 2);
     assert.ok((await status('palpate: device')).level < 2);
     assert.ok(node.said.includes('hand left: ros2:/left: poses of'), node.said);
     drivers.left.good();
@@ -117,6 +129,28 @@ describe('several hands', () => {
     await drivers.first.noForce();
     await drivers.flat.noForce();
   });
+});
+
+test('palpate run has several drivers, too', async (context) => {
+  const folder = makeFolder();
+  const { path } = makeWall(folder);
+  const file = join(folder, 'left.toml');
+  writeFileSync(file, `device = "ros2:/left,force_max=8,rate=60"\nstiffness = ${kSoft / 2}\n`);
+  const palpate = new Program(process.env.PALPATE, 'run', path, '--no-gateway', '--no-index-file', '--tool', '0.02,0.02,0.02',
+    '--stiffness', String(kSoft), '--device', 'ros2:/omni,force_max=8,rate=60', '--hands', `left=${file}`);
+  const first = new Driver('/omni');
+  const left = new Driver('/left');
+  context.after(async () => {
+    await first.kill();
+    await left.kill();
+    assert.equal(await palpate.end(), 0, palpate.said);
+  });
+  await left.lean(0.9 * (kSoft / 2) * kDeep);
+  assert.equal(await first.force(), 0);
+  await first.lean(0.9 * kSoft * kDeep);
+  await left.kill();
+  await palpate.says('hand left: no force: stale-pose');
+  assert.ok(await first.force() > 0);
 });
 
 describe('how fast, and how many are lost', () => {
