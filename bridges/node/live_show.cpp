@@ -52,6 +52,7 @@ LiveShow::LiveShow(const ShownHand& hand, std::shared_ptr<const EllipsoidLookup>
 /// Contacts are looked for here, so that the loop does nothing for those who look on.
 void LiveShow::update() {
   hand_.view.update();
+  felt_ = hand_.system.felt();  // whose tool may be another
   const TickRecord& tick = hand_.view.newest();
   if (sink_.wants_contacts(hand_.number)) {
     query(*felt_->index(), felt_->tool(), tick.tool, found_);

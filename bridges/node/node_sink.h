@@ -47,7 +47,19 @@ struct SinkStatus {
 struct NodeServices {
   std::function<void()> emergency_stop, resume;
   std::function<void(bool)> pause, clutch;
+  std::function<std::string()> get_parameters;  ///< the settings as JSON
+  std::function<std::string()> config;          ///< a file for --config that starts a run as things are now
+  /// Of JSON, settings that are to be others; says what is wrong with it.
+  std::function<void(const std::string& json)> set_parameters;
 };
+
+/// For services that answer nothing.
+inline std::function<std::string()> then_nothing(std::function<void()> work) {
+  return [work = std::move(work)] {
+    work();
+    return std::string();
+  };
+}
 
 /// A hand as the network sees it.
 struct SinkHand {
@@ -56,8 +68,9 @@ struct SinkHand {
 };
 
 /// Publishes under the node's namespace contacts and tool (MarkerArray) of each hand, palpate/centers
-/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves emergency_stop, resume
-/// (Trigger), pause and clutch (SetBool) of each hand. Everything is stamped when it is published, in the
+/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves emergency_stop, resume,
+/// get_parameters, config (Trigger), pause and clutch (SetBool), and listens to set_parameters (String), of
+/// each hand. Everything is stamped when it is published, in the
 /// frame `world`. Hands are told by their number. One thread.
 class NodeSink {
  public:

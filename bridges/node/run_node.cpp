@@ -1,8 +1,15 @@
 #include "run_node.h"
 
+#include <algorithm>
+#include <array>
 #include <deque>
+#include <stdexcept>
+#include <string_view>
 
+#include <palpate/base/error.h>
 #include <palpate/base/real_time.h>
+#include <palpate/live/config_json.h>
+#include <palpate/live/config_toml.h>
 #include <palpate/live/live_hands.h>
 #include <palpate/live/run_signals.h>
 #include <palpate/servo/live_view.h>
@@ -20,8 +27,22 @@ struct HandParts {
   std::unique_ptr<LiveView> view = std::make_unique<LiveView>();
 };
 
+/// What may be changed while the node runs: the scene and where it is are as they were at the start.
+constexpr std::array<std::string_view, 5> kChangeable{"model", "stiffness", "friction", "detail", "tool"};
+
+/// \throws Refusal for what cannot be.
+void change(LiveSystem& system, const std::string& json) {
+  const Json wanted = decode_json(json);
+  if (!wanted.is_object()) throw Refusal("takes a JSON object, as {\"stiffness\": 800}");
+  for (const auto& [name, value] : wanted.items())
+    if (std::find(kChangeable.begin(), kChangeable.end(), name) == kChangeable.end())
+      throw Refusal("'" + printable(name) +
+                    "' cannot be changed here; model, stiffness, friction, detail and tool can");
+  system.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+}
+
 /// \param of the first hand: its emergency stop is that of all
-NodeServices services_of(LiveHands& hands, const LiveHands::Hand& of) {
+NodeServices services_of(LiveHands& hands, const LiveHands::Hand& of, NodeNotices& notices) {
   LiveSystem& system = *of.system;
   NodeServices services;
   services.emergency_stop = [&hands, &system, all = of.name.empty()] {
@@ -32,6 +53,17 @@ NodeServices services_of(LiveHands& hands, const LiveHands::Hand& of) {
     on ? system.stop_force(Fault::kPaused) : system.tick().governor().unpause();
   };
   services.clutch = [&system](bool on) { system.tick().press_clutch(on); };
+  services.get_parameters = [&system] { return encode_json(settings_json(system.settings())); };
+  services.config = [&system, first = of.name.empty()] {
+    return to_toml(system.settings(), first ? TomlFields::kSaved : TomlFields::kSavedOfHand);
+  };
+  services.set_parameters = [&system, &notices](const std::string& json) {
+    try {
+      change(system, json);
+    } catch (const std::runtime_error& error) {
+      notices.say(std::string("set_parameters: ") + error.what());
+    }
+  };
   return services;
 }
 
@@ -71,7 +103,8 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
   std::vector<SinkHand> of_sink;
   for (const LiveHands::Hand& hand : hands.all()) {
     systems.push_back(hand.system.get());
-    of_sink.push_back({hand.name.empty() ? "palpate" : "palpate/" + hand.name, services_of(hands, hand)});
+    of_sink.push_back({hand.name.empty() ? "palpate" : "palpate/" + hand.name,
+                       services_of(hands, hand, parts[of_sink.size()].notices)});
   }
   const RunSignals signals(systems);  // which still let the force fall where it falls already
   const LoopEnd end(hands);

@@ -7,6 +7,7 @@
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
@@ -20,6 +21,7 @@ namespace {
 using node::SinkMarker;
 using node::SinkStatus;
 using node::SinkTransform;
+using node::then_nothing;
 using node::Vector3;
 
 template <class Out>
@@ -120,6 +122,9 @@ class Ros1Sink final : public node::NodeSink {
     for (const node::SinkHand& hand : hands_) {
       contacts_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/contacts", 2));
       tools_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/tool", 2));
+      const boost::function<void(const std_msgs::String::ConstPtr&)> set =
+          [&hand](const std_msgs::String::ConstPtr& message) { hand.services.set_parameters(message->data); };
+      changes_.push_back(node_.subscribe<std_msgs::String>(hand.prefix + "/set_parameters", 10, set));
     }
     transforms_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
     diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 2);
@@ -163,17 +168,19 @@ class Ros1Sink final : public node::NodeSink {
   void serve() {
     servers_.clear();
     for (const auto& [prefix, services] : hands_) {
-      trigger(prefix + "/emergency_stop", services.emergency_stop);
-      trigger(prefix + "/resume", services.resume);
+      trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
+      trigger(prefix + "/resume", then_nothing(services.resume));
+      trigger(prefix + "/get_parameters", services.get_parameters);
+      trigger(prefix + "/config", services.config);
       set_bool(prefix + "/pause", services.pause);
       set_bool(prefix + "/clutch", services.clutch);
     }
   }
-  void trigger(const std::string& name, const std::function<void()>& work) {
+  void trigger(const std::string& name, const std::function<std::string()>& work) {
     using Request = std_srvs::Trigger::Request;
     using Response = std_srvs::Trigger::Response;
-    const boost::function<bool(Request&, Response&)> answer = [&work](Request&, Response& response) {
-      work();
+    const boost::function<bool(Request&, Response&)> answer = [work](Request&, Response& response) {
+      response.message = work();
       response.success = 1;
       return true;
     };
@@ -197,6 +204,7 @@ class Ros1Sink final : public node::NodeSink {
   std::vector<ros::Publisher> contacts_, tools_;
   ros::Publisher transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
+  std::vector<ros::Subscriber> changes_;
   ros::AsyncSpinner spinner_{1, &queue_};
   /// Topics are the link's to register anew.
   MasterWatch watch_{[] {},

@@ -8,6 +8,8 @@
 namespace palpate::ros2 {
 namespace {
 
+using node::then_nothing;
+using String_ = std_msgs_msg_dds__String_;
 using Trigger_ = std_srvs_srv_dds__Trigger_Request_;
 using TriggerDone_ = std_srvs_srv_dds__Trigger_Response_;
 using SetBool_ = std_srvs_srv_dds__SetBool_Request_;
@@ -21,8 +23,11 @@ Services::Services(Participant& participant, const Resolve& resolve, const std::
   end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
   checked(dds_waitset_attach(set_, end_, end_), "wait for services");
   for (const auto& [prefix, services] : hands) {
-    trigger(prefix + "/emergency_stop", services.emergency_stop);
-    trigger(prefix + "/resume", services.resume);
+    trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
+    trigger(prefix + "/resume", then_nothing(services.resume));
+    trigger(prefix + "/get_parameters", services.get_parameters);
+    trigger(prefix + "/config", services.config);
+    subscribe(prefix + "/set_parameters", services.set_parameters);
     set_bool(prefix + "/pause", services.pause);
     set_bool(prefix + "/clutch", services.clutch);
   }
@@ -34,7 +39,7 @@ Services::~Services() {
   thread_.join();
   for (const Service& service : all_) {
     dds_delete(service.reader);
-    dds_delete(service.writer);
+    if (service.writer != 0) dds_delete(service.writer);
   }
   dds_delete(set_);
   dds_delete(end_);
@@ -45,17 +50,29 @@ void Services::add(const std::string& name, const dds_topic_descriptor_t& reques
   const std::string full = resolve_(name);
   const dds_entity_t reader = participant_.make_reader("rq", full + "Request", request, kServices);
   const dds_entity_t writer = participant_.make_writer("rr", full + "Reply", response, kServices);
-  checked(dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS), "wait for services");
-  checked(dds_waitset_attach(set_, reader, reader), "wait for services");
-  all_.push_back({reader, writer, std::move(answer)});
+  attach({reader, writer, std::move(answer)});
 }
 
-void Services::trigger(const std::string& name, std::function<void()> work) {
+void Services::attach(Service service) {
+  checked(dds_set_status_mask(service.reader, DDS_DATA_AVAILABLE_STATUS), "wait for services");
+  checked(dds_waitset_attach(set_, service.reader, service.reader), "wait for services");
+  all_.push_back(std::move(service));
+}
+
+void Services::subscribe(const std::string& name, std::function<void(const std::string&)> work) {
+  const dds_entity_t reader =
+      participant_.make_reader("rt", resolve_(name), std_msgs_msg_dds__String__desc, kServices);
+  attach({reader, 0, [work = std::move(work)](const Service& service) {
+            take_all<String_>(service.reader,
+                              [&](const String_& message, dds_instance_handle_t) { work(message.data); });
+          }});
+}
+
+void Services::trigger(const std::string& name, std::function<std::string()> work) {
   add(name, std_srvs_srv_dds__Trigger_Request__desc, std_srvs_srv_dds__Trigger_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<Trigger_>(service.reader, [&](const Trigger_& request, dds_instance_handle_t) {
-          work();
-          std::string message;
+          std::string message = work();
           const TriggerDone_ done{request.client, request.number, true, message.data()};
           dds_write(service.writer, &done);
         });

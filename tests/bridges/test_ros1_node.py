@@ -1,5 +1,6 @@
 """The node palpate_ros1 with a real roscore: what it publishes, its services and parameters, and what ends and does not end it."""
 
+import json
 import math
 import os
 import signal
@@ -14,6 +15,7 @@ import rospy
 import rosservice
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import PointCloud2, PointField
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -206,6 +208,28 @@ class Node(unittest.TestCase):
                 self.call(*begin)  # of the clutch: where it was pressed, so that the tool is where the hand is
                 self.lean()
                 self.wait_status("palpate: servo", OK)
+
+    def test_4b_settings_are_read_and_changed(self):
+        def told(name):
+            answer = rospy.ServiceProxy(name, Trigger)()
+            self.assertTrue(answer.success)
+            return answer.message
+        self.assertEqual(json.loads(told("/palpate/get_parameters"))["stiffness"], 500)
+        change = rospy.Publisher("/palpate/set_parameters", String, queue_size=4)
+        self.wait(lambda: change.get_num_connections() > 0)
+        change.publish('{"stiffness": 300, "tool": [{"semi_axes": [0.01, 0.01, 0.01]}]}')
+        self.wait(lambda: json.loads(told("/palpate/get_parameters"))["stiffness"] == 300)
+        self.assertIn("stiffness = 300", told("/palpate/config"))
+        with Ear("/palpate/tool", MarkerArray) as tool:
+            self.wait(lambda: tool.all and abs(tool.all[-1].markers[0].scale.x - 0.02) < 1e-9)
+        for text, words in (('{"stiffness": -1}', "stiffness"), ('{"filter": {}}', "'filter' cannot be changed here"), ("[]", "takes a JSON object"),
+                            ("{", "set_parameters: ")):
+            count = self.text().count("set_parameters: ")
+            change.publish(text)
+            self.wait_said("set_parameters: ", count + 1)
+            self.assertIn(words, self.text().splitlines()[-1])
+        change.publish('{"stiffness": 500, "tool": [{"semi_axes": [0.02, 0.02, 0.02]}]}')
+        self.wait(lambda: json.loads(told("/palpate/get_parameters"))["stiffness"] == 500)
 
     def test_5_what_is_wrong_with_poses_is_in_the_diagnostics(self):
         for level, message, notice, change in (
