@@ -95,15 +95,16 @@ class Driver {
                             : trips_[static_cast<std::size_t>(p * static_cast<double>(trips_.size() - 1))];
     };
     std::printf(
-        "z %.5f m, shown %.3f N, wrench %.3f N; poses %zu, answered %zu, wrenches %d, models %d; p50 %.3f "
+        "z %.5f m, shown %.3f N, wrench %.3f N; poses %zu, answered %zu, wrenches %d, lost %d, models %d; "
+        "p50 %.3f "
         "ms, p99 "
         "%.3f ms\n",
-        z, force, wrench_, sent_.size() + trips_.size(), trips_.size(), wrenches_, models_, 1e3 * trip(0.5),
-        1e3 * trip(0.99));
+        z, force, wrench_, sent_.size() + trips_.size(), trips_.size(), wrenches_, lost_, models_,
+        1e3 * trip(0.5), 1e3 * trip(0.99));
     std::fflush(stdout);
     trips_.clear();
     sent_.clear();
-    wrenches_ = models_ = 0;
+    wrenches_ = lost_ = models_ = 0;
   }
 
  private:
@@ -114,6 +115,8 @@ class Driver {
     const std::scoped_lock lock(mutex_);
     wrench_ = force.z;
     ++wrenches_;
+    if (number_ != 0) lost_ += static_cast<int>(message.header.seq - number_) - 1;
+    number_ = message.header.seq;
     const auto at = sent_.find(microseconds(message.header.stamp));
     if (at == sent_.end()) return;
     trips_.push_back((ros::SteadyTime::now() - at->second).toSec());
@@ -144,7 +147,8 @@ class Driver {
   std::map<std::uint64_t, ros::SteadyTime> sent_;  // by microseconds() of the stamp
   std::vector<double> trips_;
   double wrench_ = 0.0;
-  int wrenches_ = 0, models_ = 0;
+  int wrenches_ = 0, lost_ = 0, models_ = 0;
+  std::uint32_t number_ = 0;  // of the newest wrench
 };
 
 }  // namespace

@@ -196,12 +196,12 @@ class Hands(unittest.TestCase):
 
     def test_7_a_driver_renders_it(self):
         process = subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True)
-        pattern = re.compile(r"z (\S+) m, shown (\S+) N, wrench (\S+) N; poses (\d+), answered (\d+), wrenches (\d+), models (\d+); "
+        pattern = re.compile(r"z (\S+) m, shown (\S+) N, wrench (\S+) N; poses (\d+), answered (\d+), wrenches (\d+), lost (\d+), models (\d+); "
                              r"p50 (\S+) ms, p99 (\S+) ms")
         try:
             for _ in range(20):
                 line = process.stdout.readline()
-                z, shown, wrench, _, answered, _, models, _, _ = (float(text) for text in pattern.match(line).groups())
+                z, shown, wrench, _, answered, _, _, models, _, _ = (float(text) for text in pattern.match(line).groups())
                 if shown > 1.0 and models > 500 and answered > 500:
                     break
             else:
