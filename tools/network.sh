@@ -109,10 +109,13 @@ row() {
   printf '|---|---|---|---|---|---|---|---|---|---|---|\n'
   row '0 ms' 1000 0 0 0
   row '1 ms' 1000 1 0 0
+  row '1 ms, jitter 2 ms' 1000 1 2 0
+  row '1 ms, loss 1 %' 1000 1 0 1
   row '5 ms' 1000 5 0 0
   row '5 ms, jitter 2 ms' 1000 5 2 0
   row '5 ms, loss 1 %' 1000 5 0 1
   row '20 ms' 60 20 0 0
   row '20 ms, jitter 2 ms' 60 20 2 0
+  row '20 ms, loss 1 %' 60 20 0 1
 } >"$work/table"
 write_between_marks "$page" "$work/table"

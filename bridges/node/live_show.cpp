@@ -40,83 +40,95 @@ std::vector<SinkMarker> markers_of(const std::vector<Marker>& markers) {
 
 }  // namespace
 
-LiveShow::LiveShow(LiveSystem& system, const CrtkDevice& device, LiveView& view, const NodeNotices& notices,
-                   const NodeSettings& settings, NodeSink& sink)
-    : system_(system),
-      device_(device),
-      view_(view),
-      notices_(notices),
-      settings_(settings),
+LiveShow::LiveShow(const ShownHand& hand, std::shared_ptr<const EllipsoidLookup> lookup,
+                   const std::string& tf_prefix, NodeSink& sink)
+    : hand_(hand),
+      frames_(tf_prefix + (is_first() ? "" : hand.settings.name + "/")),
       sink_(sink),
-      felt_(system.felt()),
-      ellipsoids_(*felt_->index()),
-      watch_(system.loop().statistics()) {}
+      felt_(hand.system.felt()),
+      ellipsoids_(std::move(lookup)),
+      watch_(hand.system.loop().statistics()) {}
 
-void LiveShow::publish_centers() {
-  std::vector<float> points;
-  const auto all = ellipsoids_.all();
-  const auto step = static_cast<std::size_t>(settings_.decimation);
-  for (std::size_t i = 0; i < all.ellipsoids.size(); i += step)
-    for (const double c : numbers(all.ellipsoids[i].center)) points.push_back(static_cast<float>(c));
-  sink_.publish_centers(points);
-}
-
-void LiveShow::publish(double now) {
-  view_.update();
-  const TickRecord& tick = view_.newest();
-  if (sink_.wants_contacts()) publish_contacts(tick);
-  sink_.publish_tool(markers_of(tool_markers(felt_->tool(), tick.tool)));
-  publish_transforms(tick);
-  watch_.look(now);
-  if (count_++ % kDiagnosticsEvery == 0)
-    sink_.publish_diagnostics({servo_status(tick), device_status(tick, now)});
-}
-
-/// Looked for here, so that the loop does nothing for those who look on.
-void LiveShow::publish_contacts(const TickRecord& tick) {
-  query(*felt_->index(), felt_->tool(), tick.tool, found_);
-  sink_.publish_contacts(markers_of(contacts_.next(found_.contacts, ellipsoids_)));
+/// Contacts are looked for here, so that the loop does nothing for those who look on.
+void LiveShow::update() {
+  hand_.view.update();
+  felt_ = hand_.system.felt();  // whose tool may be another
+  const TickRecord& tick = hand_.view.newest();
+  if (sink_.wants_contacts(hand_.number)) {
+    query(*felt_->index(), felt_->tool(), tick.tool, found_);
+    sink_.publish_contacts(hand_.number, markers_of(contacts_.next(found_.contacts, *ellipsoids_)));
+  }
+  sink_.publish_tool(hand_.number, markers_of(tool_markers(felt_->tool(), tick.tool)));
 }
 
 /// Scales, of the workspace and of the scene, have no place in tf.
-void LiveShow::publish_transforms(const TickRecord& tick) {
-  const Similarity scene = system_.settings().scene.world_from_scene();
-  const std::string& prefix = settings_.tf_prefix;
-  std::vector<SinkTransform> all{{settings_.device_frame, pose_of({tick.map.offset, tick.map.rotation})},
-                                 {prefix + "scene", pose_of({scene.translation, scene.rotation})},
-                                 {prefix + "tool", pose_of(tick.tool)}};
-  if (is_finite(tick.felt.proxy)) all.push_back({prefix + "proxy", pose_of(tick.felt.proxy)});
-  sink_.publish_transforms(all);
+void LiveShow::add_transforms(std::vector<SinkTransform>& all) const {
+  const TickRecord& tick = hand_.view.newest();
+  const Similarity scene = hand_.system.settings().scene.world_from_scene();
+  all.push_back({hand_.settings.device_frame, pose_of({tick.map.offset, tick.map.rotation})});
+  if (is_first()) all.push_back({frames_ + "scene", pose_of({scene.translation, scene.rotation})});
+  all.push_back({frames_ + "tool", pose_of(tick.tool)});
+  if (is_finite(tick.felt.proxy)) all.push_back({frames_ + "proxy", pose_of(tick.felt.proxy)});
 }
 
-SinkStatus LiveShow::servo_status(const TickRecord& tick) const {
-  const LiveDiagnostics found = diagnose(tick, view_.times(), watch_, {});
-  SinkStatus status{found.level, "palpate: servo", std::string(found.message), {}, {}};
+void LiveShow::add_statuses(std::vector<SinkStatus>& all) {
+  const double now = hand_.system.clock().now();
+  watch_.look(now);
+  const std::string of = is_first() ? "palpate" : "palpate/" + hand_.settings.name;
+  all.push_back(servo_status(of + ": servo"));
+  all.push_back(device_status(of + ": device", now));
+}
+
+SinkStatus LiveShow::servo_status(std::string name) const {
+  const LiveDiagnostics found = diagnose(hand_.view.newest(), hand_.view.times(), watch_, {});
+  SinkStatus status{found.level, std::move(name), std::string(found.message), {}, {}};
   for (const auto& [key, value] : found.values) status.values.emplace_back(key, value);
   return status;
 }
 
-SinkStatus LiveShow::device_status(const TickRecord& tick, double now) {
-  const std::uint64_t dropped = device_.dropped();
+SinkStatus LiveShow::device_status(std::string name, double now) {
+  const CrtkDevice& device = hand_.device;
+  const std::uint64_t dropped = device.dropped();
   if (dropped != std::exchange(dropped_, dropped)) dropped_at_ = now;
-  const std::string fault(system_.device_fault());
-  const NodeNotices::Said said = notices_.said();
-  SinkStatus status{0, "palpate: device", "poses come", device_.capabilities().name, {}};
+  const std::string fault(hand_.system.device_fault());
+  const NodeNotices::Said said = hand_.notices.said();
+  SinkStatus status{0, std::move(name), "poses come", device.capabilities().name, {}};
   if (!fault.empty()) {
     status.level = 2;
     status.message = fault;
   } else if (now - dropped_at_ < kDropped) {
     status.level = 1;
     status.message = "poses are dropped";
-  } else if (tick.fault == Fault::kStalePose) {
+  } else if (hand_.view.newest().fault == Fault::kStalePose) {
     status.level = 1;
     status.message = "no poses come";
   }
-  status.values = {{"taken", fmt::format("{}", device_.taken())},
+  status.values = {{"taken", fmt::format("{}", device.taken())},
                    {"dropped", fmt::format("{}", dropped)},
                    {"notice", said.newest},
                    {"notices", fmt::format("{}", said.count)}};
   return status;
+}
+
+void publish_centers(const EllipsoidLookup& ellipsoids, int decimation, NodeSink& sink) {
+  std::vector<float> points;
+  const auto all = ellipsoids.all();
+  const auto step = static_cast<std::size_t>(decimation);
+  for (std::size_t i = 0; i < all.ellipsoids.size(); i += step)
+    for (const double c : numbers(all.ellipsoids[i].center)) points.push_back(static_cast<float>(c));
+  sink.publish_centers(points);
+}
+
+void publish(std::deque<LiveShow>& shows, NodeSink& sink, bool diagnostics) {
+  std::vector<SinkTransform> transforms;
+  std::vector<SinkStatus> statuses;
+  for (LiveShow& show : shows) {
+    show.update();
+    show.add_transforms(transforms);
+    if (diagnostics) show.add_statuses(statuses);
+  }
+  sink.publish_transforms(transforms);
+  if (diagnostics) sink.publish_diagnostics(statuses);
 }
 
 }  // namespace palpate::node

@@ -1,8 +1,9 @@
 /// \file
-/// What a node shows of a live system.
+/// What a node shows of its hands.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,41 +21,55 @@
 
 namespace palpate::node {
 
-/// Publishes what a system feels, at its newest tick. One thread.
+/// A hand that is shown. All that it refers to must outlive who has it.
+struct ShownHand {
+  std::size_t number = 0;  ///< in the sink
+  const NodeHand& settings;
+  LiveSystem& system;
+  const CrtkDevice& device;  ///< of `system`
+  LiveView& view;
+  const NodeNotices& notices;
+};
+
+/// Publishes what a hand feels, at its newest tick. One thread.
 class LiveShow {
  public:
-  static constexpr double kRate = 30.0;        ///< of publish(). Unit: [Hz].
-  static constexpr int kDiagnosticsEvery = 3;  ///< of publish(), how many to one of diagnostics
+  static constexpr double kRate = 30.0;        ///< of update(). Unit: [Hz].
+  static constexpr int kDiagnosticsEvery = 3;  ///< of update(), how many to one of diagnostics
 
-  /// All must outlive it. \param device of `system`
-  LiveShow(LiveSystem& system, const CrtkDevice& device, LiveView& view, const NodeNotices& notices,
-           const NodeSettings& settings, NodeSink& sink);
+  /// \param lookup of the scene's ellipsoids, which all hands share \param tf_prefix of names of frames
+  /// \param sink must outlive it
+  LiveShow(const ShownHand& hand, std::shared_ptr<const EllipsoidLookup> lookup, const std::string& tf_prefix,
+           NodeSink& sink);
 
-  /// The centres of what can be felt, in the world.
-  void publish_centers();
-  /// \param now of the system's clock. Unit: [s].
-  void publish(double now);
+  /// Has the newest tick, and publishes contacts and tool at it.
+  void update();
+  /// Its frames go to `all`.
+  void add_transforms(std::vector<SinkTransform>& all) const;
+  /// The states of its loop and its device go to `all`.
+  void add_statuses(std::vector<SinkStatus>& all);
 
  private:
-  void publish_contacts(const TickRecord& tick);
-  void publish_transforms(const TickRecord& tick);
-  SinkStatus servo_status(const TickRecord& tick) const;
-  SinkStatus device_status(const TickRecord& tick, double now);
+  /// Which tells the scene's frame.
+  bool is_first() const { return hand_.settings.name.empty(); }
+  SinkStatus servo_status(std::string name) const;
+  SinkStatus device_status(std::string name, double now);
 
-  LiveSystem& system_;
-  const CrtkDevice& device_;
-  LiveView& view_;
-  const NodeNotices& notices_;
-  const NodeSettings& settings_;
+  ShownHand hand_;
+  std::string frames_;  ///< before the names of the hand's own
   NodeSink& sink_;
   std::shared_ptr<const FeltScene> felt_;
-  EllipsoidLookup ellipsoids_;
+  std::shared_ptr<const EllipsoidLookup> ellipsoids_;
   ContactSet found_;
   ContactMarkers contacts_;
   RateWatch watch_;
-  int count_ = 0;
   std::uint64_t dropped_ = 0;  ///< poses, when they were counted last
   double dropped_at_ = -1e9;   ///< when that last rose. Unit: [s].
 };
+
+/// The centres of what can be felt, in the world, every `decimation`th.
+void publish_centers(const EllipsoidLookup& ellipsoids, int decimation, NodeSink& sink);
+/// All hands, at their newest ticks. \param diagnostics these too
+void publish(std::deque<LiveShow>& shows, NodeSink& sink, bool diagnostics);
 
 }  // namespace palpate::node

@@ -1,5 +1,5 @@
 /// \file
-/// What a node has told a person.
+/// What a node has told a person of a hand.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,14 @@ namespace palpate::node {
 /// Writes lines to the terminal, and remembers the last one for diagnostics. Any thread.
 class NodeNotices {
  public:
-  /// \param program that speaks
-  explicit NodeNotices(std::string program) : program_(std::move(program)) {}
+  /// Of the first hand, and of the node. \param program that speaks
+  explicit NodeNotices(std::string program) : speaker_(std::move(program)) {}
+  /// Of another hand of that node.
+  NodeNotices(const NodeNotices& node, const std::string& hand)
+      : speaker_(node.speaker_ + ": hand " + hand) {}
 
   void say(const std::string& line) {
-    std::fprintf(stderr, "%s: %s\n", program_.c_str(), line.c_str());
+    std::fprintf(stderr, "%s: %s\n", speaker_.c_str(), line.c_str());
     const std::scoped_lock lock(mutex_);
     newest_ = line;
     ++count_;
@@ -32,7 +35,7 @@ class NodeNotices {
   }
 
  private:
-  std::string program_;
+  std::string speaker_;
   mutable std::mutex mutex_;
   std::string newest_;
   std::uint64_t count_ = 0;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -46,12 +47,31 @@ struct SinkStatus {
 struct NodeServices {
   std::function<void()> emergency_stop, resume;
   std::function<void(bool)> pause, clutch;
+  std::function<std::string()> get_parameters;  ///< the settings as JSON
+  std::function<std::string()> config;          ///< a file for --config that starts a run as things are now
+  /// Of JSON, settings that are to be others; says what is wrong with it.
+  std::function<void(const std::string& json)> set_parameters;
 };
 
-/// Publishes under the node's namespace palpate/contacts, palpate/tool (MarkerArray), palpate/centers
-/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves palpate/emergency_stop, resume
-/// (Trigger), pause and clutch (SetBool). Everything is stamped when it is published, in the frame `world`.
-/// One thread.
+/// For services that answer nothing.
+inline std::function<std::string()> then_nothing(std::function<void()> work) {
+  return [work = std::move(work)] {
+    work();
+    return std::string();
+  };
+}
+
+/// A hand as the network sees it.
+struct SinkHand {
+  std::string prefix;  ///< of its topics and services in the node's namespace: "palpate", "palpate/left"
+  NodeServices services;
+};
+
+/// Publishes under the node's namespace contacts and tool (MarkerArray) of each hand, palpate/centers
+/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves emergency_stop, resume,
+/// get_parameters, config (Trigger), pause and clutch (SetBool), and listens to set_parameters (String), of
+/// each hand. Everything is stamped when it is published, in the
+/// frame `world`. Hands are told by their number. One thread.
 class NodeSink {
  public:
   NodeSink() = default;
@@ -60,9 +80,9 @@ class NodeSink {
   NodeSink& operator=(const NodeSink&) = delete;
 
   /// Whether anybody gets publish_contacts().
-  virtual bool wants_contacts() const = 0;
-  virtual void publish_contacts(const std::vector<SinkMarker>& markers) = 0;
-  virtual void publish_tool(const std::vector<SinkMarker>& markers) = 0;
+  virtual bool wants_contacts(std::size_t hand) const = 0;
+  virtual void publish_contacts(std::size_t hand, const std::vector<SinkMarker>& markers) = 0;
+  virtual void publish_tool(std::size_t hand, const std::vector<SinkMarker>& markers) = 0;
   virtual void publish_transforms(const std::vector<SinkTransform>& transforms) = 0;
   virtual void publish_diagnostics(const std::vector<SinkStatus>& statuses) = 0;
   /// \param points x, y, z each, in the world. Unit: [m].

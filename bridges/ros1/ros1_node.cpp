@@ -18,8 +18,8 @@ std::unique_ptr<CrtkTransport> transport(const std::string& prefix, node::NodeNo
   return make_ros1_transport(prefix, [&notices](const std::string& line) { notices.say(line); });
 }
 
-std::unique_ptr<node::NodeSink> sink(const node::NodeSettings& settings, node::NodeServices services) {
-  return ros1::make_sink(settings.world_frame, std::move(services));
+std::unique_ptr<node::NodeSink> sink(const node::NodeSettings& settings, std::vector<node::SinkHand> hands) {
+  return ros1::make_sink(settings.world_frame, std::move(hands));
 }
 
 }  // namespace

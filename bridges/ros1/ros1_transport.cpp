@@ -27,6 +27,10 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
   void send(const CrtkWrench& wrench) override {
     link_->publish(message_of(wrench.spatial, wrench.stamp), message_of(wrench.body, wrench.stamp));
   }
+  bool wants_local_model() override { return link_->wants_local_model(); }
+  void send_local_model(const LocalModel& model, double stamp) override {
+    link_->publish_local_model(numbers_of(model, stamp), kLocalModelHead, kLocalModelPlane);
+  }
   void send_echo(std::uint64_t number) override { link_->publish_echo(number); }
   void say(const std::string& line) override { say_(line); }
 

@@ -16,6 +16,7 @@
 #include <ros/ros.h>
 #include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
+#include <std_msgs/Float64MultiArray.h>
 #include <std_msgs/Header.h>
 
 #include "master_watch.h"
@@ -27,6 +28,17 @@ namespace {
 constexpr double kLook = 0.2;
 /// Of poses that wait: the newest counts.
 constexpr int kQueue = 8;
+
+/// That there is no master has been said. There is one a process, whatever the number of links.
+std::atomic<bool> lost{false};
+
+std_msgs::MultiArrayDimension dimension(const char* label, std::size_t size, std::size_t stride) {
+  std_msgs::MultiArrayDimension out;
+  out.label = label;
+  out.size = static_cast<std::uint32_t>(size);
+  out.stride = static_cast<std::uint32_t>(stride);
+  return out;
+}
 
 std::array<double, 3> array_of(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 
@@ -85,6 +97,20 @@ class Link::Implementation {
     echo_.publish(echo);
   }
 
+  bool wants_local_model() const {
+    return connected_.load(std::memory_order_acquire) && local_model_.getNumSubscribers() > 0;
+  }
+
+  void publish_local_model(const std::vector<double>& numbers, std::size_t head, std::size_t row) {
+    if (!wants_local_model()) return;
+    std_msgs::Float64MultiArray message;
+    message.layout.data_offset = static_cast<std::uint32_t>(head);
+    message.layout.dim = {dimension("planes", (numbers.size() - head) / row, numbers.size() - head),
+                          dimension("point, normal", row, row)};
+    message.data = numbers;
+    local_model_.publish(message);
+  }
+
  private:
   static void send(const ros::Publisher& to, const StampedWrench& wrench, const std::string& frame) {
     geometry_msgs::WrenchStamped message;
@@ -140,6 +166,7 @@ class Link::Implementation {
     spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
     body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
     echo_ = node_->advertise<std_msgs::Header>("palpate/echo", 1);
+    local_model_ = node_->advertise<std_msgs::Float64MultiArray>("palpate/local_model", 1);
     connected_.store(true, std::memory_order_release);
   }
 
@@ -206,10 +233,10 @@ class Link::Implementation {
   }
 
   void tell_lost(const std::string& line) {
-    if (!lost_.exchange(true)) listener_.say(line);
+    if (!lost.exchange(true)) listener_.say(line);
   }
   void tell_found() {
-    if (lost_.exchange(false)) listener_.say("the ROS master is there");
+    if (lost.exchange(false)) listener_.say("the ROS master is there");
   }
   static void sleep() { std::this_thread::sleep_for(std::chrono::duration<double>(kLook)); }
 
@@ -218,10 +245,10 @@ class Link::Implementation {
   ros::CallbackQueue queue_;
   std::unique_ptr<ros::NodeHandle> node_;
   std::array<ros::Subscriber, 3> subscriptions_;  ///< poses, velocities, echoes
-  ros::Publisher spatial_, body_, echo_;
+  ros::Publisher spatial_, body_, echo_, local_model_;
   std::mutex mutex_;   ///< of what follows
   std::string frame_;  ///< of the newest pose
-  std::atomic<bool> ends_ = false, connected_ = false, lost_ = false;
+  std::atomic<bool> ends_ = false, connected_ = false;
   std::unique_ptr<MasterWatch> watch_;
   std::thread thread_;
 };
@@ -238,5 +265,9 @@ void Link::publish(const StampedWrench& spatial, const StampedWrench& body) {
   implementation_->publish(spatial, body);
 }
 void Link::publish_echo(std::uint64_t number) { implementation_->publish_echo(number); }
+void Link::publish_local_model(const std::vector<double>& numbers, std::size_t head, std::size_t row) {
+  implementation_->publish_local_model(numbers, head, row);
+}
+bool Link::wants_local_model() const { return implementation_->wants_local_model(); }
 
 }  // namespace palpate::ros1

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace palpate::ros1 {
 
@@ -39,8 +40,8 @@ struct StampedWrench {
 };
 
 /// Subscribes PREFIX/measured_cp, measured_cv and palpate/echoed, publishes PREFIX/spatial/servo_cf,
-/// body/servo_cf and palpate/echo; all may be remapped. Connects as soon as there is a master, registers anew
-/// where that has been started again, and tells either once. One object a process at a time.
+/// body/servo_cf, palpate/echo and palpate/local_model; all may be remapped. Connects as soon as there is a
+/// master, and registers anew where that has been started again; of several links in a process one tells it.
 class Link {
  public:
   /// Begins; does not wait for a master. `listener` must outlive it. \throws std::runtime_error if ROS cannot
@@ -56,6 +57,10 @@ class Link {
   void publish(const StampedWrench& spatial, const StampedWrench& body);
   /// A std_msgs/Header: `seq` is to be answered, with the publisher's time as stamp.
   void publish_echo(std::uint64_t number);
+  /// \param numbers the first `head` of them, then rows of `row`
+  void publish_local_model(const std::vector<double>& numbers, std::size_t head, std::size_t row);
+  /// Whether anybody gets it.
+  bool wants_local_model() const;
   /// @}
 
  private:

@@ -7,6 +7,7 @@
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
@@ -20,6 +21,7 @@ namespace {
 using node::SinkMarker;
 using node::SinkStatus;
 using node::SinkTransform;
+using node::then_nothing;
 using node::Vector3;
 
 template <class Out>
@@ -113,12 +115,17 @@ sensor_msgs::PointCloud2 cloud_of(const std::vector<float>& points, const std::s
 
 class Ros1Sink final : public node::NodeSink {
  public:
-  Ros1Sink(std::string world, node::NodeServices services)
-      : world_(std::move(world)), services_(std::move(services)) {
+  Ros1Sink(std::string world, std::vector<node::SinkHand> hands)
+      : world_(std::move(world)), hands_(std::move(hands)) {
     // Its own queue: the link answers for that of the device.
     node_.setCallbackQueue(&queue_);
-    contacts_ = node_.advertise<visualization_msgs::MarkerArray>("palpate/contacts", 2);
-    tool_ = node_.advertise<visualization_msgs::MarkerArray>("palpate/tool", 2);
+    for (const node::SinkHand& hand : hands_) {
+      contacts_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/contacts", 2));
+      tools_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/tool", 2));
+      const boost::function<void(const std_msgs::String::ConstPtr&)> set =
+          [&hand](const std_msgs::String::ConstPtr& message) { hand.services.set_parameters(message->data); };
+      changes_.push_back(node_.subscribe<std_msgs::String>(hand.prefix + "/set_parameters", 10, set));
+    }
     transforms_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
     diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 2);
     centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
@@ -126,12 +133,12 @@ class Ros1Sink final : public node::NodeSink {
     spinner_.start();
   }
 
-  bool wants_contacts() const override { return contacts_.getNumSubscribers() > 0; }
-  void publish_contacts(const std::vector<SinkMarker>& markers) override {
-    contacts_.publish(array_of(markers, world_));
+  bool wants_contacts(std::size_t hand) const override { return contacts_[hand].getNumSubscribers() > 0; }
+  void publish_contacts(std::size_t hand, const std::vector<SinkMarker>& markers) override {
+    contacts_[hand].publish(array_of(markers, world_));
   }
-  void publish_tool(const std::vector<SinkMarker>& markers) override {
-    tool_.publish(array_of(markers, world_));
+  void publish_tool(std::size_t hand, const std::vector<SinkMarker>& markers) override {
+    tools_[hand].publish(array_of(markers, world_));
   }
   void publish_centers(const std::vector<float>& points) override {
     centers_.publish(cloud_of(points, world_));
@@ -160,22 +167,26 @@ class Ros1Sink final : public node::NodeSink {
  private:
   void serve() {
     servers_.clear();
-    trigger("palpate/emergency_stop", services_.emergency_stop);
-    trigger("palpate/resume", services_.resume);
-    set_bool("palpate/pause", services_.pause);
-    set_bool("palpate/clutch", services_.clutch);
+    for (const auto& [prefix, services] : hands_) {
+      trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
+      trigger(prefix + "/resume", then_nothing(services.resume));
+      trigger(prefix + "/get_parameters", services.get_parameters);
+      trigger(prefix + "/config", services.config);
+      set_bool(prefix + "/pause", services.pause);
+      set_bool(prefix + "/clutch", services.clutch);
+    }
   }
-  void trigger(const char* name, const std::function<void()>& work) {
+  void trigger(const std::string& name, const std::function<std::string()>& work) {
     using Request = std_srvs::Trigger::Request;
     using Response = std_srvs::Trigger::Response;
-    const boost::function<bool(Request&, Response&)> answer = [&work](Request&, Response& response) {
-      work();
+    const boost::function<bool(Request&, Response&)> answer = [work](Request&, Response& response) {
+      response.message = work();
       response.success = 1;
       return true;
     };
     servers_.push_back(node_.advertiseService<Request, Response>(name, answer));
   }
-  void set_bool(const char* name, const std::function<void(bool)>& work) {
+  void set_bool(const std::string& name, const std::function<void(bool)>& work) {
     using Request = std_srvs::SetBool::Request;
     using Response = std_srvs::SetBool::Response;
     const boost::function<bool(Request&, Response&)> answer = [&work](Request& request, Response& response) {
@@ -187,11 +198,13 @@ class Ros1Sink final : public node::NodeSink {
   }
 
   std::string world_;
-  node::NodeServices services_;
+  std::vector<node::SinkHand> hands_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  ros::Publisher contacts_, tool_, transforms_, diagnostics_, centers_;
+  std::vector<ros::Publisher> contacts_, tools_;
+  ros::Publisher transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
+  std::vector<ros::Subscriber> changes_;
   ros::AsyncSpinner spinner_{1, &queue_};
   /// Topics are the link's to register anew.
   MasterWatch watch_{[] {},
@@ -202,8 +215,8 @@ class Ros1Sink final : public node::NodeSink {
 
 }  // namespace
 
-std::unique_ptr<node::NodeSink> make_sink(std::string world, node::NodeServices services) {
-  return std::make_unique<Ros1Sink>(std::move(world), std::move(services));
+std::unique_ptr<node::NodeSink> make_sink(std::string world, std::vector<node::SinkHand> hands) {
+  return std::make_unique<Ros1Sink>(std::move(world), std::move(hands));
 }
 
 }  // namespace palpate::ros1

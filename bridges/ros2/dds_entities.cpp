@@ -133,6 +133,11 @@ dds_entity_t Participant::make_writer(std::string_view prefix, std::string_view 
   return checked(dds_create_writer(id_, topic, qos.get(), nullptr), fmt::format("publish {}", name));
 }
 
+bool is_matched(dds_entity_t writer) {
+  dds_publication_matched_status_t status{};
+  return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK && status.current_count > 0;
+}
+
 std::string source_of(dds_entity_t reader, dds_instance_handle_t writer) {
   dds_builtintopic_endpoint_t* found = dds_get_matched_publication_data(reader, writer);
   if (found == nullptr) return fmt::format("writer {}", writer);

@@ -59,6 +59,9 @@ class Participant {
 /// it.
 dds_return_t checked(dds_return_t code, std::string_view what);
 
+/// Whether a writer has readers.
+bool is_matched(dds_entity_t writer);
+
 /// Whose a writer is: the GUID of its participant, which in ROS 2 is that of a process.
 std::string source_of(dds_entity_t reader, dds_instance_handle_t writer);
 

@@ -19,17 +19,17 @@ void run(int argc, char** argv) {
   const ros2::NodeArguments arguments = ros2::read_arguments(argc, argv);
   const node::NodeSettings settings = node::read_node_settings("ros2", arguments.parameters);
   node::NodeNotices notices(kProgram);
-  const ros2::Say say = [&notices](const std::string& line) { notices.say(line); };
   const ros2::Resolve resolve = [&arguments](const std::string& name) {
     return arguments.names.resolve(name);
   };
-  ros2::Participant participant(say);
+  ros2::Participant participant([&notices](const std::string& line) { notices.say(line); });
   node::NodeNetwork network;
-  network.transport = [&](const std::string& prefix, node::NodeNotices&) {
-    return ros2::make_transport(prefix, say, resolve, &participant);
+  network.transport = [&](const std::string& prefix, node::NodeNotices& of_hand) {
+    return ros2::make_transport(
+        prefix, [&of_hand](const std::string& line) { of_hand.say(line); }, resolve, &participant);
   };
-  network.sink = [&](const node::NodeSettings&, node::NodeServices services) {
-    return ros2::make_sink(participant, resolve, settings.world_frame, std::move(services));
+  network.sink = [&](const node::NodeSettings&, const std::vector<node::SinkHand>& hands) {
+    return ros2::make_sink(participant, resolve, settings.world_frame, hands);
   };
   network.is_up = [] { return true; };
   node::run_node(settings, network, notices);

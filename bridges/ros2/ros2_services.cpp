@@ -8,6 +8,8 @@
 namespace palpate::ros2 {
 namespace {
 
+using node::then_nothing;
+using String_ = std_msgs_msg_dds__String_;
 using Trigger_ = std_srvs_srv_dds__Trigger_Request_;
 using TriggerDone_ = std_srvs_srv_dds__Trigger_Response_;
 using SetBool_ = std_srvs_srv_dds__SetBool_Request_;
@@ -15,15 +17,20 @@ using SetBoolDone_ = std_srvs_srv_dds__SetBool_Response_;
 
 }  // namespace
 
-Services::Services(Participant& participant, const Resolve& resolve, node::NodeServices services)
+Services::Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands)
     : participant_(participant), resolve_(resolve) {
   set_ = checked(dds_create_waitset(participant.id()), "wait for services");
   end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
   checked(dds_waitset_attach(set_, end_, end_), "wait for services");
-  trigger("palpate/emergency_stop", std::move(services.emergency_stop));
-  trigger("palpate/resume", std::move(services.resume));
-  set_bool("palpate/pause", std::move(services.pause));
-  set_bool("palpate/clutch", std::move(services.clutch));
+  for (const auto& [prefix, services] : hands) {
+    trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
+    trigger(prefix + "/resume", then_nothing(services.resume));
+    trigger(prefix + "/get_parameters", services.get_parameters);
+    trigger(prefix + "/config", services.config);
+    subscribe(prefix + "/set_parameters", services.set_parameters);
+    set_bool(prefix + "/pause", services.pause);
+    set_bool(prefix + "/clutch", services.clutch);
+  }
   thread_ = std::thread([this] { run(); });
 }
 
@@ -32,35 +39,47 @@ Services::~Services() {
   thread_.join();
   for (const Service& service : all_) {
     dds_delete(service.reader);
-    dds_delete(service.writer);
+    if (service.writer != 0) dds_delete(service.writer);
   }
   dds_delete(set_);
   dds_delete(end_);
 }
 
-void Services::add(const char* name, const dds_topic_descriptor_t& request,
+void Services::add(const std::string& name, const dds_topic_descriptor_t& request,
                    const dds_topic_descriptor_t& response, std::function<void(const Service&)> answer) {
   const std::string full = resolve_(name);
   const dds_entity_t reader = participant_.make_reader("rq", full + "Request", request, kServices);
   const dds_entity_t writer = participant_.make_writer("rr", full + "Reply", response, kServices);
-  checked(dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS), "wait for services");
-  checked(dds_waitset_attach(set_, reader, reader), "wait for services");
-  all_.push_back({reader, writer, std::move(answer)});
+  attach({reader, writer, std::move(answer)});
 }
 
-void Services::trigger(const char* name, std::function<void()> work) {
+void Services::attach(Service service) {
+  checked(dds_set_status_mask(service.reader, DDS_DATA_AVAILABLE_STATUS), "wait for services");
+  checked(dds_waitset_attach(set_, service.reader, service.reader), "wait for services");
+  all_.push_back(std::move(service));
+}
+
+void Services::subscribe(const std::string& name, std::function<void(const std::string&)> work) {
+  const dds_entity_t reader =
+      participant_.make_reader("rt", resolve_(name), std_msgs_msg_dds__String__desc, kServices);
+  attach({reader, 0, [work = std::move(work)](const Service& service) {
+            take_all<String_>(service.reader,
+                              [&](const String_& message, dds_instance_handle_t) { work(message.data); });
+          }});
+}
+
+void Services::trigger(const std::string& name, std::function<std::string()> work) {
   add(name, std_srvs_srv_dds__Trigger_Request__desc, std_srvs_srv_dds__Trigger_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<Trigger_>(service.reader, [&](const Trigger_& request, dds_instance_handle_t) {
-          work();
-          std::string message;
+          std::string message = work();
           const TriggerDone_ done{request.client, request.number, true, message.data()};
           dds_write(service.writer, &done);
         });
       });
 }
 
-void Services::set_bool(const char* name, std::function<void(bool)> work) {
+void Services::set_bool(const std::string& name, std::function<void(bool)> work) {
   add(name, std_srvs_srv_dds__SetBool_Request__desc, std_srvs_srv_dds__SetBool_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<SetBool_>(service.reader, [&](const SetBool_& request, dds_instance_handle_t) {

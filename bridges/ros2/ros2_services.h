@@ -14,27 +14,30 @@
 
 namespace palpate::ros2 {
 
-/// Answers palpate/emergency_stop, resume (std_srvs/Trigger), pause and clutch (SetBool), as long as it
-/// lives, on a thread of its own. DDS knows no services, and implementations of ROS 2 differ in how they make
-/// them: this is how rmw_cyclonedds_cpp does.
+/// Serves emergency_stop, resume, get_parameters, config (std_srvs/Trigger), pause and clutch (SetBool), and
+/// listens to set_parameters (std_msgs/String), of each hand, as long as it lives, on a thread of its own.
+/// DDS knows no services, and implementations of ROS 2 differ in how they make them: this is how
+/// rmw_cyclonedds_cpp does.
 class Services {
  public:
   /// \param participant must outlive it
-  Services(Participant& participant, const Resolve& resolve, node::NodeServices services);
+  Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands);
   ~Services();
   Services(const Services&) = delete;
   Services& operator=(const Services&) = delete;
 
  private:
   struct Service {
-    dds_entity_t reader, writer;
+    dds_entity_t reader, writer;                 ///< no writer (0): nothing is answered
     std::function<void(const Service&)> answer;  ///< all that has been asked
   };
 
-  void trigger(const char* name, std::function<void()> work);
-  void set_bool(const char* name, std::function<void(bool)> work);
-  void add(const char* name, const dds_topic_descriptor_t& request, const dds_topic_descriptor_t& response,
-           std::function<void(const Service&)> answer);
+  void trigger(const std::string& name, std::function<std::string()> work);
+  void set_bool(const std::string& name, std::function<void(bool)> work);
+  void subscribe(const std::string& name, std::function<void(const std::string&)> work);
+  void add(const std::string& name, const dds_topic_descriptor_t& request,
+           const dds_topic_descriptor_t& response, std::function<void(const Service&)> answer);
+  void attach(Service service);
   void run();
 
   Participant& participant_;

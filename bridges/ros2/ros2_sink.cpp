@@ -1,5 +1,6 @@
 #include "ros2_sink.h"
 
+#include <optional>
 #include <vector>
 
 #include "dds_time.h"
@@ -65,31 +66,37 @@ Marker_ message_of(const SinkMarker& marker, const Header_& header, std::vector<
 
 class Ros2Sink final : public node::NodeSink {
  public:
-  Ros2Sink(Participant& participant, const Resolve& resolve, std::string world, node::NodeServices services)
-      : world_(std::move(world)), services_(participant, resolve, std::move(services)) {
-    const auto writer = [&](const char* name, const dds_topic_descriptor_t& type, const Quality& quality) {
+  Ros2Sink(Participant& participant, const Resolve& resolve, std::string world,
+           const std::vector<node::SinkHand>& hands)
+      : world_(std::move(world)) {
+    const auto writer = [&](const std::string& name, const dds_topic_descriptor_t& type,
+                            const Quality& quality) {
       return participant.make_writer("rt", resolve(name), type, quality);
     };
-    contacts_ = writer("palpate/contacts", visualization_msgs_msg_dds__MarkerArray__desc, kShown);
-    tool_ = writer("palpate/tool", visualization_msgs_msg_dds__MarkerArray__desc, kShown);
+    for (const node::SinkHand& hand : hands)
+      hands_.push_back(
+          {writer(hand.prefix + "/contacts", visualization_msgs_msg_dds__MarkerArray__desc, kShown),
+           writer(hand.prefix + "/tool", visualization_msgs_msg_dds__MarkerArray__desc, kShown)});
     transforms_ = writer("/tf", tf2_msgs_msg_dds__TFMessage__desc, kTf);
     diagnostics_ = writer("/diagnostics", diagnostic_msgs_msg_dds__DiagnosticArray__desc, kShown);
     centers_ = writer("palpate/centers", sensor_msgs_msg_dds__PointCloud2__desc, kLatched);
+    services_.emplace(participant, resolve, hands);
   }
   ~Ros2Sink() override {
-    for (const dds_entity_t writer : {contacts_, tool_, transforms_, diagnostics_, centers_})
-      dds_delete(writer);
+    for (const Hand& hand : hands_) {
+      dds_delete(hand.contacts);
+      dds_delete(hand.tool);
+    }
+    for (const dds_entity_t writer : {transforms_, diagnostics_, centers_}) dds_delete(writer);
   }
 
-  bool wants_contacts() const override {
-    dds_publication_matched_status_t status{};
-    return dds_get_publication_matched_status(contacts_, &status) == DDS_RETCODE_OK &&
-           status.current_count > 0;
+  bool wants_contacts(std::size_t hand) const override { return is_matched(hands_[hand].contacts); }
+  void publish_contacts(std::size_t hand, const std::vector<SinkMarker>& markers) override {
+    write_markers(hands_[hand].contacts, markers);
   }
-  void publish_contacts(const std::vector<SinkMarker>& markers) override {
-    write_markers(contacts_, markers);
+  void publish_tool(std::size_t hand, const std::vector<SinkMarker>& markers) override {
+    write_markers(hands_[hand].tool, markers);
   }
-  void publish_tool(const std::vector<SinkMarker>& markers) override { write_markers(tool_, markers); }
 
   void publish_transforms(const std::vector<SinkTransform>& transforms) override {
     std::vector<Transform_> all;
@@ -151,16 +158,21 @@ class Ros2Sink final : public node::NodeSink {
     dds_write(writer, &message);
   }
 
+  struct Hand {
+    dds_entity_t contacts, tool;
+  };
+
   std::string world_;
-  dds_entity_t contacts_ = 0, tool_ = 0, transforms_ = 0, diagnostics_ = 0, centers_ = 0;
-  Services services_;
+  std::vector<Hand> hands_;
+  dds_entity_t transforms_ = 0, diagnostics_ = 0, centers_ = 0;
+  std::optional<Services> services_;
 };
 
 }  // namespace
 
 std::unique_ptr<node::NodeSink> make_sink(Participant& participant, const Resolve& resolve, std::string world,
-                                          node::NodeServices services) {
-  return std::make_unique<Ros2Sink>(participant, resolve, std::move(world), std::move(services));
+                                          const std::vector<node::SinkHand>& hands) {
+  return std::make_unique<Ros2Sink>(participant, resolve, std::move(world), hands);
 }
 
 }  // namespace palpate::ros2

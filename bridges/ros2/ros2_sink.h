@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <node_sink.h>
 
@@ -14,6 +15,6 @@ namespace palpate::ros2 {
 
 /// \param world frame_id of what is in the world \param participant must outlive it
 std::unique_ptr<node::NodeSink> make_sink(Participant& participant, const Resolve& resolve, std::string world,
-                                          node::NodeServices services);
+                                          const std::vector<node::SinkHand>& hands);
 
 }  // namespace palpate::ros2

@@ -18,6 +18,8 @@ using Pose_ = geometry_msgs_msg_dds__PoseStamped_;
 using Twist_ = geometry_msgs_msg_dds__TwistStamped_;
 using Wrench_ = geometry_msgs_msg_dds__WrenchStamped_;
 using Header_ = std_msgs_msg_dds__Header_;
+using Array_ = std_msgs_msg_dds__Float64MultiArray_;
+using Dimension_ = std_msgs_msg_dds__MultiArrayDimension_;
 
 Eigen::Vector3d vector_of(const geometry_msgs_msg_dds__Vector3_& v) { return {v.x, v.y, v.z}; }
 geometry_msgs_msg_dds__Vector3_ vector_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -43,6 +45,7 @@ class Ros2Transport final : public CrtkTransport {
     spatial_ = writer("/spatial/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc);
     body_ = writer("/body/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc);
     echo_ = writer("/palpate/echo", std_msgs_msg_dds__Header__desc);
+    local_model_ = writer("/palpate/local_model", std_msgs_msg_dds__Float64MultiArray__desc);
     set_ = checked(dds_create_waitset(participant_->id()), "wait for messages");
     end_ = checked(dds_create_guardcondition(participant_->id()), "wait for messages");
     for (const dds_entity_t entity : {poses_, velocities_, echoes_, end_}) {
@@ -57,7 +60,8 @@ class Ros2Transport final : public CrtkTransport {
     if (!thread_.joinable()) return;
     dds_set_guardcondition(end_, true);
     thread_.join();
-    for (const dds_entity_t entity : {poses_, velocities_, echoes_, spatial_, body_, echo_, set_, end_})
+    for (const dds_entity_t entity :
+         {poses_, velocities_, echoes_, spatial_, body_, echo_, local_model_, set_, end_})
       dds_delete(entity);
     if (own_) participant_ = nullptr;
     own_.reset();
@@ -73,6 +77,20 @@ class Ros2Transport final : public CrtkTransport {
     write(body_, wrench.body, wrench.stamp, "tool");
   }
 
+  bool wants_local_model() override { return is_matched(local_model_); }
+  void send_local_model(const LocalModel& model, double stamp) override {
+    if (!wants_local_model()) return;
+    std::vector<double> numbers = numbers_of(model, stamp);
+    std::array<std::string, 2> labels{"planes", "point, normal"};
+    const auto count = static_cast<std::uint32_t>(numbers.size()),
+               planes = count - static_cast<std::uint32_t>(kLocalModelHead);
+    constexpr auto kRow = static_cast<std::uint32_t>(kLocalModelPlane);
+    std::array<Dimension_, 2> dimensions{
+        {{labels[0].data(), planes / kRow, planes}, {labels[1].data(), kRow, kRow}}};
+    const Array_ message{{{2, 2, dimensions.data(), false}, static_cast<std::uint32_t>(kLocalModelHead)},
+                         {count, count, numbers.data(), false}};
+    dds_write(local_model_, &message);
+  }
   void send_echo(std::uint64_t number) override {
     std::string text = std::to_string(number);
     const Header_ echo{time_of(now()), text.data()};
@@ -156,7 +174,7 @@ class Ros2Transport final : public CrtkTransport {
   std::unique_ptr<Participant> own_;
   Participant* participant_;
   CrtkDevice* device_ = nullptr;
-  dds_entity_t poses_ = 0, velocities_ = 0, echoes_ = 0, spatial_ = 0, body_ = 0, echo_ = 0;
+  dds_entity_t poses_ = 0, velocities_ = 0, echoes_ = 0, spatial_ = 0, body_ = 0, echo_ = 0, local_model_ = 0;
   dds_entity_t set_ = 0, end_ = 0;                      ///< of what is waited for
   Source pose_source_, velocity_source_, echo_source_;  ///< of the newest; the transport's thread
   std::mutex mutex_;                                    ///< of what follows

@@ -16,8 +16,8 @@ namespace palpate::ros2 {
 using Resolve = std::function<std::string(const std::string& name)>;
 
 /// Subscribes PREFIX/measured_cp, measured_cv and palpate/echoed, publishes PREFIX/spatial/servo_cf,
-/// body/servo_cf and palpate/echo, from start() to stop(). A std_msgs/Header has no number in ROS 2: that of
-/// an echo is its frame_id. \param participant must outlive it; null: makes its own
+/// body/servo_cf, palpate/echo and palpate/local_model, from start() to stop(). A std_msgs/Header has no
+/// number in ROS 2: that of an echo is its frame_id. \param participant must outlive it; null: makes its own
 std::unique_ptr<CrtkTransport> make_transport(std::string prefix, Say say, Resolve resolve,
                                               Participant* participant = nullptr);
 

@@ -22,7 +22,7 @@ std::string in_space(const std::string& space, const std::string& name) {
   return (space == "/" ? "" : space) + "/" + name;
 }
 
-/// Without quotes or brackets, as a setting is written: "[1.0, 2.0]" is "1.0,2.0".
+/// Without quotes or brackets, as a setting is written: "[1.0, 2.0]" is "1.0,2.0", and '["left"]' is "left".
 std::string plain(std::string text) {
   const auto wrapped = [&](char first, char last) {
     return text.size() > 1 && text.front() == first && text.back() == last;
@@ -30,7 +30,9 @@ std::string plain(std::string text) {
   if (wrapped('"', '"') || wrapped('\'', '\'')) return text.substr(1, text.size() - 2);
   if (!wrapped('[', ']')) return text;
   text = text.substr(1, text.size() - 2);
-  text.erase(std::remove(text.begin(), text.end(), ' '), text.end());
+  text.erase(
+      std::remove_if(text.begin(), text.end(), [](char c) { return c == ' ' || c == '"' || c == '\''; }),
+      text.end());
   return text;
 }
 

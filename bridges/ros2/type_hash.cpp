@@ -11,8 +11,8 @@ struct TypeHash {
   std::string_view type, hash;
 };
 
-/// REP 2016: SHA-256 of a type's description. tests/bridges/ros2_types.mjs computes them anew.
-constexpr std::array<TypeHash, 8> kHashes{{
+/// REP 2016: SHA-256 of a type's description. tests/bridges/ros2/messages.mjs computes them anew.
+constexpr std::array<TypeHash, 10> kHashes{{
     {"geometry_msgs::msg::dds_::PoseStamped_",
      "10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"},
     {"geometry_msgs::msg::dds_::TwistStamped_",
@@ -20,6 +20,9 @@ constexpr std::array<TypeHash, 8> kHashes{{
     {"geometry_msgs::msg::dds_::WrenchStamped_",
      "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"},
     {"std_msgs::msg::dds_::Header_", "f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01"},
+    {"std_msgs::msg::dds_::String_", "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"},
+    {"std_msgs::msg::dds_::Float64MultiArray_",
+     "1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f"},
     {"visualization_msgs::msg::dds_::MarkerArray_",
      "86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"},
     {"tf2_msgs::msg::dds_::TFMessage_", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"},

@@ -553,6 +553,31 @@ inline LocalModel local_model(const Json& message) {
   return model;
 }
 
+/// Of the numbers of PREFIX/palpate/local_model, which docs/ros.md lists: when the pose was measured, on the
+/// clock that poses are stamped with. NaN for what is missing. Unit: [s].
+inline double measured_at(const std::vector<double>& numbers) {
+  return numbers.size() < 2 ? std::numeric_limits<double>::quiet_NaN() : numbers[0] + numbers[1] / kBillion;
+}
+
+/// The model in them; one that is_good() refuses for numbers that are none.
+inline LocalModel local_model(const std::vector<double>& numbers) {
+  constexpr std::size_t kHead = 9, kPlane = 6;
+  LocalModel model;
+  model.count = LocalModel::kMost + 1;
+  if (numbers.size() < kHead || (numbers.size() - kHead) % kPlane != 0) return model;
+  model.count = (numbers.size() - kHead) / kPlane;
+  model.position = {numbers[2], numbers[3], numbers[4]};
+  model.stiffness = numbers[5];
+  model.damping = numbers[6];
+  model.friction = numbers[7];
+  model.share = numbers[8];
+  for (std::size_t k = 0; k < std::min(model.count, LocalModel::kMost); ++k) {
+    const double* const plane = numbers.data() + kHead + kPlane * k;
+    model.planes[k] = {{plane[0], plane[1], plane[2]}, {plane[3], plane[4], plane[5]}};
+  }
+  return model;
+}
+
 }  // namespace messages
 
 /// A connection to a running `palpate run --device client`. Three kinds of threads use it:

@@ -44,10 +44,25 @@ class Master:
         self.process.wait()
 
 
-class Driver:
-    """What speaks CRTK: poses at 1 kHz with stamps, wrenches back."""
+class Ear:
+    """The messages of a topic, newest last, as long as a test listens: Python is slow."""
 
-    def __init__(self, prefix="/omni"):
+    def __init__(self, topic, kind):
+        self.all = []
+        self.subscriber = rospy.Subscriber(topic, kind, self.all.append)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.subscriber.unregister()
+
+
+class Driver:
+    """What speaks CRTK: poses with stamps, wrenches back."""
+
+    def __init__(self, prefix="/omni", rate=1000):
+        self.period = 1.0 / rate
         self.height, self.at = FREE, FREE
         self.force, self.wrenches, self.body = 0.0, 0, 0
         self.sent, self.round_trips = 0, []
@@ -80,7 +95,8 @@ class Driver:
         message.header.frame_id = "base"
         due = time.perf_counter()
         while not self.ends:
-            self.at += max(-1e-4, min(1e-4, self.height - self.at))  # 0.1 m/s
+            step = 0.1 * self.period  # 0.1 m/s
+            self.at += max(-step, min(step, self.height - self.at))
             message.header.stamp = rospy.Time.from_sec(round(time.time(), 6))
             message.pose.position.x = message.pose.position.y = 0.0
             message.pose.position.z = self.at
@@ -92,5 +108,5 @@ class Driver:
                 self.publisher.publish(out)
                 self.sent += 1
             message.header.frame_id = "base"
-            due = max(due + 0.001, time.perf_counter() - 0.005)
+            due = max(due + self.period, time.perf_counter() - 0.005)
             time.sleep(max(0.0, due - time.perf_counter()))

@@ -1,5 +1,6 @@
 """The node palpate_ros1 with a real roscore: what it publishes, its services and parameters, and what ends and does not end it."""
 
+import json
 import math
 import os
 import signal
@@ -14,11 +15,12 @@ import rospy
 import rosservice
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import PointCloud2, PointField
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ros1_support import FREE, PRESSED, Driver, Master, free_port
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import ply, wall_rows  # noqa: E402
@@ -27,20 +29,6 @@ NODE = os.environ["PALPATE_ROS1"]
 PACKAGES = os.environ["PALPATE_ROS1_PACKAGES"]
 OK, WARN, ERROR = 0, 1, 2
 DECIMATION = 7
-
-
-class Ear:
-    """The messages of a topic, newest last, as long as a test listens: Python is slow."""
-
-    def __init__(self, topic, kind):
-        self.all = []
-        self.subscriber = rospy.Subscriber(topic, kind, self.all.append)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.subscriber.unregister()
 
 
 def is_unit(q):
@@ -221,9 +209,32 @@ class Node(unittest.TestCase):
                 self.lean()
                 self.wait_status("palpate: servo", OK)
 
+    def test_4b_settings_are_read_and_changed(self):
+        def told(name):
+            answer = rospy.ServiceProxy(name, Trigger)()
+            self.assertTrue(answer.success)
+            return answer.message
+        self.assertEqual(json.loads(told("/palpate/get_parameters"))["stiffness"], 500)
+        change = rospy.Publisher("/palpate/set_parameters", String, queue_size=4)
+        self.wait(lambda: change.get_num_connections() > 0)
+        change.publish('{"stiffness": 300, "tool": [{"semi_axes": [0.01, 0.01, 0.01]}]}')
+        self.wait(lambda: json.loads(told("/palpate/get_parameters"))["stiffness"] == 300)
+        self.assertIn("stiffness = 300", told("/palpate/config"))
+        with Ear("/palpate/tool", MarkerArray) as tool:
+            self.wait(lambda: tool.all and abs(tool.all[-1].markers[0].scale.x - 0.02) < 1e-9)
+        for text, words in (('{"stiffness": -1}', "stiffness"), ('{"filter": {}}', "'filter' cannot be changed here"), ("[]", "takes a JSON object"),
+                            ("{", "set_parameters: ")):
+            count = self.text().count("set_parameters: ")
+            change.publish(text)
+            self.wait_said("set_parameters: ", count + 1)
+            self.assertIn(words, self.text().splitlines()[-1])
+        change.publish('{"stiffness": 500, "tool": [{"semi_axes": [0.02, 0.02, 0.02]}]}')
+        self.wait(lambda: json.loads(told("/palpate/get_parameters"))["stiffness"] == 500)
+
     def test_5_what_is_wrong_with_poses_is_in_the_diagnostics(self):
         for level, message, notice, change in (
             (ERROR, "not finite", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
+            (ERROR, "no unit quaternion", "no force until they do", lambda m: setattr(m.pose.orientation, "w", 2.0)),
             (ERROR, "wrong frame_id", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
             (ERROR, "too late", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
             (ERROR, "future", "stamps of the future", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(5))),
@@ -245,6 +256,15 @@ class Node(unittest.TestCase):
                     self.wait_said(notice)
                 self.driver.spoil = lambda m: m
                 self.wait_status("palpate: device", OK)
+        other = subprocess.Popen(["rostopic", "pub", "-r", "50", "/omni/measured_cp", "geometry_msgs/PoseStamped",
+                                  "{header: auto, pose: {position: {z: 0.3}, orientation: {w: 1.0}}}"],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            self.wait_status("palpate: device", WARN, "poses are dropped")
+            self.wait(lambda: "holds the device, until it is silent for 1 s" in self.status("palpate: device")[1]["notice"])
+        finally:
+            other.kill()
+            other.wait()
         self.driver.spoil = lambda m: None
         self.wait_status("palpate: device", ERROR, "no poses come")
         self.driver.spoil = lambda m: m

@@ -33,6 +33,11 @@ class Peer final : public CrtkTransport {
     last_ = wrench;
     ++sent_;
   }
+  bool wants_local_model() override { return wants; }
+  void send_local_model(const LocalModel& model, double stamp) override {
+    const std::scoped_lock lock(mutex_);
+    models_.emplace_back(model, stamp);
+  }
   void send_echo(std::uint64_t number) override {
     const std::scoped_lock lock(mutex_);
     echo_ = number;
@@ -52,12 +57,19 @@ class Peer final : public CrtkTransport {
     return sent_;
   }
 
+  std::vector<std::pair<LocalModel, double>> models() const {
+    const std::scoped_lock lock(mutex_);
+    return models_;
+  }
+
   std::vector<std::string> said;
+  std::atomic<bool> wants = false;
 
  private:
   CrtkDevice* device_ = nullptr;
   mutable std::mutex mutex_;
   CrtkWrench last_;
+  std::vector<std::pair<LocalModel, double>> models_;
   std::uint64_t echo_ = 0, sent_ = 0;
 };
 
@@ -150,6 +162,46 @@ TEST(CrtkDevice, AWrenchGoesOutAlongBothFramesWithTheStampThatItAnswers) {
   EXPECT_TRUE(sent.body.force.isApprox(Eigen::Vector3d(0, -1, 0), 1e-12));
   EXPECT_TRUE(sent.body.torque.isApprox(Eigen::Vector3d(0, 0, 0.5), 1e-12));
   EXPECT_EQ(sent.stamp, 77.25);
+}
+
+TickRecord pressed_tick() {
+  TickRecord tick;
+  tick.map.offset = {0, 0, 1};
+  tick.map.rotation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX());
+  tick.reading.pose.position = {0.1, 0.2, 0.3};
+  tick.let_through = 0.5;
+  tick.felt.local.count = 1;
+  tick.felt.local.planes[0] = {{0, 0, 1.5}, Eigen::Vector3d::UnitZ()};
+  tick.felt.local.stiffness = 500.0;
+  return tick;
+}
+
+TEST(CrtkDevice, TheSurfaceGoesInTheDevicesFrameToWhoWantsItAndHasNoShareOnceItIsStopped) {
+  Link link;
+  link.pose(Pose(), 77.25);
+  ASSERT_TRUE(link.tick());
+  link.device->write({});
+  link.device->see(pressed_tick(), {});
+  sleep_until(monotonic_now() + 0.05);
+  EXPECT_TRUE(link.peer->models().empty()) << "nobody wants it";
+  link.peer->wants = true;
+  sleep_until(monotonic_now() + 0.3);
+  link.device->see(pressed_tick(), {});
+  for (int k = 0; k < 200 && link.peer->models().empty(); ++k) sleep_until(monotonic_now() + kMilli);
+  ASSERT_FALSE(link.peer->models().empty());
+  const auto [model, stamp] = link.peer->models().back();
+  EXPECT_EQ(stamp, 77.25);
+  EXPECT_EQ(model.share, 0.5);
+  EXPECT_EQ(model.position, Eigen::Vector3d(0.1, 0.2, 0.3));
+  ASSERT_EQ(model.surface.count, 1U);
+  EXPECT_TRUE(model.surface.planes[0].point.isApprox(Eigen::Vector3d(0, 0.5, 0)));
+  EXPECT_TRUE(model.surface.planes[0].normal.isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(model.surface.stiffness, 500.0);
+  EXPECT_THAT(numbers_of(model, stamp),
+              testing::Pointwise(testing::DoubleNear(1e-12), {77.0, 250000000.0, 0.1, 0.2, 0.3, 500.0, 0.0,
+                                                              0.0, 0.5, 0.0, 0.5, 0.0, 0.0, 1.0, 0.0}));
+  link.device->close();
+  EXPECT_EQ(link.peer->models().back().first.share, 0.0);
 }
 
 TEST(CrtkDevice, WhatComesOutOfOrderOrTwiceOrLateIsDroppedAndSaidOnce) {

@@ -113,10 +113,11 @@ class Trial {
       return ages_.empty() ? std::nan("")
                            : 1e3 * ages_[static_cast<std::size_t>(p * static_cast<double>(ages_.size() - 1))];
     };
-    const double stiffness = (rests_[1].force - rests_[0].force) / (rests_[0].z - rests_[1].z);
-    std::printf("%d %.0f %.3f %.2f %.1f %.1f %.0f %.0f\n", drops_, 1e6 * (rests_[1].most - rests_[1].least),
-                1e3 * rests_[1].put_out, 1e3 * (put_out_ - hand_.absorbed()), age(0.5), age(0.99), stiffness,
-                1e3 * lasts);
+    const auto if_measured = [&](double figure) { return rests_[1].ticks > 0 ? figure : std::nan(""); };
+    const double stiffness = if_measured((rests_[1].force - rests_[0].force) / (rests_[0].z - rests_[1].z));
+    std::printf("%d %.0f %.3f %.2f %.1f %.1f %.0f %.0f\n", drops_,
+                if_measured(1e6 * (rests_[1].most - rests_[1].least)), if_measured(1e3 * rests_[1].put_out),
+                1e3 * (put_out_ - hand_.absorbed()), age(0.5), age(0.99), stiffness, 1e3 * lasts);
   }
 
  private:

@@ -91,8 +91,10 @@ void CrtkDevice::send_until_closed() {
     if (const double now = monotonic_now(); now - echoed >= kEchoPeriod) {
       echoed = now;
       transport_->send_echo(ask_echo(now));
+      wants_local_model_.store(transport_->wants_local_model(), std::memory_order_relaxed);
     }
     const bool fresh = wrench_.update(), stopped = stopped_.load(std::memory_order_relaxed);
+    if (surface_.update()) send_surface(stopped);
     if (!fresh && (off || !stopped)) continue;
     CrtkWrench wrench = wrench_.front();
     if (stopped) wrench.spatial = wrench.body = {};
@@ -102,6 +104,13 @@ void CrtkDevice::send_until_closed() {
   CrtkWrench none;
   none.stamp = wrench_.front().stamp;
   transport_->send(none);
+  if (wants_local_model_.load(std::memory_order_relaxed)) send_surface(true);
+}
+
+void CrtkDevice::send_surface(bool stopped) {
+  auto [model, stamp] = surface_.front();
+  if (stopped) model.share = 0.0;
+  transport_->send_local_model(model, stamp);
 }
 
 std::uint64_t CrtkDevice::ask_echo(double now) {
@@ -263,14 +272,24 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
 void CrtkDevice::write(const Wrench& wrench) {
   if (status() == DeviceStatus::kClosed || status() == DeviceStatus::kOpen) return;
   if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) came_back_ = false;
-  const bool shows = status() == DeviceStatus::kEnabled && !came_back_;
+  shows_ = status() == DeviceStatus::kEnabled && !came_back_;
   CrtkWrench& out = wrench_.back();
-  out.spatial = shows ? wrench : Wrench{};
+  out.spatial = shows_ ? wrench : Wrench{};
   const Eigen::Quaterniond back = last_.pose.orientation.conjugate();
   out.body = {back * out.spatial.force, back * out.spatial.torque};
-  out.stamp = stamp_of_[hand_.seen() % stamp_of_.size()].load(std::memory_order_relaxed);
+  out.stamp = answered_ = stamp_of_[hand_.seen() % stamp_of_.size()].load(std::memory_order_relaxed);
   stopped_.store(false, std::memory_order_relaxed);
   wrench_.publish();
+  written_.set();
+}
+
+void CrtkDevice::see(const TickRecord& record, const TickTimes&) {
+  if (!wants_local_model_.load(std::memory_order_relaxed)) return;
+  auto& [model, stamp] = surface_.back();
+  model = local_model_of(record);
+  if (!shows_) model.share = 0.0;
+  stamp = answered_;
+  surface_.publish();
   written_.set();
 }
 

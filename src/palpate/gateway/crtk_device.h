@@ -15,8 +15,10 @@
 
 #include <palpate/base/latest_value.h>
 #include <palpate/gateway/client_hand.h>
+#include <palpate/gateway/local_model.h>
 #include <palpate/gateway/stamp_clock.h>
 #include <palpate/servo/haptic_device.h>
+#include <palpate/servo/servo_loop.h>
 
 namespace palpate {
 
@@ -50,6 +52,11 @@ class CrtkTransport {
   virtual void stop() noexcept = 0;
   /// Publishes; called for every tick, by the device's own thread.
   virtual void send(const CrtkWrench& wrench) = 0;
+  /// Whether anybody gets send_local_model(). Asked now and then by the device's own thread.
+  virtual bool wants_local_model() = 0;
+  /// Publishes, where it is wanted; called for every tick, by the device's own thread. \param stamp as of the
+  /// wrench
+  virtual void send_local_model(const LocalModel& model, double stamp) = 0;
   /// Asks the publisher for the time: to be answered by CrtkDevice::take_echo() with the same number.
   virtual void send_echo(std::uint64_t number) = 0;
   /// One line for a person. Any thread but the loop's.
@@ -85,7 +92,7 @@ struct CrtkOptions {
 /// Where nothing good comes for the age limit, the governor's stale-pose lets the force fall to zero, and the
 /// status becomes kFault with the reason once it has fallen. Good poses end that by themselves, through the
 /// gate. A publisher whose clock was set is believed after kSilence.
-class CrtkDevice final : public HapticDevice {
+class CrtkDevice final : public HapticDevice, public TickObserver {
  public:
   /// \throws Error for an extrapolation that is too long.
   CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> transport);
@@ -99,6 +106,8 @@ class CrtkDevice final : public HapticDevice {
   void wait(const LoopClock& clock, double until) override { reader_.wait(clock, until); }
   void write(const Wrench& wrench) override;
   void stop() noexcept override;
+  /// Of its own loop: the surface about the handle goes to who wants it.
+  void see(const TickRecord& record, const TickTimes& times) override;
 
   /// \name The transport's thread
   /// @{
@@ -127,6 +136,7 @@ class CrtkDevice final : public HapticDevice {
   std::string line_of(Problem problem, const CrtkHeader& header) const;
   void accept(const Pose& pose, double stamp, double now);
   void send_until_closed();
+  void send_surface(bool stopped);
   bool extrapolate(double t, DeviceReading& reading);
   double loop_begin(double t);
   std::uint64_t ask_echo(double now);
@@ -158,11 +168,18 @@ class CrtkDevice final : public HapticDevice {
   ClientDevice reader_;
   DeviceReading last_;  ///< as measured, on the loop's clock
   double told_ = 0.0;   ///< DeviceReading::t of the last one. Unit: [s].
-  bool read_ = false, came_back_ = false;
-  double good_at_ = 0.0;  ///< Unit: [s].
-  double begin_ = 0.0;    ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
+  bool read_ = false, came_back_ = false, shows_ = false;
+  double good_at_ = 0.0;   ///< Unit: [s].
+  double answered_ = 0.0;  ///< stamp of the pose that the last wrench answers. Unit: [s].
+  double begin_ = 0.0;     ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
   LatestValue<CrtkWrench> wrench_;
+  struct Surface {
+    LocalModel model;
+    double stamp = 0.0;  ///< of the pose it answers, on the publisher's clock. Unit: [s].
+  };
+  LatestValue<Surface> surface_;
   /// @}
+  std::atomic<bool> wants_local_model_ = false;
   std::atomic<bool> stopped_ = true, ends_ = true;
   std::atomic<Problem> reason_ = Problem::kNone;
   Wake written_;

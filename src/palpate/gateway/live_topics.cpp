@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <palpate/gateway/local_model.h>
+
 namespace palpate {
 namespace {
 
@@ -141,16 +143,15 @@ void LiveTopics::publish_device_wrench(const Wrench& wrench) {
 
 void LiveTopics::publish_local_model(double share) {
   if (!local_model_.is_watched()) return;
-  const TickRecord& tick = feed_.newest().record;
-  const LocalSurface& local = tick.felt.local;
+  const LocalModel model = local_model_of(feed_.newest().record);
+  const LocalSurface& local = model.surface;
   Json planes = Json::array();
   for (std::size_t k = 0; k < local.count; ++k)
     planes.push_back(
-        {{"point", to_json(tick.map.to_device(Pose{local.planes[k].point}).position)},
-         {"normal", to_json(Eigen::Vector3d(tick.map.rotation.conjugate() * local.planes[k].normal))}});
+        {{"point", to_json(local.planes[k].point)}, {"normal", to_json(local.planes[k].normal)}});
   const Json head = header(stamps_[answered_ % stamps_.size()], "device", feed_.newest().answers);
   local_model_.publish_to(*holder_, {{"header", head},
-                                     {"position", to_json(tick.reading.pose.position)},
+                                     {"position", to_json(model.position)},
                                      {"planes", std::move(planes)},
                                      {"stiffness", local.stiffness},
                                      {"damping", local.damping},

@@ -1,5 +1,5 @@
 /// \file
-/// Settings of a live system as JSON, as clients of the gateway see and change them. Internal to live/.
+/// Settings of a live system as JSON, as clients of the gateway and of the nodes on ROS see and change them.
 #pragma once
 
 #include <palpate/live/live_config.h>

@@ -41,16 +41,17 @@ std::string hand_name_problem(std::string_view name) {
   return {};
 }
 
-std::vector<HandSetup> read_hands(const std::vector<std::string>& texts, const LiveConfig& first) {
-  if (texts.size() >= kMostHands) throw Error("--hands: {} hands at most, with the first", kMostHands);
+std::vector<HandSetup> read_hands(const std::vector<std::string>& texts, const LiveConfig& first,
+                                  std::string_view where) {
+  if (texts.size() >= kMostHands) throw Error("{}: {} hands at most, with the first", where, kMostHands);
   std::vector<HandSetup> hands;
   for (const std::string& text : texts) {
     const std::size_t end = text.find('=');
     const std::string name = text.substr(0, end);
     if (const std::string problem = hand_name_problem(name); !problem.empty())
-      throw Error("--hands: '{}' {}", printable(name), problem);
+      throw Error("{}: '{}' {}", where, printable(name), problem);
     if (std::any_of(hands.begin(), hands.end(), [&](const HandSetup& hand) { return hand.name == name; }))
-      throw Error("--hands: there are two hands called '{}'", name);
+      throw Error("{}: there are two hands called '{}'", where, name);
     HandSetup& hand = hands.emplace_back();
     hand.name = name;
     hand.config = end == std::string::npos ? first : read_live_config(text.substr(end + 1), first, is_shared);

@@ -31,7 +31,9 @@ std::string hand_name_problem(std::string_view name);
 
 /// Sets up hands from "NAME=FILE.toml", or "NAME" for one that is as the first. A file is one for --config
 /// whose settings replace those of `first`; scene and gateway are not among them, of which there is one.
-/// \throws Error for a name that is taken or cannot be, and as read_live_config().
-std::vector<HandSetup> read_hands(const std::vector<std::string>& texts, const LiveConfig& first);
+/// \param where they are written, for messages \throws Error for a name that is taken or cannot be, and as
+/// read_live_config().
+std::vector<HandSetup> read_hands(const std::vector<std::string>& texts, const LiveConfig& first,
+                                  std::string_view where = "--hands");
 
 }  // namespace palpate

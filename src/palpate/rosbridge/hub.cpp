@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <palpate/rosbridge/ros_definition.h>
+#include <palpate/rosbridge/ros_message.h>
+
 namespace palpate {
 namespace {
 
@@ -44,20 +47,47 @@ void check_type(const Json& message, const std::string& name, const std::string&
     throw Refusal(fmt::format("{} is of type {}, not {}", name, type, quoted(asked)));
 }
 
-}  // namespace
-
-const std::string& Publication::text() const {
-  if (text_.empty()) text_ = encode_json(envelope_);
-  return text_;
+Encoding encoding_of(const Json& subscribe, const Topic& topic) {
+  const std::string name = text_field(subscribe, "compression");
+  if (name.empty() || name == "none") return Encoding::kText;
+  if (name == "cbor") return Encoding::kCbor;
+  if (name != "cbor-raw")
+    throw Refusal(fmt::format("compression {} is not known here; take none, cbor or cbor-raw", quoted(name)));
+  if (ros_definition(topic.type()).empty())
+    throw Refusal(
+        fmt::format("{} cannot be had as cbor-raw: {} is no message of ROS", topic.name(), topic.type()));
+  return Encoding::kRaw;
 }
 
-const std::string& Publication::cbor() const {
-  if (cbor_.empty()) Json::to_cbor(envelope_, nlohmann::detail::output_adapter<char>(cbor_));
-  return cbor_;
+}  // namespace
+
+const std::string& Publication::bytes(Encoding encoding) const {
+  std::string& made = bytes_[static_cast<std::size_t>(encoding)];
+  if (made.empty()) made = encode(encoding);
+  return made;
+}
+
+std::string Publication::encode(Encoding encoding) const {
+  if (encoding == Encoding::kText) return encode_json(envelope_);
+  std::string made;
+  if (encoding == Encoding::kCbor) {
+    Json::to_cbor(envelope_, nlohmann::detail::output_adapter<char>(made));
+    return made;
+  }
+  const std::string bytes = ros_bytes(type_, envelope_["msg"]);
+  const Stamp now = Stamp::now();
+  const Json envelope{{"op", "publish"},
+                      {"topic", envelope_["topic"]},
+                      {"msg",
+                       {{"secs", now.seconds},
+                        {"nsecs", now.nanoseconds},
+                        {"bytes", Json::binary({bytes.begin(), bytes.end()})}}}};
+  Json::to_cbor(envelope, nlohmann::detail::output_adapter<char>(made));
+  return made;
 }
 
 void Topic::publish(Json message, const Client* but) {
-  newest_ = std::make_shared<Publication>(name_, std::move(message), ++count_);
+  newest_ = std::make_shared<Publication>(name_, type_, std::move(message), ++count_);
   // A client that is woken may unsubscribe itself or another, or take them away.
   const std::vector<Client*> watchers = watchers_;
   for (Client* client : watchers) {
@@ -68,11 +98,11 @@ void Topic::publish(Json message, const Client* but) {
 
 void Topic::publish_to(Client& client, Json message) {
   if (std::find(watchers_.begin(), watchers_.end(), &client) == watchers_.end()) return;
-  client.offer(*this, std::make_shared<Publication>(name_, std::move(message), ++count_));
+  client.offer(*this, std::make_shared<Publication>(name_, type_, std::move(message), ++count_));
 }
 
 void Topic::set_reset(Json message, std::uint64_t reach) {
-  reset_ = std::make_shared<Publication>(name_, std::move(message), 0);
+  reset_ = std::make_shared<Publication>(name_, type_, std::move(message), 0);
   reach_ = reach;
 }
 
@@ -197,9 +227,7 @@ void Client::subscribe(const Json& message) {
   if (topic == hub_.topics_.end())
     throw Refusal(fmt::format("there is no topic {}; /rosapi/topics has those there are", quoted(name)));
   check_type(message, name, topic->second.type());
-  const std::string compression = text_field(message, "compression");
-  if (!compression.empty() && compression != "none" && compression != "cbor")
-    throw Refusal(fmt::format("compression {} is not known here; take none or cbor", quoted(compression)));
+  const Encoding encoding = encoding_of(message, topic->second);
   const Subscription::Wish wish{kMilli * std::max(0.0, number_field(message, "throttle_rate", 0.0)),
                                 static_cast<std::size_t>(std::clamp(
                                     number_field(message, "queue_length", 1.0), 1.0, double{kMostQueued}))};
@@ -212,7 +240,7 @@ void Client::subscribe(const Json& message) {
     throw Refusal(fmt::format("more than {} subscriptions of {}", kMostSubscriptions, name));
   subscription.topic = &topic->second;
   subscription.wishes[id] = wish;
-  subscription.binary = compression == "cbor";
+  subscription.encoding = encoding;
   if (first) topic->second.watchers_.push_back(this);
   if (topic->second.latched_ && topic->second.newest_) offer(topic->second, topic->second.newest_);
 }
@@ -316,8 +344,8 @@ std::optional<Client::Outgoing> Client::next() {
     subscription.waiting.pop_front();
   }
   if (!subscription.waiting.empty()) turn_.push_back(name);
-  const std::string& bytes = subscription.binary ? sent->cbor() : sent->text();
-  return Outgoing{std::shared_ptr<const std::string>(sent, &bytes), subscription.binary};
+  const std::string& bytes = sent->bytes(subscription.encoding);
+  return Outgoing{std::shared_ptr<const std::string>(sent, &bytes), subscription.encoding != Encoding::kText};
 }
 
 }  // namespace palpate

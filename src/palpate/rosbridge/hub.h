@@ -2,6 +2,7 @@
 /// Topics, services, and the clients that use them: rosbridge v2 without a network.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -20,20 +21,31 @@ namespace palpate {
 class Client;
 class Hub;
 
+/// What rosbridge calls the compression of a subscription.
+enum class Encoding : std::uint8_t {
+  kText,  ///< "none": JSON
+  kCbor,
+  kRaw,  ///< "cbor-raw": CBOR around the bytes that ROS 1 encodes the message as
+};
+
 /// A message of a topic, encoded once for all who get it.
 class Publication {
  public:
-  Publication(const std::string& topic, Json message, std::uint64_t number)
-      : envelope_{{"op", "publish"}, {"topic", topic}, {"msg", std::move(message)}}, number_(number) {}
+  Publication(const std::string& topic, const std::string& type, Json message, std::uint64_t number)
+      : type_(type),
+        envelope_{{"op", "publish"}, {"topic", topic}, {"msg", std::move(message)}},
+        number_(number) {}
 
-  const std::string& text() const;
-  const std::string& cbor() const;
+  const std::string& bytes(Encoding encoding) const;
   std::uint64_t number() const { return number_; }  ///< of those of its topic, from 1
 
  private:
+  std::string encode(Encoding encoding) const;
+
+  std::string type_;
   Json envelope_;
   std::uint64_t number_;
-  mutable std::string text_, cbor_;  ///< empty until someone wants them
+  mutable std::array<std::string, 3> bytes_;  ///< empty until someone wants them
 };
 
 /// What the server publishes under one name.
@@ -199,7 +211,7 @@ class Client {
     };
     Topic* topic = nullptr;
     std::map<std::string, Wish> wishes;
-    bool binary = false;
+    Encoding encoding = Encoding::kText;
     double taken_at = -1e300;  ///< the last message, for sending. Unit: [s].
     std::uint64_t last = 0;    ///< number of the publication that was sent last
     std::deque<std::shared_ptr<const Publication>> waiting;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <palpate/rosbridge/hub.h>
+#include <palpate/rosbridge/ros_definition.h>
 
 namespace palpate {
 namespace {
@@ -69,7 +70,7 @@ void add_rosapi(Hub& hub) {
     for (const auto& [name, type] : all_topics(hub)) {
       names.push_back(name);
       types.push_back(type);
-      texts.push_back("");  // definitions are not kept here
+      texts.push_back(ros_definition(type));
     }
     return Json{{"topics", names}, {"types", types}, {"typedefs_full_text", texts}};
   });

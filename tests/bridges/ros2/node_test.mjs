@@ -35,7 +35,8 @@ describe('the node', () => {
     driver.tell(`reader tool rt/shown ${ddsType(kMarkers)} reliable`);
     driver.tell(`reader tf rt/tf ${ddsType('tf2_msgs/TFMessage')} reliable`);
     driver.tell(`reader diagnostics rt/diagnostics ${ddsType('diagnostic_msgs/DiagnosticArray')} reliable`);
-    for (const [name, type] of [['emergency_stop', 'Trigger'], ['resume', 'Trigger'], ['pause', 'SetBool'], ['clutch', 'SetBool']]) {
+    driver.tell(`writer set rt/left/palpate/set_parameters ${ddsType('std_msgs/String')} reliable`);
+    for (const [name, type] of [['emergency_stop', 'Trigger'], ['resume', 'Trigger'], ['get_parameters', 'Trigger'], ['config', 'Trigger'], ['pause', 'SetBool'], ['clutch', 'SetBool']]) {
       driver.tell(`writer ${name} rq/left/palpate/${name}Request std_srvs::srv::dds_::${type}_Request_ reliable`);
       driver.tell(`reader ${name}_done rr/left/palpate/${name}Reply std_srvs::srv::dds_::${type}_Response_ reliable`);
     }
@@ -73,7 +74,9 @@ describe('the node', () => {
       answer = hex === '-' ? undefined : decode(kDone, hex);
       return answer;
     }, `an answer of ${name}`);
-    assert.deepEqual(answer, { ...head, success: true, message: '' });
+    const { message, ...rest } = answer;
+    assert.deepEqual(rest, { ...head, success: true });
+    return message;
   }
 
   test('shows contacts that are there, and deletes what is gone', async () => {
@@ -155,18 +158,51 @@ describe('the node', () => {
     });
   }
 
-  test('says in diagnostics what is wrong with poses', async () => {
-    await statusIs('palpate: device', 0);
-    driver.bad(poseMessage('base', NaN));
-    const { notice, dropped } = await statusIs('palpate: device', 2, 'not finite');
-    assert.ok(notice.includes('no force until they do'));
-    assert.ok(Number(dropped) > 0);
-    driver.tell('mute 1');
-    await statusIs('palpate: device', 2);
-    driver.tell('mute 0');
-    driver.good();
-    await statusIs('palpate: device', 0);
+  test('settings are read and changed', async () => {
+    const stiffness = async () => JSON.parse(await call('get_parameters')).stiffness;
+    const set = (data) => driver.tell(`send set ${encode('std_msgs/String', { data })}`);
+    assert.equal(await stiffness(), 500);
+    await eventually(async () => await driver.number('matched set') > 0, 'a listener');
+    set('{"stiffness": 300}');
+    await eventually(async () => await stiffness() === 300, 'a change');
+    assert.ok((await call('config')).includes('stiffness = 300'));
+    set('{"filter": {}}');
+    await node.says("set_parameters: 'filter' cannot be changed here");
+    set('{"stiffness": 500}');
+    await eventually(async () => await stiffness() === 500, 'a change');
+  });
+
+  for (const [words, said, spoil, mend] of [
+    ['not finite', 'no force until they do', () => driver.bad(poseMessage('base', NaN))],
+    ['no unit quaternion', 'no force until they do', () => driver.bad(poseMessage('base', 0.016, 2))],
+    ['wrong frame_id', "in the frame 'else', not 'base'", () => driver.bad(poseMessage('else', 0.016))],
+    ['too late', 'late, twice or out of order', () => driver.tell('late 0.5'), () => driver.tell('late 0')],
+    ['no poses come', '', () => driver.tell('mute 1'), () => driver.tell('mute 0')],
+  ]) {
+    test(`says in diagnostics: ${words}`, async () => {
+      await driver.lean();
+      await statusIs('palpate: device', 0);
+      spoil();
+      await driver.noForce();
+      const { notice, dropped } = await statusIs('palpate: device', 2, words);
+      assert.ok(notice.includes(said), notice);
+      assert.ok(said === '' || Number(dropped) > 0);
+      (mend ?? (() => driver.good()))();
+      await statusIs('palpate: device', 0);
+      await driver.lean();
+    });
+  }
+
+  test('says in diagnostics: stamps of the future, and a second publisher', async (context) => {
     await driver.lean();
+    driver.tell('late -5');
+    await eventually(async () => (await status('palpate: device')).notice.includes('stamps of the future'), 'a notice');
+    driver.tell('late 0');
+    await driver.lean();
+    const other = new Driver('/arm');
+    context.after(() => other.kill());
+    await eventually(async () => (await status('palpate: device')).notice.includes('holds the device, until it is silent for 1 s'), 'a notice');
+    await statusIs('palpate: device', 1, 'poses are dropped');
   });
 });
 

@@ -7,13 +7,17 @@
 //   newest ID                answers the bytes that came last, or -
 //   count ID                 answers how many messages came
 //   matched ID               answers how many others are connected
+//   lost ID                  answers how many of those that were sent never came
 //   clear ID                 forgets what came
 //   walk WRITER RATE         sends the body so many times a second, from now on
-//   body HEX STAMP Z         of which bytes from STAMP on are the time, and from Z on a double; -1: as they
-//   are to Z                     goes there at 0.1 m/s late SECONDS             by which the time that is
-//   written is behind mute 0|1                 sends nothing, or again answer READER WRITER     sends back
-//   each message with the time in place of its stamp trips READER             of messages that bear the stamp
-//   of a body: answers sent, answered, and p50, p99 in ms, since the last time
+//   sent                     answers how often that was
+//   body HEX STAMP Z         of which bytes from STAMP on are the time, and from Z on a double; -1: none
+//   to Z                     goes there at 0.1 m/s
+//   late SECONDS             by which the time that is written is behind
+//   mute 0|1                 sends nothing, or again
+//   answer READER WRITER     sends back each message with the time in place of its stamp
+//   trips READER             of messages that bear the stamp of a body: answers sent, answered,
+//                            and p50, p99 in ms, since the last time
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -55,7 +59,7 @@ class RawType final : public TopicDataType {
  public:
   explicit RawType(const std::string& name) {
     setName(name.c_str());
-    m_typeSize = 1 << 16;
+    m_typeSize = 1 << 18;
     m_isGetKeyDefined = false;
     auto_fill_type_object(false);
     auto_fill_type_information(false);
@@ -141,7 +145,7 @@ struct Ear final : DataReaderListener {
   std::mutex mutex;
   Bytes newest;
   std::size_t count = 0;
-  std::atomic<int> matched = 0;
+  std::atomic<int> matched = 0, lost = 0;
   std::atomic<DataWriter*> answers = nullptr;
   std::atomic<Trips*> trips = nullptr;
 
@@ -161,6 +165,7 @@ struct Ear final : DataReaderListener {
       ++count;
     }
   }
+  void on_sample_lost(DataReader*, const SampleLostStatus& status) override { lost = status.total_count; }
   void on_subscription_matched(DataReader*, const SubscriptionMatchedStatus& status) override {
     matched = status.current_count;
   }
@@ -234,6 +239,7 @@ class Peer {
   bool mute_ = false;
   Trips trips_;
   std::atomic<bool> ends_ = false;
+  std::atomic<std::size_t> sent_ = 0;
   std::thread walker_;
 };
 
@@ -252,6 +258,7 @@ void Peer::walk(DataWriter* writer, double rate) {
       if (z_at_ >= 0) std::memcpy(bytes.data() + z_at_, &z, sizeof z);
     }
     trips_.send(stamp_of(bytes));
+    ++sent_;
     writer->write(&bytes);
   }
 }
@@ -294,6 +301,8 @@ std::string Peer::obey(std::istringstream& words) {
   if (what == "matched")
     return std::to_string(ears_.count(id) > 0 ? ears_.at(id).matched.load() : mouths_.at(id).matched.load());
   if (what == "trips") return trips(id);
+  if (what == "lost") return std::to_string(ears_.at(id).lost);
+  if (what == "sent") return std::to_string(sent_);
   std::string more;
   if (what == "send") {
     words >> more;

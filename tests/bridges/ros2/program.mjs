@@ -117,13 +117,13 @@ export class Driver extends Peer {
   walks(writer) { this.tell(`walk ${writer} 1000`); }
   async force() { return (await this.newest(this.reader, 'geometry_msgs/WrenchStamped'))?.wrench.force.z ?? 0; }
   /** Through the gate, then against the wall; again where the machine has stood still meanwhile. */
-  async lean() {
+  async lean(least = 0.5) {
     for (let k = 0; k < 10; k += 1) {
       this.tell(`to ${FREE}`);
       await wait(1000);
       this.tell(`to ${PRESSED}`);
       for (let l = 0; l < 100; l += 1) {
-        if (await this.force() > 0.5) return;
+        if (await this.force() > least) return;
         await wait(20);
       }
     }

@@ -5,6 +5,8 @@ import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
+import { parse } from '@foxglove/rosmsg';
+import { MessageReader } from '@foxglove/rosmsg-serialization';
 import { Param, Service, Topic } from 'roslib';
 import { drive, pose, quantile } from './drive.mjs';
 import { connect, first, makeFolder, nextStatus, run, start, valuesOf } from './palpate.mjs';
@@ -55,6 +57,31 @@ describe('a client that looks on', () => {
         await first(ros, `/palpate/${name}`, type, undefined, options);
     });
   }
+
+  // As Foxglove's rosbridge source: types and definitions first, then the bytes of ROS 1.
+  test('gets every topic as ROS 1 encodes it', async () => {
+    const { topics, types, typedefs_full_text: texts } = await new Promise((done, failed) => ros.getTopicsAndRawTypes(done, failed));
+    const readers = new Map(topics.map((name, k) => [name, new MessageReader(parse(texts[k]))]));
+    const raw = async (name, accepts) => {
+      const type = types[topics.indexOf(name)];
+      const read = ({ bytes }) => readers.get(name).readMessage(new Uint8Array(bytes));
+      return read(await first(ros, name, type, (message) => !accepts || accepts(read(message)), { compression: 'cbor-raw' }));
+    };
+    const own = /^\/palpate\/(measured|spatial|body|proxy|contacts|tool|diagnostics|parameters|messages)/;
+    for (const name of topics.filter((topic) => own.test(topic))) await raw(name);
+    const { header, pose } = await raw('/palpate/measured_cp');
+    assert.equal(header.frame_id, 'world');
+    assert.ok(Math.abs(header.stamp.sec - Date.now() / 1000) < 5);
+    const q = pose.orientation;
+    assert.ok(Math.abs(Math.hypot(q.x, q.y, q.z, q.w) - 1) < 1e-9);
+    const { markers } = await raw('/palpate/contacts', (array) => array.markers.some((m) => m.ns === 'contacts' && m.action === 0));
+    const { pose: { position: p }, color } = markers.find((m) => m.ns === 'contacts' && m.action === 0);
+    assert.ok(Math.abs(Math.hypot(p.x, p.y, p.z) - 0.15) < 0.02); // on the sphere
+    assert.ok(color.a > 0 && color.a <= 1);
+    const { status } = await raw('/palpate/diagnostics');
+    assert.equal(status[0].name, 'palpate: servo');
+    assert.ok(status[0].values.some(({ key, value }) => key === 'rate_hz' && Number(value) > 0));
+  });
 
   test('sees the contacts of the exploring hand, and that they go', async () => {
     const name = '/palpate/contacts';

@@ -1,0 +1,253 @@
+"""The node palpate_ros1 with several hands, each with a driver of its own, and the local model rendered by a driver in C++."""
+
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import Float64MultiArray
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
+from support import ply, wall_rows  # noqa: E402
+
+NODE = os.environ["PALPATE_ROS1"]
+LOCAL_DRIVER = os.environ["PALPATE_ROS1_LOCAL_DRIVER"]
+RATE = 200  # of poses, for as many drivers as Python can drive. Unit: [Hz]
+SOFT = 60  # so soft that no delay of Python makes it softer. Unit: [N/m].
+STIFF = 500
+DEEP = 0.02 - PRESSED  # that a ball is pressed in. Unit: [m]
+HEAD, PLANE = 9, 6  # numbers of a local model
+
+
+class Hands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        port = free_port()
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1", ROS_LOG_DIR=folder.name, ROS_HOME=folder.name)
+        scene, flat, cls.said = (os.path.join(folder.name, name) for name in ("wall.ply", "flat.toml", "said"))
+        with open(scene, "wb") as file:
+            file.write(ply(wall_rows()))
+        with open(flat, "w", encoding="utf-8") as file:
+            file.write('device = "ros1:/wide,force_max=8,rate=20"\ntool = [0.1, 0.1, 0.02]\n')
+        cls.master = Master(port)
+        cls.addClassCleanup(lambda: cls.master.kill())
+        rospy.init_node("driver", disable_signals=True, disable_rosout=True)
+        with open(cls.said, "wb") as said:
+            cls.node = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={scene}", "_no_index_file:=true", "_tool:=0.02,0.02,0.02",
+                                         "_device:=/omni,force_max=8,rate=20", f"_stiffness:={SOFT}", f"_hands:=left,flat={flat},far",
+                                         f"_left/stiffness:={SOFT // 2}", "_left/device:=/left,force_max=8,rate=20",
+                                         "_left/device_frame:=left_base", "_far/device:=/far,force_max=8,rate=500", f"_far/stiffness:={STIFF}"], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        cls.drivers = {"": Driver("/omni", RATE), "left": Driver("/left", RATE), "flat": Driver("/wide", RATE)}
+        cls.diagnostics = Ear("/diagnostics", DiagnosticArray)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.node.send_signal(signal.SIGTERM)
+        cls.node.wait(30)
+        for driver in cls.drivers.values():
+            driver.ends = True
+        assert cls.node.returncode == 0, (cls.node.returncode, cls.text())
+
+    @classmethod
+    def text(cls):
+        with open(cls.said, encoding="utf-8") as file:
+            return file.read()
+
+    def wait(self, what, seconds=20.0):
+        deadline = time.time() + seconds
+        while not what():
+            self.assertLess(time.time(), deadline, self.text())
+            time.sleep(0.01)
+
+    def lean(self, *names):
+        """Those hands, through the gate, then against the wall; again where the machine has stood still meanwhile."""
+        drivers = [self.drivers[name] for name in names]
+        for _ in range(10):
+            for driver in drivers:
+                driver.height = FREE
+            self.wait(lambda: all(driver.at > FREE - 1e-3 for driver in drivers))
+            time.sleep(0.6)
+            for driver in drivers:
+                driver.height = PRESSED
+            deadline = time.time() + 2.0
+            while time.time() < deadline:
+                if all(driver.force > 0.9 * SOFT // 2 * DEEP for driver in drivers):
+                    return
+                time.sleep(0.01)
+        self.fail(self.text())
+
+    def rise(self):
+        for driver in self.drivers.values():
+            driver.height = FREE
+        self.wait(lambda: all(driver.force == 0.0 for driver in self.drivers.values()))
+
+    def statuses(self):
+        return {status.name: status for status in self.diagnostics.all[-1].status}
+
+    def test_1_each_hand_feels_for_itself(self):
+        self.lean("left")
+        self.assertEqual(self.drivers[""].force, 0.0)
+        self.assertEqual(self.drivers["flat"].force, 0.0)
+        with Ear("/palpate/left/contacts", MarkerArray) as left, Ear("/palpate/contacts", MarkerArray) as first:
+            self.wait(lambda: len(left.all) > 3 and len(first.all) > 3)
+            self.assertTrue(any(m.action == Marker.ADD for m in left.all[-1].markers))
+            self.assertFalse(any(m.action == Marker.ADD for m in first.all[-1].markers))
+        self.lean("left", "")
+        self.wait(lambda: abs(self.drivers[""].force - SOFT * DEEP) < 0.05 * SOFT * DEEP
+                  and abs(self.drivers["left"].force - SOFT // 2 * DEEP) < 0.05 * SOFT * DEEP)
+
+    def test_2_a_hundred_contacts_are_read_back(self):
+        self.rise()
+        self.lean("flat")
+        rows = wall_rows()
+        with Ear("/palpate/flat/contacts", MarkerArray) as contacts:
+            self.wait(lambda: contacts.all and sum(m.ns == "contacts" for m in contacts.all[-1].markers) >= 100)
+            markers = contacts.all[-1].markers
+        spheres = {m.id: m for m in markers if m.ns == "contacts" and m.action == Marker.ADD}
+        print(f"{len(spheres)} contacts read back")
+        self.assertEqual({m.id for m in markers if m.ns == "normals" and m.action == Marker.ADD}, set(spheres))
+        for number, m in spheres.items():
+            for at, want in zip((m.pose.position.x, m.pose.position.y, m.pose.position.z), rows[number][:3]):
+                self.assertAlmostEqual(at, want, delta=1e-6)
+            for size, log in zip(sorted((m.scale.x, m.scale.y, m.scale.z)), sorted(rows[number][10:13])):
+                self.assertAlmostEqual(size, 2.0 * math.exp(log), delta=1e-6)
+
+    def test_3_frames_and_diagnostics_are_told_of_each(self):
+        with Ear("/tf", TFMessage) as transforms:
+            self.wait(lambda: len(transforms.all) > 3)
+        self.assertEqual({t.child_frame_id for t in transforms.all[-1].transforms},
+                         {"palpate/scene"} | {f"palpate/{of}{frame}" for of in ("", "left/", "flat/", "far/") for frame in ("tool", "proxy")}
+                         | {"palpate/device", "left_base", "palpate/flat/device", "palpate/far/device"})
+        self.wait(lambda: self.diagnostics.all)
+        self.assertEqual(set(self.statuses()), {f"palpate{of}: {what}" for of in ("", "/left", "/flat", "/far") for what in ("servo", "device")})
+
+    def test_4_what_befalls_one_hand_leaves_the_others(self):
+        self.lean("", "left", "flat")
+        time.sleep(0.3)
+        before = self.drivers[""].force, self.drivers["flat"].force
+        left = self.drivers["left"]
+        for what, change in (("NaN", lambda m: setattr(m.pose.position, "z", math.nan)), ("silence", None)):
+            with self.subTest(what=what):
+                self.lean("left")
+
+                def spoil(message, change=change):
+                    if change is None:
+                        return None
+                    change(message)
+                    return message
+                left.spoil = spoil
+                self.wait(lambda: left.force == 0.0)
+                self.wait(lambda: self.statuses()["palpate/left: device"].level == 2)
+                left.spoil = lambda message: message
+                for driver, force in zip((self.drivers[""], self.drivers["flat"]), before):
+                    self.wait(lambda driver=driver, force=force: abs(driver.force - force) <= 1e-3 * force, 2.0)
+                self.assertLess(self.statuses()["palpate: device"].level, 2)
+        self.assertIn("hand left: ros1:/left: poses of", self.text())
+        self.assertNotIn("palpate_ros1: ros1:/omni: poses of", self.text())
+
+    def test_5_a_hand_has_a_stop_of_its_own_and_the_first_one_stops_all(self):
+        def call(name):
+            self.assertTrue(rospy.ServiceProxy(name, Trigger)().success)
+        self.lean("", "left", "flat")
+        call("/palpate/left/emergency_stop")
+        self.wait(lambda: self.drivers["left"].force == 0.0)
+        self.assertGreater(self.drivers[""].force, 0.0)
+        self.assertGreater(self.drivers["flat"].force, 0.0)
+        call("/palpate/left/resume")
+        self.lean("left")
+        call("/palpate/emergency_stop")
+        self.wait(lambda: all(driver.force == 0.0 for driver in self.drivers.values()))
+        for of in ("", "left/", "flat/", "far/"):
+            call(f"/palpate/{of}resume")
+        self.lean("", "left", "flat")
+
+    def test_6_a_local_model_is_the_surface_about_the_handle(self):
+        with Ear("/left/palpate/local_model", Float64MultiArray) as models:
+            self.lean("left")
+            self.wait(lambda: models.all and models.all[-1].data[8] == 1.0 and abs(models.all[-1].data[4] - PRESSED) < 1e-4)
+            model = models.all[-1]
+        force = SOFT // 2 * DEEP
+        numbers = model.data
+        dim = [(d.label, d.size, d.stride) for d in model.layout.dim]
+        self.assertEqual((model.layout.data_offset, dim), (HEAD, [("planes", 1, PLANE), ("point, normal", PLANE, PLANE)]))
+        self.assertEqual(len(numbers), HEAD + PLANE)
+        self.assertLess(abs(numbers[0] + 1e-9 * numbers[1] - time.time()), 5.0)
+        x, y, z, stiffness, _, friction, share = numbers[2:HEAD]
+        self.assertAlmostEqual(z, PRESSED, delta=1e-3)
+        self.assertEqual((x, y, stiffness, friction, share), (0.0, 0.0, SOFT // 2, 0.0, 1.0))
+        point, normal = numbers[HEAD:HEAD + 3], numbers[HEAD + 3:]
+        self.assertGreater(normal[2], 0.999)
+        gap = sum(n * (a - b) for n, a, b in zip(normal, (x, y, z), point))
+        self.assertAlmostEqual(-gap * stiffness, force, delta=0.02 * force)  # the force itself, from the plane alone
+
+    def test_7_a_driver_renders_it(self):
+        process = subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True)
+        pattern = re.compile(r"z (\S+) m, shown (\S+) N, wrench (\S+) N; poses (\d+), answered (\d+), wrenches (\d+), lost (\d+), models (\d+); "
+                             r"p50 (\S+) ms, p99 (\S+) ms")
+        try:
+            for _ in range(20):
+                line = process.stdout.readline()
+                z, shown, wrench, _, answered, _, _, models, _, _ = (float(text) for text in pattern.match(line).groups())
+                if shown > 1.0 and models > 500 and answered > 500:
+                    break
+            else:
+                self.fail(line)
+            print(line.strip())
+            self.assertAlmostEqual(shown, STIFF * (0.02 - z), delta=0.05 * shown)
+            self.assertLess(wrench, 1.05 * shown)  # softer by what it is late
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(20)
+            process.stdout.close()
+
+    def test_8_a_lost_master_is_said_once(self):
+        self.master.kill()
+        self.wait(lambda: "the ROS master is gone" in self.text())
+        time.sleep(1.0)
+        self.assertEqual(self.text().count("the ROS master is gone"), 1, self.text())
+        self.master.start()
+        self.wait(lambda: "the ROS master is there" in self.text())
+        found = subprocess.run(["timeout", "20", "rostopic", "echo", "-n", "1", "/left/body/servo_cf"], capture_output=True, text=True, check=False)
+        self.assertIn("force:", found.stdout, found.stderr)
+
+
+class Refusals(unittest.TestCase):
+    def test_bad_hands_are_one_line(self):
+        port = free_port()
+        master = Master(port)
+        self.addCleanup(master.kill)
+        for count, (words, *arguments) in enumerate((
+            ("parameter 'hands': 'Left' must be a small letter", "_hands:=Left"),
+            ("parameter 'hands': there are two hands called 'left'", "_hands:=left,left"),
+            ("there is no parameter 'left/scene'", "_hands:=left", "_left/scene:=x.ply"),
+            ("parameter 'left/stiffness'", "_hands:=left", "_left/stiffness:=much"),
+            ("there is no hand 'right' in 'hands'", "_hands:=left", "_right/stiffness:=300"),
+            ("parameter 'left/device': /omni is the device of another hand", "_hands:=left", "_left/device:=/omni"),
+            ("/nowhere.toml", "_hands:=left=/nowhere.toml"),
+            ("parameter 'hands_touch': 'perhaps' is neither true nor false", "_hands_touch:=perhaps"),
+        )):
+            with self.subTest(arguments=arguments):
+                # Under another name each time, so that the master keeps their parameters apart.
+                result = subprocess.run([NODE, f"__name:=refused{count}", *arguments], capture_output=True, text=True, check=False, timeout=60,
+                                        env={**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{port}"})
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(words, result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
