@@ -120,12 +120,12 @@ ForceModelKind QueryOptions::model(const LiveConfig& config) const {
   return is_exact() || is_given(*app_, "--model") ? config.force.model : ForceModelKind::kDensity;
 }
 
-std::unique_ptr<ForceModel> QueryOptions::build_model(const LiveConfig& config, const Pipeline& pipeline,
+std::unique_ptr<ForceModel> QueryOptions::build_model(const LiveConfig& config, const Pipeline& of,
                                                       const Progress& progress) const {
   const ForceModelKind kind = model(config);
-  if (!pipeline.index) return make_force_model(kind, config.force, config.tool);
+  if (!of.index) return make_force_model(kind, config.force, config.tool);
   const bool proxy = kind == ForceModelKind::kProxy;
-  return make_force_model(kind, config.force, *pipeline.index, config.tool,
+  return make_force_model(kind, config.force, *of.index, config.tool,
                           proxy ? load_materials(config.force, config.scene.path, progress) : nullptr);
 }
 

@@ -62,7 +62,7 @@ struct QueryOptions {
   ForceModelKind model(const LiveConfig& config) const;
   /// Of model(), for the contacts of `pipeline`, which must outlive it. \throws Error if the model needs a
   /// SceneIndex and has none, or for broken materials.
-  std::unique_ptr<ForceModel> build_model(const LiveConfig& config, const Pipeline& pipeline,
+  std::unique_ptr<ForceModel> build_model(const LiveConfig& config, const Pipeline& of,
                                           const Progress& progress) const;
 
  private:
