@@ -25,6 +25,7 @@ int master_pid() {
 }  // namespace
 
 void require_master_uri() {
+  // Nothing here sets variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
   const char* uri = std::getenv("ROS_MASTER_URI");
   std::string host;
   std::uint32_t port = 0;

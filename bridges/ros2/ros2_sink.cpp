@@ -100,6 +100,7 @@ class Ros2Sink final : public node::NodeSink {
 
   void publish_transforms(const std::vector<SinkTransform>& transforms) override {
     std::vector<Transform_> all;
+    all.reserve(transforms.size());
     for (const SinkTransform& transform : transforms)
       all.push_back({header_of(world_),
                      text_of(transform.child),

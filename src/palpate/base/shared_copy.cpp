@@ -56,6 +56,7 @@ std::string path_of(const Descriptor& descriptor) {
 
 /// Where the memory of that file is to be found: another place for whatever else the file becomes.
 std::string link_of(const struct stat& file) {
+  // Nothing here sets variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
   std::error_code ignored;
   const fs::path folder = runtime != nullptr && fs::is_directory(runtime, ignored)

@@ -185,7 +185,7 @@ void CrtkDevice::refuse(Problem problem, const CrtkHeader& header, double now) {
 }
 
 std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const {
-  const std::string who = fmt::format("{}: poses of '{}'", options_.capabilities.name, header.source);
+  std::string who = fmt::format("{}: poses of '{}'", options_.capabilities.name, header.source);
   switch (problem) {
     case Problem::kBad:
       return who + " are not finite or have no unit quaternion: no force until they do; correct the driver";

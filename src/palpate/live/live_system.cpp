@@ -210,15 +210,16 @@ void LiveSystem::go(const Trajectory& path) {
 }
 
 std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneIndex> index,
-                                                 const LiveConfig& settings, Materials materials) const {
+                                                 const LiveConfig& settings,
+                                                 const Materials& materials) const {
   ForceConfig force = settings.force;
   force.proxy.stiffness = stiffness_;  // the rest is gain
   force.proxy.hand_scale = settings.device.map.scale;
   MakeAround around;
   if (touch_ != nullptr)
     around = [&](ForceModel& model) { return touch_->around(number_, model, settings.tool, stiffness_); };
-  return std::make_shared<FeltScene>(std::move(index), settings.tool, force, std::move(materials), contacts_,
-                                     clock_, settings.loop.worker_delay, settings.scene.path, around);
+  return std::make_shared<FeltScene>(std::move(index), settings.tool, force, materials, contacts_, clock_,
+                                     settings.loop.worker_delay, settings.scene.path, around);
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {

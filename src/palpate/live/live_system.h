@@ -166,7 +166,7 @@ class LiveSystem {
   void open(std::unique_ptr<HapticDevice> device);
   void go(const Trajectory& path);
   std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index, const LiveConfig& settings,
-                                       Materials materials) const;
+                                       const Materials& materials) const;
   void change_until_stopped(LiveConfig done);
   SharedScene read_again(const LiveConfig& wanted, const LiveConfig& now);
   SharedScene taken_over(const LiveConfig& wanted, const SharedScene& followed) const;

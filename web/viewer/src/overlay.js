@@ -30,8 +30,9 @@ export class Overlay {
     for (const part of this.node.children) part.classList.add('unseen');
     if (!tool) return;
     const seen = this.view.canvas.getBoundingClientRect();
-    const inside = tool.at && tool.at[0] > seen.left && tool.at[1] > seen.top && tool.at[0] < seen.right && tool.at[1] < seen.bottom;
-    if (!inside) this.#point(tool.towards, { left: seen.left, top: seen.top + tool.covered, width: seen.width, height: seen.height - tool.covered });
+    const top = seen.top + tool.covered;
+    const inside = tool.at && tool.at[0] > seen.left && tool.at[1] > top && tool.at[0] < seen.right && tool.at[1] < seen.bottom;
+    if (!inside) this.#point(tool.towards, { left: seen.left, top, width: seen.width, height: seen.bottom - top });
     else if (tool.radius < large) this.#encircle(tool.at, tool.radius);
     if (inside && tool.distant) this.#tell(tool.distant);
   }
