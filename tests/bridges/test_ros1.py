@@ -108,7 +108,7 @@ class Ros1(unittest.TestCase):
             ("NaN", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
             ("norm", "no force until they do", lambda m: setattr(m.pose.orientation, "w", 2.0)),
             ("frame", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
-            ("future", "stamps of the future", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(30))),
+            ("future", "stamps of the future, and are dropped", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(30))),
             ("stale", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
         ):
             with self.subTest(what=name):
