@@ -67,11 +67,24 @@ struct SinkHand {
   NodeServices services;
 };
 
+/// Makes the services of a hand, with `trigger(name, std::function<std::string()>)` and `set_bool(name,
+/// std::function<void(bool)>)`.
+template <class Trigger, class SetBool>
+void make_services(const SinkHand& hand, const Trigger& trigger, const SetBool& set_bool) {
+  const auto& [prefix, services] = hand;
+  trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
+  trigger(prefix + "/resume", then_nothing(services.resume));
+  trigger(prefix + "/get_parameters", services.get_parameters);
+  trigger(prefix + "/config", services.config);
+  set_bool(prefix + "/pause", services.pause);
+  set_bool(prefix + "/clutch", services.clutch);
+}
+
 /// Publishes under the node's namespace contacts and tool (MarkerArray) of each hand, palpate/centers
 /// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves emergency_stop, resume,
 /// get_parameters, config (Trigger), pause and clutch (SetBool), and listens to set_parameters (String), of
-/// each hand. Everything is stamped when it is published, in the
-/// frame `world`. Hands are told by their number. One thread.
+/// each hand. Everything is stamped when it is published, in the frame `world`. Hands are told by their
+/// number. One thread.
 class NodeSink {
  public:
   NodeSink() = default;

@@ -21,7 +21,6 @@ namespace {
 using node::SinkMarker;
 using node::SinkStatus;
 using node::SinkTransform;
-using node::then_nothing;
 using node::Vector3;
 
 template <class Out>
@@ -167,14 +166,10 @@ class Ros1Sink final : public node::NodeSink {
  private:
   void serve() {
     servers_.clear();
-    for (const auto& [prefix, services] : hands_) {
-      trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
-      trigger(prefix + "/resume", then_nothing(services.resume));
-      trigger(prefix + "/get_parameters", services.get_parameters);
-      trigger(prefix + "/config", services.config);
-      set_bool(prefix + "/pause", services.pause);
-      set_bool(prefix + "/clutch", services.clutch);
-    }
+    for (const node::SinkHand& hand : hands_)
+      node::make_services(
+          hand, [this](const auto& name, const auto& work) { trigger(name, work); },
+          [this](const auto& name, const auto& work) { set_bool(name, work); });
   }
   void trigger(const std::string& name, const std::function<std::string()>& work) {
     using Request = std_srvs::Trigger::Request;

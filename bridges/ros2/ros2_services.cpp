@@ -8,7 +8,6 @@
 namespace palpate::ros2 {
 namespace {
 
-using node::then_nothing;
 using String_ = std_msgs_msg_dds__String_;
 using Trigger_ = std_srvs_srv_dds__Trigger_Request_;
 using TriggerDone_ = std_srvs_srv_dds__Trigger_Response_;
@@ -22,14 +21,11 @@ Services::Services(Participant& participant, const Resolve& resolve, const std::
   set_ = checked(dds_create_waitset(participant.id()), "wait for services");
   end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
   checked(dds_waitset_attach(set_, end_, end_), "wait for services");
-  for (const auto& [prefix, services] : hands) {
-    trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
-    trigger(prefix + "/resume", then_nothing(services.resume));
-    trigger(prefix + "/get_parameters", services.get_parameters);
-    trigger(prefix + "/config", services.config);
-    subscribe(prefix + "/set_parameters", services.set_parameters);
-    set_bool(prefix + "/pause", services.pause);
-    set_bool(prefix + "/clutch", services.clutch);
+  for (const node::SinkHand& hand : hands) {
+    node::make_services(
+        hand, [this](const auto& name, const auto& work) { trigger(name, work); },
+        [this](const auto& name, const auto& work) { set_bool(name, work); });
+    subscribe(hand.prefix + "/set_parameters", hand.services.set_parameters);
   }
   thread_ = std::thread([this] { run(); });
 }
