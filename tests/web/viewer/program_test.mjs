@@ -91,10 +91,17 @@ after(async () => {
 });
 
 describe('at a desk', () => {
+  // A page that has just been held up does not know where the tool is, and a press then turns the view: it is caught again.
   async function drag(to) {
-    const [from, target] = [await project(await ask(page, (v) => v.tool())), await project(to)];
-    await page.mouse.move(...from);
-    await page.mouse.down();
+    for (let tries = 1; ; ++tries) {
+      await page.mouse.move(...await project(await ask(page, (v) => v.tool())));
+      await page.mouse.down();
+      if (await page.locator('canvas.holding').count() > 0) break;
+      await page.mouse.up();
+      assert.ok(tries < 5, 'the tool is not caught where it is seen');
+      await settle(page, 10);
+    }
+    const target = await project(to);
     await page.mouse.move(...target, { steps: 10 });
     return target;
   }
@@ -167,22 +174,22 @@ describe('at a desk', () => {
   }));
 
   test('a stiffness that is set in the panel changes the force', () => undisturbed(async () => {
-    const settled = () => untilFelt(() => {
+    const settled = (least) => untilFelt((above) => {
       const [force, past] = [window.palpateViewer.force(), window.pastForce];
       window.pastForce = force;
-      return force && past && Math.hypot(...force) > 0.2 && Math.hypot(...force.map((c, k) => c - past[k])) < 0.01 && Math.hypot(...force);
-    }, null, { polling: 100 });
-    const forceAt = async (stiffness) => {
+      return force && past && Math.hypot(...force) > above && Math.hypot(...force.map((c, k) => c - past[k])) < 0.01 && Math.hypot(...force);
+    }, least, { polling: 100 });
+    const set = async (stiffness) => {
       await page.locator('[data-field=stiffness]').first().fill(String(stiffness));
       await page.keyboard.press('Enter');
       await until(page, (value) => window.palpateViewer.parameters().stiffness === value, stiffness);
-      return settled();
     };
+    await set(100);
     await drag(await inside());
-    const soft = await forceAt(100);
-    const firm = await forceAt(1000);
+    const soft = await settled(0.2);
+    await set(1000);
+    await settled(1.3 * soft); // the force changes after the parameter
     await page.mouse.up();
-    assert.ok(firm > 1.3 * soft, `${soft} and ${firm}`);
     await goBack();
   }));
 
