@@ -211,7 +211,8 @@ class Captures(Evaluate):
     KEYS = ["model", "pushes", "onset_within_5mm_percent", "late_percent", "early_percent", "onset_p50_mm",
             "silent_5mm_percent", "silent_10mm_percent", "avoidable_5mm_percent", "untouched_percent",
             "push_step_p50_n", "push_step_max_n",
-            "slides", "slide_strong_percent", "slide_silent_percent", "slide_step_p50_n", "slide_step_max_n",
+            "slides", "slide_strong_percent", "slide_silent_percent", "slide_silent_touched_percent",
+            "slide_step_p50_n", "slide_step_max_n",
             "tick_p50_us", "tick_p99.9_us", "first_touch_within_5mm_percent",
             "against_p10", "against_p90", "silent_in_one_percent"]
     ARGS = ["evaluate", "-q", "--scene", "ball.ply", "--tool", "0.01,0.01,0.01", "--pushes", "6", "--slides", "2",

@@ -30,6 +30,17 @@ std::vector<test::Splat> sheet(double level = 0.0, double end = 0.135) {
   return splats;
 }
 
+/// What is too faint for the filter is seen, if there is much of it, and is no ellipsoid to be touched.
+std::vector<test::Splat> faint_sheets() {
+  std::vector<test::Splat> faint{test::splat({0.0, 0.0, -1.0}, {0.01, 0.01, 0.01})};
+  for (int layer = 0; layer < 20; ++layer)
+    for (test::Splat splat : sheet(-0.0005 * layer)) {
+      splat.opacity = 0.08;
+      faint.push_back(splat);
+    }
+  return faint;
+}
+
 /// A spring out of the plane z = 0, and what may be wrong with it.
 struct Knowledge {
   double early = 0.0;  ///< by how much it begins above. Unit: [m].
@@ -152,15 +163,14 @@ TEST(CaptureEvaluation, SilenceIsAvoidableWhereARigidToolIsHeld) {
   }
 }
 
-// What is too faint for the filter is seen, if there is much of it, and is no ellipsoid to be touched.
+TEST(CaptureEvaluation, ASlideSaysWhatOfItsSilenceTouchesNothing) {
+  const CaptureFigures figures = Bench(faint_sheets(), Knowledge{.gain = 0.0}).slide();
+  EXPECT_EQ(figures.slide_silent, 1.0);
+  EXPECT_EQ(figures.slide_silent_touched, 0.0);
+}
+
 TEST(CaptureEvaluation, SilenceIsNotAvoidableWhereNothingCanBeTouched) {
-  std::vector<test::Splat> faint{test::splat({0.0, 0.0, -1.0}, {0.01, 0.01, 0.01})};
-  for (int layer = 0; layer < 20; ++layer)
-    for (test::Splat splat : sheet(-0.0005 * layer)) {
-      splat.opacity = 0.08;
-      faint.push_back(splat);
-    }
-  Bench bench(faint, Knowledge{.gain = 0.0});
+  Bench bench(faint_sheets(), Knowledge{.gain = 0.0});
   const CaptureFigures figures = bench.push();
   EXPECT_FALSE(bench.last.touched);
   EXPECT_EQ(figures.silent_5mm, 1.0);
@@ -181,7 +191,10 @@ TEST(CaptureEvaluation, SlidesAreHeldAgainstTheirDepth) {
   EXPECT_EQ(figures.slide_strong, 0.0);
   EXPECT_EQ(figures.slide_silent, 0.0);
   EXPECT_EQ(Bench(sheet(), Knowledge{.gain = 3.2}).slide().slide_strong, 1.0);
-  EXPECT_EQ(Bench(sheet(), Knowledge{.gain = 0.05}).slide().slide_silent, 1.0);
+  EXPECT_EQ(figures.slide_silent_touched, 0.0);
+  const CaptureFigures weak = Bench(sheet(), Knowledge{.gain = 0.05}).slide();
+  EXPECT_EQ(weak.slide_silent, 1.0);
+  EXPECT_EQ(weak.slide_silent_touched, 1.0);
 }
 
 TEST(CaptureEvaluation, ASlideEndsWhereTheSurfaceFallsAway) {
@@ -245,7 +258,7 @@ TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
                                         {aim, -0.006, 0.006, true, false, 2.0, 0.3},
                                         {aim, 0.007, -0.005, true, true, 0.5, 0.4, true},
                                         {aim, {}, {}, true, true, 3.0, 0.5}};
-  const std::vector<CaptureSlide> slides{{aim, 0.1, 300, 30, 60, 0.7}, {aim, 0.02, 100, 70, 20, 0.9}};
+  const std::vector<CaptureSlide> slides{{aim, 0.1, 300, 30, 60, 0.7, 30}, {aim, 0.02, 100, 70, 20, 0.9, 10}};
   const CaptureFigures f = bench.evaluation.figures(pushes, slides);
   EXPECT_EQ(f.pushes, 5U);
   EXPECT_EQ(f.slides, 2U);
@@ -261,6 +274,7 @@ TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
   EXPECT_EQ(f.push_step.max, 0.5);
   EXPECT_EQ(f.slide_strong, 0.25);
   EXPECT_EQ(f.slide_silent, 0.2);
+  EXPECT_EQ(f.slide_silent_touched, 0.1);
   EXPECT_EQ(f.slide_step.max, 0.9);
   EXPECT_TRUE(std::isnan(f.tick.p50)) << "nothing has been in contact";
   const CaptureFigures none = bench.evaluation.figures({}, {});

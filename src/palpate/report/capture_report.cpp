@@ -55,6 +55,8 @@ const std::vector<FigureColumn<CaptureRow>>& capture_columns() {
        [](const CaptureRow& r) { return kPercent * r.figures.slide_strong; }},
       {"slide_silent_percent", "silent, % of ticks", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.slide_silent; }},
+      {"slide_silent_touched_percent", "silent though an ellipsoid is touched, % of ticks", "{:.1f}",
+       [](const CaptureRow& r) { return kPercent * r.figures.slide_silent_touched; }},
       {"slide_step_p50_n", "largest step of the force, median slide, N", "{:.3f}",
        [](const CaptureRow& r) { return r.figures.slide_step.p50; }},
       {"slide_step_max_n", "worst slide, N", "{:.3f}",

@@ -153,7 +153,10 @@ CaptureSlide CaptureEvaluation::slide(const CaptureAim& aim, std::vector<Capture
     steps.add(felt.wrench.force, position);
     ++result.ticks;
     result.strong += force > kStrong * stiffness_ * depth ? 1 : 0;
-    result.silent += force < kSilent * stiffness_ * depth ? 1 : 0;
+    if (force < kSilent * stiffness_ * depth) {
+      ++result.silent;
+      result.silent_touched += touches(position) ? 1 : 0;
+    }
     if (ticks != nullptr) ticks->push_back({position, felt.proxy.position, felt.wrench.force, depth});
   }
   result.step = steps.largest();
@@ -188,15 +191,17 @@ CaptureFigures CaptureEvaluation::figures(const std::vector<CapturePush>& pushes
   f.untouched = share_of(untouched, pushes.size());
   f.touched_within = share_of(touched, pushes.size());
   f.onset = spread_of(std::move(onset));
-  std::size_t ticks = 0, strong = 0, silent = 0;
+  std::size_t ticks = 0, strong = 0, silent = 0, silent_touched = 0;
   for (const CaptureSlide& slide : slides) {
     ticks += slide.ticks;
     strong += slide.strong;
     silent += slide.silent;
+    silent_touched += slide.silent_touched;
     slide_step.push_back(slide.step);
   }
   f.slide_strong = share_of(strong, ticks);
   f.slide_silent = share_of(silent, ticks);
+  f.slide_silent_touched = share_of(silent_touched, ticks);
   f.push_step = spread_of(std::move(push_step));
   f.slide_step = spread_of(std::move(slide_step));
   f.tick = spread_of(hand_->ticks());

@@ -65,6 +65,8 @@ struct CaptureSlide {
   std::size_t strong = 0;  ///< of them, with more than three times stiffness times depth
   std::size_t silent = 0;  ///< of them, see CaptureFigures
   double step = 0.0;       ///< as CapturePush::step
+  /// Of the silent ticks, those in which an ellipsoid is overlapped.
+  std::size_t silent_touched = 0;
 };
 
 /// What many of both come to. "Silent" is a force below a tenth of stiffness times depth. Shares of pushes,
@@ -82,8 +84,9 @@ struct CaptureFigures {
   double touched_within = 0.0;  ///< the first ellipsoid is overlapped within 5 mm of the seen surface
   Spread onset;                 ///< Unit: [m].
   double slide_strong = 0.0, slide_silent = 0.0;
-  Spread push_step, slide_step;  ///< Unit: [N].
-  Spread tick;                   ///< time of contacts and force, in contact. Unit: [us].
+  double slide_silent_touched = 0.0;  ///< silent, though an ellipsoid is overlapped
+  Spread push_step, slide_step;       ///< Unit: [N].
+  Spread tick;                        ///< time of contacts and force, in contact. Unit: [us].
 };
 
 class Hand;
