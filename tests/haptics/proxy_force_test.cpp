@@ -136,6 +136,49 @@ TEST(TheLocalSurface, HasTheForceOfTheModelInIt) {
   }
 }
 
+// On a floor beside a wall that has been touched: how far away that is, the plane says.
+TEST(TheLocalSurface, HasAPlaneThatIsNear) {
+  constexpr double kWall = 0.03, kDepth = 0.003;
+  std::vector<test::Splat> splats;
+  const Eigen::Quaterniond upright(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitY()));
+  for (int i = -20; i <= 20; ++i)
+    for (int k = -20; k <= 20; ++k) {
+      const double a = 0.003 * i, b = 0.003 * k;
+      const Vector3d semi_axes(0.002, 0.002, 1e-4);
+      splats.push_back(test::splat({a, b, 0.0}, semi_axes, Eigen::Quaterniond::Identity(), 0.95));
+      splats.push_back(test::splat({kWall, b, a}, semi_axes, upright, 0.95));
+    }
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  const double touches = kWall - kRadius;
+  for (double z = 0.03; z > kRadius - kDepth; z -= 1e-4) {
+    input.tool.position = {touches - 0.02, 0.0, z};
+    model.evaluate(input);
+  }
+  ForceOutput felt;
+  const auto slide_to = [&](double x) {
+    while (std::abs(x - input.tool.position.x()) > 1e-9) {
+      input.tool.position.x() += std::clamp(x - input.tool.position.x(), -1e-4, 1e-4);
+      felt = model.evaluate(input);
+    }
+  };
+  slide_to(touches + kDepth);
+  ASSERT_EQ(felt.local.count, 2U);
+  EXPECT_NEAR(felt.wrench.force.x(), -kStiffness * kDepth, 0.1 * kStiffness * kDepth);
+  for (const double away : {0.0005, 0.001, 0.0015}) {
+    slide_to(touches - away);
+    ASSERT_EQ(felt.local.count, 2U);
+    const ContactPlane &floor = felt.local.planes[0], &wall = felt.local.planes[1];
+    EXPECT_GT(floor.normal.z(), 0.99);
+    EXPECT_LT(wall.normal.x(), -0.99);
+    const Vector3d proxy = felt.proxy.position;
+    EXPECT_NEAR(floor.normal.dot(proxy - floor.point), 0.0, 1e-4);
+    EXPECT_NEAR(wall.normal.dot(proxy - wall.point), away, 2e-4);
+  }
+}
+
 TEST_P(OnShapes, PushesAlongTheNormalAsASpringDoesHoweverDeep) {
   Bench bench(GetParam(), noisy(921));
   std::vector<double> angles, ratios;

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <palpate/geometry/solids.h>
+#include <palpate/haptics/image_fit.h>
 
 namespace palpate {
 namespace {
@@ -16,13 +15,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Slope and curvature are held back as by this share of all rays, at one detail, that say there is none.
-constexpr double kSlopePrior = 5e-4, kCurvaturePrior = 1e-3, kSaddlePrior = 5e-2;
-/// Fits of what is seen, each less moved by what is far from the one before.
-constexpr int kFits = 3;
-/// What is farther from the first fit than this counts half; from a later one, what is farther than kFar
-/// times the roughness. In details.
-constexpr double kFirstSpread = 1.0, kLeastSpread = 0.15, kFar = 2.0;
 /// Looks at a new patch, since its place and normal follow each other.
 constexpr int kFirstLooks = 3;
 /// The offset over a fit is within this many times the roughness of what the nearest ray says: on noise it
@@ -67,137 +59,6 @@ constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
 constexpr double kSameRay = 0.95;
 
-Vector2d image_of(const ViewFrame& view, const Vector3d& point) {
-  const Vector3d from = point - view.origin;
-  return {from.dot(view.u), from.dot(view.v)};
-}
-
-/// From one place towards another, by `most` at most.
-Vector2d towards(const Vector2d& from, const Vector2d& to, double most) {
-  const Vector2d way = to - from;
-  const double length = way.norm();
-  return length <= most ? to : Vector2d(from + most / length * way);
-}
-
-double depth_of(const Profile& profile, const Vector2d& place) {
-  return static_cast<double>(profile.depth(static_cast<float>(place.x()), static_cast<float>(place.y())));
-}
-
-bool is_below(const Profile& profile, const Vector2d& place) {
-  return profile.below(static_cast<float>(place.x()), static_cast<float>(place.y()));
-}
-
-/// Where a ray at `place` begins: a quarter of its way through the solid, so that what is behind the solid is
-/// not taken for what is in front of it.
-double start_of(const Profile& profile, const Vector2d& place) {
-  const double half = std::sqrt(
-      std::max(0.0, 1.0 - (place.x() * place.x() * profile.aa + 2.0 * place.x() * place.y() * profile.ab +
-                           place.y() * place.y() * profile.bb) /
-                              profile.cc) /
-      profile.cc);
-  return depth_of(profile, place) - 1.5 * half;
-}
-
-/// Where the first of all rays through the solid begins: the least of (x, y) m - half(x, y) / 2 over the
-/// silhouette, m the slope of their middles, is -sqrt(M^2 + H^2 / 4), with M the largest of the middles, H
-/// the longest half, and M^2 + H^2 the square of how far the solid reaches.
-double start_of_all(const Profile& profile, const Ellipsoid& solid, const Vector3d& along) {
-  const double reach_squared = (solid.axes.transpose() * along).squaredNorm();
-  return -std::sqrt(std::max(0.0, reach_squared - 0.75 / static_cast<double>(profile.cc)));
-}
-
-using Terms = Eigen::Matrix<double, DepthMoments::kTerms, 1>;
-
-Terms solve(const DepthMoments& moments) {
-  Eigen::Matrix<double, DepthMoments::kTerms, DepthMoments::kTerms> matrix;
-  std::size_t at = 0;
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
-    for (Eigen::Index j = i; j < matrix.cols(); ++j)
-      matrix(i, j) = matrix(j, i) = moments.normal_matrix[at++];
-  Terms priors;
-  priors << 0.0, kSlopePrior, kSlopePrior, kCurvaturePrior, kSaddlePrior, kSaddlePrior;
-  matrix.diagonal() += static_cast<double>(moments.aimed) * priors;
-  return matrix.ldlt().solve(
-      Eigen::Map<const Eigen::Matrix<float, DepthMoments::kTerms, 1>>(moments.right.data()).cast<double>());
-}
-
-/// How the far side of the solid runs at a place below it: slope and curvature of its depth.
-struct ToolSide {
-  ToolSide(const Profile& p, const Vector2d& place) {
-    Eigen::Matrix2d form;
-    form << p.aa, p.ab, p.ab, p.bb;
-    const Vector2d of = form * place;
-    const double facing = p.cc - place.dot(of), root = std::sqrt(facing);
-    slope = -(of / root + Vector2d(p.d, p.e)) / p.cc;
-    curvature = (form + of * of.transpose() / facing) / (root * p.cc);
-  }
-
-  /// How much of a surface's curvature makes up for what the tool has less.
-  Eigen::Matrix2d more_than_tool(const Eigen::Matrix2d& bend) const {
-    const double mean = 0.5 * curvature.trace();
-    const double least = mean - std::sqrt(std::max(0.0, mean * mean - curvature.determinant()));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(bend);
-    const Vector2d more = (axes.eigenvalues().array() - least).max(0.0);
-    return axes.eigenvectors() * more.asDiagonal() * axes.eigenvectors().transpose();
-  }
-
-  /// The way to where a surface of that slope here, and of that curvature, runs as the tool does: where there
-  /// is the least between them.
-  Vector2d to_least(const Vector2d& surface, const Eigen::Matrix2d& bend) const {
-    return (curvature + bend).inverse() * (slope - surface);
-  }
-
-  Vector2d slope;
-  Eigen::Matrix2d curvature;  ///< positive. Unit: [1/m].
-};
-
-/// A quadric over the image.
-struct Fit {
-  Vector2d center;
-  double deviation, level;
-  Terms of;  ///< height, slopes, mean curvature and its difference; in details
-  DepthMoments moments;
-
-  double depth(const Vector2d& place) const {
-    const Vector2d u = (place - center) / deviation;
-    Terms terms;
-    terms << 1.0, u.x(), u.y(), u.squaredNorm(), u.x() * u.x() - u.y() * u.y(), 2.0 * u.x() * u.y();
-    return level + deviation * of.dot(terms);
-  }
-  double roughness() const {
-    return deviation * std::sqrt(static_cast<double>(moments.residual) / static_cast<double>(moments.hit));
-  }
-  Vector2d slope() const { return {of[1], of[2]}; }
-  Eigen::Matrix2d bend() const {
-    Eigen::Matrix2d hessian;
-    hessian << of[3] + of[4], of[5], of[5], of[3] - of[4];
-    return 2.0 / deviation * hessian;
-  }
-};
-
-/// False if hardly anything is seen.
-bool fit_image(const DepthView& image, const Vector2d& center, double deviation, double level, Fit& fit) {
-  constexpr float kAnything = 1e-3F;
-  DepthKernel kernel{center, deviation,
-                     level,  static_cast<float>(SurfacePatches::kWindow),
-                     {},     static_cast<float>(kFirstSpread)};
-  for (int k = 0; k < kFits; ++k) {
-    fit.moments = image.moments(kernel);
-    if (!(fit.moments.hit > kAnything * fit.moments.aimed)) return false;
-    fit.of = solve(fit.moments);
-    Eigen::Map<Eigen::Matrix<float, DepthMoments::kTerms, 1>>(kernel.fit.data()) = fit.of.cast<float>();
-    if (k > 0)
-      kernel.spread = static_cast<float>(std::max(
-          kLeastSpread, kFar * std::sqrt(static_cast<double>(fit.moments.residual / fit.moments.hit))));
-    else
-      kernel.spread = static_cast<float>(0.5 * kFirstSpread);
-  }
-  fit.center = center;
-  fit.deviation = deviation;
-  fit.level = level;
-  return true;
-}
-
 double smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
@@ -207,24 +68,13 @@ Ellipsoid scaled(const Ellipsoid& solid, const Vector3d& by) {
   return {solid.center, solid.axes * by.asDiagonal()};
 }
 
-/// The unit normal of the solid at a point of its surface, into it.
-Vector3d inward_normal(const Ellipsoid& solid, const Vector3d& point) {
-  const Vector3d from = solid.center - point;
-  Vector3d normal = Vector3d::Zero();
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const double squared = solid.axes.col(k).squaredNorm();
-    normal += solid.axes.col(k) * (solid.axes.col(k).dot(from) / (squared * squared));
-  }
-  return normal.normalized();
-}
-
 /// Which way a patch faces. Where it covers what is below the tool, as the fit does; where only the tool's
 /// flank meets something, an edge or a thing that is thin, as the tool does where it touches: a plane would
 /// go on below the tool where nothing is.
-Vector3d towards_contact(const Fit& fit, const ViewFrame& view, const Vector2d& slope,
+Vector3d towards_contact(const ImageFit& fit, const ViewFrame& view, const Vector2d& slope,
                          const Vector3d& contact) {
   const Vector3d fitted = (slope.x() * view.u + slope.y() * view.v - view.w).normalized();
-  const double covered = fit.moments.covered();
+  const double covered = fit.moments().covered();
   const double whole = smooth_step((covered - kEdge) / (kWhole - kEdge));
   Vector3d normal = (whole * fitted + (1.0 - whole) * contact).normalized();
   // No farther than can be seen in one look.
@@ -262,8 +112,9 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
   const double clearance = view_->clearance(nearest);
-  Fit fit;
-  if (!fit_image(*view_, place, detail_, clearance + depth_of(profile, place), fit)) return false;
+  ImageFit fit;
+  if (!fit.to(*view_, {place, detail_, clearance + depth_of(profile, place), static_cast<float>(kWindow)}))
+    return false;
   const Vector3d touching = view.at(view_->x(nearest), view_->y(nearest), view_->depth(nearest) - clearance);
   const ToolSide side(profile, place);
   const Eigen::Matrix2d bend = side.more_than_tool(fit.bend());
@@ -285,8 +136,8 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   patch.normal = normal;
   patch.foot = view.at(foot.x(), foot.y(), depth);
   patch.roughness = fit.roughness();
-  patch.confidence = confidence_of(fit.moments, true);
-  patch.covered = fit.moments.covered();
+  patch.confidence = confidence_of(fit.moments(), true);
+  patch.covered = fit.moments().covered();
   seen_count_ = 0;
   double sum = 0.0;
   for (std::size_t k = 0; k < DepthView::kRegular; ++k) {
