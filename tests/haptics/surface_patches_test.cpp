@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -230,6 +231,26 @@ TEST(SurfacePatches, OnePlaneIsOnePatch) {
   EXPECT_EQ(rod.patches.patches().size(), 1U);
 }
 
+// What a patch is mostly made of: of a wide Gaussian beside small ones, that where it is most of what is
+// seen.
+TEST(SurfacePatches, KnowWhatTheyAreMostlyMadeOf) {
+  std::vector<test::Splat> splats;
+  for (int i = 0; i <= 30; ++i)
+    for (int k = -30; k <= 30; ++k)
+      splats.push_back(test::splat({0.012 + 0.001 * i, 0.001 * k, 0.0}, {8e-4, 8e-4, 1e-5}));
+  const auto wide = static_cast<std::uint32_t>(splats.size());
+  splats.push_back(
+      test::splat({-0.018, 0.0, 0.0}, {0.015, 0.015, 1e-5}, Eigen::Quaterniond::Identity(), 0.99));
+  const auto mostly_at = [&](double x) {
+    Feeler ball(splats, Vector3d::Constant(kRadius), 0.008);
+    ball.look_down({x, 0.0, kRadius + 0.0005}, 0.002);
+    EXPECT_EQ(ball.patches.patches().size(), 1U);
+    return ball.patches.patches()[0].mostly;
+  };
+  EXPECT_EQ(mostly_at(-0.015), wide);
+  EXPECT_EQ(mostly_at(0.030), std::nullopt);
+}
+
 // Half a detail, 5 mm, above a plane that it has touched, a solid has a patch yet; it sees the plane ahead
 // again where it is farther away than it wants to go, and above that it has none.
 TEST(SurfacePatches, ArePatchesToHalfADetailAboveThem) {
@@ -293,6 +314,33 @@ TEST(SurfacePatches, ASpeckIsFeltWhereItIs) {
     }
     EXPECT_NEAR(felt.wrench.force.z(), felt.confidence * kStiffness * 0.005, 0.1 * kStiffness * 0.005)
         << step;
+  }
+}
+
+// A lone Gaussian, larger than the tool and thick: from the side it is seen in another plane through its
+// middle, which is no wall before a ball that it holds.
+TEST(SurfacePatches, AGaussianIsNoWallBeforeAToolThatItHolds) {
+  constexpr double kBall = 0.01, kDepth = 0.005, kStep = 1e-4;
+  const std::vector<test::Splat> splats{
+      test::splat({0, 0, 0}, {0.038, 0.078, 0.019}, Eigen::Quaterniond::Identity(), 0.99)};
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  for (int k = 0; k < 12; ++k) {
+    const double angle = k * std::numbers::pi / 6.0;
+    const Vector3d way(0.028 * std::cos(angle), 0.05 * std::sin(angle), 0.0);
+    ProxyForce model(index, Tool(Vector3d::Constant(kBall)), {.stiffness = kStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    // It is seen in the plane through its middle from above, too.
+    for (double z = 0.05; z > kBall - kDepth; z -= kStep) {
+      input.tool.position = -way + z * Vector3d::UnitZ();
+      model.evaluate(input);
+    }
+    for (double share = -1.0; share < 1.0; share += kStep / way.norm()) {
+      input.tool.position = share * way + (kBall - kDepth) * Vector3d::UnitZ();
+      const Vector3d force = model.evaluate(input).wrench.force;
+      ASSERT_NEAR(force.z(), kStiffness * kDepth, 0.3 * kStiffness * kDepth) << k << " at " << share;
+      ASSERT_LT(force.head<2>().norm(), 0.3 * kStiffness * kDepth) << k << " at " << share;
+    }
   }
 }
 

@@ -59,6 +59,21 @@ constexpr double kTurned = 0.5;
 /// A ray is the same one if the cosine between both ways is this.
 constexpr double kSameRay = 0.95;
 
+/// What has more than half of the weight, if there is such; by weighted majority vote.
+std::optional<std::uint32_t> majority(std::span<const PatchWitness> witnesses) {
+  std::uint32_t leads = 0;
+  double by = 0.0;
+  for (const PatchWitness& w : witnesses) {
+    by += w.id == leads ? w.weight : -w.weight;
+    if (by > 0.0) continue;
+    leads = w.id;
+    by = -by;
+  }
+  double share = 0.0;
+  for (const PatchWitness& w : witnesses) share += w.id == leads ? w.weight : 0.0;
+  return share > 0.5 ? std::optional(leads) : std::nullopt;
+}
+
 double smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
@@ -148,6 +163,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
     sum += weight;
   }
   for (std::size_t k = 0; k < seen_count_; ++k) seen_[k].weight /= sum;
+  patch.mostly = majority({seen_.data(), seen_count_});
   return true;
 }
 
@@ -221,12 +237,17 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   }
 }
 
-bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point) const {
+bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point,
+                               std::optional<std::uint32_t> of) const {
   for (std::size_t i = 0; i < size_; ++i) {
     const SurfacePatch& patch = patches_[i];
     const Vector3d from = point - patch.on_surface();
     const double above = from.dot(patch.normal);
-    if (above > std::max(kPartOfIt * patch.roughness, kFlat * detail_)) continue;
+    if (above > std::max(kPartOfIt * patch.roughness, kFlat * detail_)) {
+      // A Gaussian is convex: none of it is above the plane that it holds the tool with.
+      if (of && of == patch.mostly) return true;
+      continue;
+    }
     // All of the tool is above the plane if its lowest point is; else the plane answers for its surroundings
     // alone.
     const Vector3d lowest = farthest_point(solid, -patch.normal);
@@ -265,7 +286,8 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
     const Vector3d point = view.at(view_->x(k), view_->y(k), view_->depth(k));
     if (head_on > 0.0 && -inward_normal(solid, point - clearance * along).dot(along) < head_on) continue;
     // Far ahead, patches cannot tell.
-    if (clearance <= std::max(way, kFlat * detail_) && explained(solid, point)) continue;
+    if (clearance <= std::max(way, kFlat * detail_) && explained(solid, point, splats.id[view_->splat(k)]))
+      continue;
     first = clearance;
     meeting = {along, point, clearance, view_->incoming(k)};
   }
@@ -299,7 +321,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
 
 bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& normal,
                             const Vector3d& point) {
-  if (size_ == kMost || budget_.is_spent() || explained(solid, point)) return false;
+  if (size_ == kMost || budget_.is_spent() || explained(solid, point, {})) return false;
   SurfacePatch patch;
   patch.normal = normal;
   patch.tangent = normal.unitOrthogonal();

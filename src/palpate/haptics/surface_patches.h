@@ -36,6 +36,8 @@ struct SurfacePatch {
   Ellipsoid looked_by;                                ///< and when it was looked for last
   double offset = 0.0;  ///< of the felt surface over the fit, along the normal. Unit: [m].
   float light = 1.0F;   ///< that came there along the motion, through what is before it
+  /// The Gaussian that is more than half of what is seen in it, if there is one.
+  std::optional<std::uint32_t> mostly;
 
   Eigen::Vector3d on_surface() const { return foot - gap * normal; }
 };
@@ -166,7 +168,8 @@ class SurfacePatches {
   bool look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, Look& look);
   /// Light that the rays of a free motion still have, for a look from `solid` along `along`.
   void carry_light(const Ellipsoid& solid, const Eigen::Vector3d& along);
-  bool explained(const Ellipsoid& solid, const Eigen::Vector3d& point) const;
+  /// \param of the Gaussian that is seen there, if one knows
+  bool explained(const Ellipsoid& solid, const Eigen::Vector3d& point, std::optional<std::uint32_t> of) const;
   /// Fits a patch anew. \returns false if nothing is seen there.
   bool see_again(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch);
   /// Leaves a patch where it was. \returns false if the tool is not there any more.
