@@ -19,7 +19,6 @@ const nearest = 8; // a double click goes no nearer. In sizes of the tool.
 const solid = 0.8; // opacity along a ray from which on it is no haze
 const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
 const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
-const stretched = 1.4; // a tool that makes the box of the scene larger than by this is left out of it
 
 // Points on rings about the middle, nearest first: [x, y] in pixels.
 function rings(farthest) {
@@ -56,12 +55,10 @@ export class TakeHold {
     if (times > mostTimes) notify(`The tool is ${formatCount(Number(times.toPrecision(2)))} times smaller than the scene. “Propose a setup” in Placement finds a scale.`, 'message');
   }
 
-  /// The whole object, and the tool if it is near.
+  /// The whole object in the middle, and the tool if it is near.
   frameAll() {
-    const box = this.splats.box;
-    const size = (b) => b.getSize(new Vector3()).length();
-    const both = this.live.tool ? box.clone().union(boxAround([this.live.tool.position], 2 * this.felt.size)) : box;
-    this.view.frameAll(box.isEmpty() || size(both) < stretched * size(box) ? both : box, this.#covered());
+    const { live, felt, splats, view } = this;
+    view.frameAll(splats.box, this.#covered(), live.tool ? boxAround([live.tool.position], 2 * felt.size) : undefined);
   }
 
   // What the parts of the page that lie on the view take of it from above and from below. Unit: [px].
