@@ -14,7 +14,7 @@ import { Frame } from './frame.js';
 const fieldOfView = 45; // vertical. Unit: [deg].
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
 const fitMargin = 1.06;
-const mostSmaller = 1.5; // times, that a thing is seen for another to be in view beside it
+const mostSmaller = 1.75; // times, that a thing is seen for another to be in view beside it
 const keyTurn = Math.PI / 36; // a press of an arrow key. Unit: [rad].
 const keyZoom = 1.1;
 const axisReach = 22; // of the axes in the corner. Unit: [px].
