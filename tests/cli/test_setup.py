@@ -11,18 +11,37 @@ class Setup(Case):
         super().setUp()
         self.succeed("make-scene", "table", "--spacing", "0.004", "--out", "table.ply", "-q")
 
-    def propose(self, *args):
+    def propose(self, *args, scene="table.ply"):
         """The proposals, and how they were made."""
-        told = self.succeed("setup", "table.ply", "--json", *args).json
+        told = self.succeed("setup", scene, "--json", *args).json
         return told, told.pop("made")
 
     def test_proposes_what_a_person_would_choose(self):
-        proposed, _ = self.propose()
+        self.succeed("make-scene", "still-life", "--out", "still.ply", "-q")
+        proposed, _ = self.propose(scene="still.ply")
         self.assertEqual(proposed["frame"]["value"], "z-up")
         self.assertEqual(proposed["opacity_min"]["value"], 0.3)  # nothing of it is thin
+        self.assertIsNone(proposed["max_scale"]["value"])
         self.assertIsNone(proposed["crop_box"]["value"])
         for proposal in proposed.values():
             self.assertGreater(len(proposal["reason"]), 10)
+
+    def test_leaves_what_is_the_same_upside_down_as_it_is(self):
+        for shape in ("plane", "step", "cylinder", "torus"):
+            self.succeed("make-scene", shape, "--out", "shape.ply", "-q")
+            proposed, _ = self.propose(scene="shape.ply")
+            self.assertEqual(proposed["frame"]["value"], "as-is")
+            self.assertIn("nothing tells which way is up", proposed["frame"]["reason"])
+
+    def test_proposes_to_drop_what_info_calls_giant(self):
+        self.succeed("make-scene", "box", "--like", "tails", "--like", "haze", "--out", "box.ply", "-q")
+        told = self.succeed("info", "box.ply", "--json").json
+        self.assertGreater(told["lint"]["giant"], 0)
+        largest = str(told["proposed"]["max_scale"]["value"])
+        scale = str(told["proposed"]["scale"]["value"])
+        kept = self.succeed("info", "box.ply", "--json", "--scale", scale, "--max-scale", largest).json["filter"]
+        self.assertGreaterEqual(kept["over_max_scale"] + kept["low_opacity"], told["lint"]["giant"])
+        self.assertGreater(kept["over_max_scale"], 0)
 
     def test_a_smaller_tool_gets_a_smaller_scene(self):
         large, _ = self.propose("--tool", "0.02,0.03,0.04")
@@ -33,7 +52,7 @@ class Setup(Case):
         proposed, _ = self.propose()
         self.assertEqual(self.succeed("info", "table.ply", "--json").json["proposed"], proposed)
         text = self.succeed("info", "table.ply").out.decode()
-        self.assertIn("--frame z-up", text)
+        self.assertIn(f"--opacity-min {proposed['opacity_min']['value']}", text)
         self.assertIn(proposed["scale"]["reason"], text)
 
     def test_the_file_is_one_for_every_command(self):

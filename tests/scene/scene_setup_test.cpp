@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include <palpate/base/error.h>
+#include <palpate/scene/lint.h>
 
 namespace palpate {
 namespace {
@@ -82,12 +83,44 @@ TEST(SceneSetup, LeavesWhatFacesAllWaysAsItIs) {
   EXPECT_EQ(propose_setup(scene, 0.02).frame.value, UpAxis::kAsIs);
 }
 
+// Upside down it is the same scene: nothing tells which way is up.
+TEST(SceneSetup, LeavesWhatIsTheSameUpsideDownAsItIs) {
+  Room room(upright(UpAxis::kYDown).conjugate());
+  for (int i = 0; i < 100; ++i)
+    for (int k = 0; k < 40; ++k)
+      room.add({0.01 * i - 0.5, 0.025 * k - 0.5, 0.6}, Vector3d::UnitZ(), Room::kSigma, 0.9);
+  const SceneSetup ceiling = propose_setup(room.scene(), 0.02);
+  EXPECT_EQ(ceiling.frame.value, UpAxis::kAsIs);
+  EXPECT_THAT(ceiling.frame.reason, HasSubstr("faces along y"));
+  GaussianScene plane;
+  Gaussian g;
+  g.rotation.setIdentity();
+  g.sigma << 0.01, 0.01, 0.0005;
+  g.opacity = 0.9;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 25; ++k) {
+      g.position << 0.01 * i, 0.01 * k, 0.0;
+      plane.append(g, {0, 0, 0});
+    }
+  }
+  EXPECT_EQ(propose_setup(plane, 0.02).frame.value, UpAxis::kAsIs);
+}
+
 // Seven Gaussians across a tool of 20 mm are 2.9 mm each: 0.29 of 10 mm, whatever the unit.
 TEST(SceneSetup, ScalesTheUsualGaussianToTheTool) {
   EXPECT_NEAR(propose_setup(Room().scene(), 0.02).scale.value, 0.29, 1e-9);
   EXPECT_NEAR(propose_setup(Room().scene(), 0.002).scale.value, 0.029, 1e-9);
   const Room in_feet(Eigen::Quaterniond::Identity(), 3.28);
   EXPECT_NEAR(propose_setup(in_feet.scene(), 0.02).scale.value, 0.087, 1e-9);
+}
+
+// What is printed is to be pasted: 1.9, not 1.9000000000000001.
+TEST(SceneSetup, RoundsTheScaleToTwoDigits) {
+  for (const double scale : {0.0067, 0.58, 1.9, 19.0, 190.0, 1900.0}) {
+    const Room room(Eigen::Quaterniond::Identity(),
+                    (0.02 / SceneSetup::kGaussiansAcross) / (Room::kSigma * scale));
+    EXPECT_EQ(propose_setup(room.scene(), 0.02).scale.value, scale);
+  }
 }
 
 TEST(SceneSetup, CutsHazeWhereThatCostsLittleOfWhatIsSeen) {
@@ -116,6 +149,18 @@ TEST(SceneSetup, FindsGiantsAndWhatIsFarAway) {
   // In the world, where up is z: all of the room, and nothing of what is 40 m above it.
   EXPECT_TRUE(setup.crop_box.value->contains(0.29 * Vector3d(0.49, -0.49, 0.6)));
   EXPECT_LT(setup.crop_box.value->max().z(), 0.29 * 2.0);
+}
+
+// Sizes that are spread as in captures: what is a sixth of the scene is no outlier of theirs, but a wall to a
+// hand.
+TEST(SceneSetup, NamesAGiantWhereSizesAreSpread) {
+  Room captured;
+  for (int i = 0; i < 6000; ++i)
+    captured.add({1e-4 * i - 0.3, 0.2, 0.1}, Vector3d::UnitX(), Room::kSigma * (i % 2 == 0 ? 0.1 : 3), 0.9);
+  EXPECT_FALSE(propose_setup(captured.scene(), 0.02).max_scale.value);
+  for (int i = 0; i < 5; ++i) captured.add({0.0, 0.0, 0.3}, Vector3d::UnitX(), 0.25, 0.9);
+  EXPECT_EQ(lint(captured.scene()).giant, 5U);
+  EXPECT_THAT(propose_setup(captured.scene(), 0.02).max_scale.reason, HasSubstr("5 Gaussians"));
 }
 
 TEST(SceneSetup, RefusesASceneOfNothing) {

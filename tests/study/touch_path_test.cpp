@@ -14,6 +14,7 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/study/procedural.h>
+#include <palpate/study/still_life.h>
 
 namespace palpate {
 namespace {
@@ -207,6 +208,21 @@ TEST_P(TouchPathOn, MovesAsAHandDoes) {
     ASSERT_LT(path[i].pose.orientation.angularDistance(path[i - 1].pose.orientation), 0.01) << path[i].t;
   }
   EXPECT_LT(before.norm() * options.rate, options.acceleration) << "ends at rest";
+}
+
+// As large as palpate setup proposes it: a slide there follows what bends more sharply than the shapes above
+// do.
+TEST(TouchPathOnStillLife, SlidesNoFasterThanAHandFollows) {
+  const Touchable still_life(make_still_life().scene, 1.9);
+  const TouchPathOptions options;
+  const Trajectory path = touch_path(still_life.index, still_life.kept, Tool(), options);
+  double most = 0.0;
+  for (std::size_t i = 2; i < path.size(); ++i) {
+    const Vector3d second =
+        path[i].pose.position - 2.0 * path[i - 1].pose.position + path[i - 2].pose.position;
+    most = std::max(most, second.norm() * options.rate * options.rate);
+  }
+  EXPECT_LE(most, 1.01 * options.acceleration);
 }
 
 bool same(const Trajectory& a, const Trajectory& b) {

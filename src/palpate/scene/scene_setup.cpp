@@ -63,16 +63,37 @@ Eigen::AlignedBox3d central_box(const std::vector<Piece>& pieces) {
   return {low, high};
 }
 
-/// The level along `axis` at which most surface faces along it, and how much of what is seen in `box` is
-/// above and below. There a Gaussian counts for no more than nine in ten do: where a camera hardly looked, as
-/// beneath a ground, a few that are large stand for everything.
+/// The level along `axis` at which most surface faces along it, and which of its sides is upward.
 struct Level {
-  double at, above = 0.0, below = 0.0;
+  double at;
+  int upward;  ///< along the axis: 1, -1, or 0 where nothing tells
 };
+
+/// Which side of the levels from `low` to `high` has more of what is seen in `box`: 1, -1, or 0 where neither
+/// has. There a Gaussian counts for no more than nine in ten do: where a camera hardly looked, as beneath a
+/// ground, a few that are large stand for everything.
+int fuller_side(const std::vector<Piece>& pieces, int axis, const Eigen::AlignedBox3d& box, double low,
+                double high) {
+  constexpr double kUsual = 0.9, kTells = 0.02;  // the latter of all that is seen
+  const double most_seen = quantile_of(pieces, kUsual, [](const Piece& piece) { return piece.seen; });
+  double above = 0.0, below = 0.0, all = 0.0;
+  for (const Piece& piece : pieces) {
+    if (!box.contains(piece.position)) continue;
+    const double seen = std::min(piece.seen, most_seen);
+    all += seen;
+    if (piece.position[axis] > high) above += seen;
+    if (piece.position[axis] < low) below += seen;
+  }
+  if (std::abs(above - below) < kTells * all) return 0;
+  return above > below ? 1 : -1;
+}
+
+/// Levels that have nearly as much surface as the largest count as one: both faces of a table top, floor and
+/// ceiling.
 Level largest_level(const std::vector<Piece>& pieces, int axis, const Eigen::AlignedBox3d& box,
                     const auto& faces) {
   constexpr std::size_t kBins = 64;
-  constexpr double kUsual = 0.9;
+  constexpr double kAlike = 0.8;
   std::array<double, kBins> seen{};
   const double low = box.min()[axis], width = box.sizes()[axis] / static_cast<double>(kBins);
   const auto bin = [&](const Piece& piece) {
@@ -81,15 +102,12 @@ Level largest_level(const std::vector<Piece>& pieces, int axis, const Eigen::Ali
   };
   for (const Piece& piece : pieces)
     if (faces(piece, axis) && box.contains(piece.position)) seen[bin(piece)] += piece.seen;
-  const auto most = std::ranges::max_element(seen) - seen.begin();
-  Level level{low + (static_cast<double>(most) + 0.5) * width};
-  const double most_seen = quantile_of(pieces, kUsual, [](const Piece& piece) { return piece.seen; });
-  for (const Piece& piece : pieces) {
-    const double height = piece.position[axis] - level.at;
-    if (!box.contains(piece.position) || std::abs(height) <= width) continue;
-    (height > 0.0 ? level.above : level.below) += std::min(piece.seen, most_seen);
-  }
-  return level;
+  const auto most = std::ranges::max_element(seen);
+  const auto alike = [&](double one) { return one >= kAlike * *most; };
+  const auto middle = [&](auto at) { return low + (static_cast<double>(at - seen.begin()) + 0.5) * width; };
+  const double lowest = middle(std::ranges::find_if(seen, alike));
+  const double highest = middle(std::find_if(seen.rbegin(), seen.rend(), alike).base() - 1);
+  return {middle(most), fuller_side(pieces, axis, box, lowest - width, highest + width)};
 }
 
 Proposal<UpAxis> propose_frame(const std::vector<Piece>& pieces, const Eigen::AlignedBox3d& box) {
@@ -113,10 +131,18 @@ Proposal<UpAxis> propose_frame(const std::vector<Piece>& pieces, const Eigen::Al
     return {UpAxis::kAsIs,
             "no direction has more surface than the others; turn it by --frame until it is upright"};
   const Level level = largest_level(pieces, order[0], box, faces);
-  return {kUpAxes[std::size_t(order[0])][level.above > level.below ? 1 : 0],
+  const double share = 100.0 * first / all;
+  const char axis = kAxes[std::size_t(order[0])];
+  if (level.upward == 0)
+    return {
+        UpAxis::kAsIs,
+        fmt::format("{:.0f} % of the surface faces along {}, and nothing tells which way is up; turn it by "
+                    "--frame until it is upright",
+                    share, axis)};
+  return {kUpAxes[std::size_t(order[0])][level.upward > 0 ? 1 : 0],
           fmt::format(
               "{:.0f} % of the surface is level with {} = {:.3g}, and most of the scene on one side of it",
-              100.0 * first / all, kAxes[std::size_t(order[0])], level.at)};
+              share, axis, level.at)};
 }
 
 Proposal<double> propose_opacity(const std::vector<Piece>& pieces) {
@@ -133,12 +159,15 @@ Proposal<double> propose_opacity(const std::vector<Piece>& pieces) {
   return {best, fmt::format("keeps {:.0f} % of what is seen (opacity times area)", 100.0 * kept)};
 }
 
-/// Tukey's far fence, of logarithms, since sizes are spread over decades.
-Proposal<std::optional<double>> propose_max_scale(const std::vector<Piece>& pieces, double scale) {
+/// Tukey's far fence, of logarithms, since sizes are spread over decades; or what is giant in a scene of this
+/// size, if that is less.
+Proposal<std::optional<double>> propose_max_scale(const std::vector<Piece>& pieces,
+                                                  const Eigen::AlignedBox3d& box, double scale) {
   constexpr double kFar = 3.0, kLeast = 4.0;  // the latter of where all are alike
   const auto longest = [](const Piece& piece) { return piece.longest; };
   const double low = quantile_of(pieces, 0.25, longest), high = quantile_of(pieces, 0.75, longest);
-  const double fence = high * std::max(kLeast, std::pow(high / low, kFar));
+  const double far = high * std::max(kLeast, std::pow(high / low, kFar));
+  const double fence = std::min(far, std::max(kLeast * high, kGiantShare * box.sizes().norm()));
   const auto outliers = std::ranges::count_if(pieces, [&](const Piece& p) { return p.longest > fence; });
   if (outliers == 0) return {std::nullopt, "no Gaussian is far larger than the others"};
   return {scale * fence, fmt::format("{} Gaussians are far larger than the others", outliers)};
@@ -159,6 +188,13 @@ Proposal<std::optional<Eigen::AlignedBox3d>> propose_crop(const std::vector<Piec
   return {world, fmt::format("{} Gaussians are far from the others", outside)};
 }
 
+/// To two digits, which are as much as a scale is worth, and no others when it is printed.
+double rounded(double scale) {
+  const double digits = 1.0 - std::floor(std::log10(scale));
+  const double unit = std::pow(10.0, std::abs(digits));
+  return digits > 0.0 ? std::round(scale * unit) / unit : std::round(scale / unit) * unit;
+}
+
 }  // namespace
 
 SceneSetup propose_setup(const GaussianScene& scene, double tool_radius) {
@@ -169,15 +205,13 @@ SceneSetup propose_setup(const GaussianScene& scene, double tool_radius) {
   SceneSetup setup;
   setup.frame = propose_frame(pieces, box);
   const double scale = tool_radius / (SceneSetup::kGaussiansAcross * usual);
-  // Two digits are as much as this is worth.
-  const double unit = std::pow(10.0, std::floor(std::log10(scale)) - 1.0);
-  setup.scale.value = std::round(scale / unit) * unit;
+  setup.scale.value = rounded(scale);
   setup.scale.reason = fmt::format(
       "the usual Gaussian is then {:.2g} mm large, a {:g}th of the tool, and the scene {:.2g} m across",
       1e3 * setup.scale.value * usual, SceneSetup::kGaussiansAcross,
       setup.scale.value * box.sizes().maxCoeff());
   setup.opacity_min = propose_opacity(pieces);
-  setup.max_scale = propose_max_scale(pieces, setup.scale.value);
+  setup.max_scale = propose_max_scale(pieces, box, setup.scale.value);
   setup.crop_box = propose_crop(pieces, box, upright(setup.frame.value), setup.scale.value);
   return setup;
 }

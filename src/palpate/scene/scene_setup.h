@@ -22,15 +22,16 @@ struct Proposal {
 /// How a scene might be felt. A person may know better: each proposal gives its reason.
 struct SceneSetup {
   /// Captured axis that points up, as --frame names it: normal of the plane that the most surface is parallel
-  /// to, with most of the scene above that plane. kAsIs where no direction stands out.
+  /// to, with most of the scene above that plane. kAsIs where no direction stands out, or neither side of the
+  /// plane has more of the scene, as in one that is the same upside down.
   Proposal<UpAxis> frame;
   /// Metres per captured unit with which the usual Gaussian is kGaussiansAcross times smaller than the tool,
   /// so that a surface is smooth to it.
   Proposal<double> scale;
   /// The highest of kPaperThresholds that keeps kSeenShare of what is seen: opacity times area.
   Proposal<double> opacity_min;
-  /// Longest standard deviation of a Gaussian that is not an outlier, after `scale`; nothing if none is.
-  /// Unit: [m].
+  /// Longest standard deviation of a Gaussian that is neither an outlier nor giant (LintReport), after
+  /// `scale`; nothing if none is longer. Unit: [m].
   Proposal<std::optional<double>> max_scale;
   /// Box around the scene without its outliers, after `frame` and `scale`; nothing if there are none. World
   /// frame. Unit: [m].

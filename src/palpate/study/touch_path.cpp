@@ -57,7 +57,7 @@ constexpr int kSlideDirections = 8;
 // Of motion with the least jerk over a length L in a time T: the highest speed, in L / T, and acceleration,
 // in L / T^2.
 constexpr double kPeakSpeed = 15.0 / 8.0, kPeakAcceleration = 5.7735;
-// The sharpest bend of a slide, over a slide step. Unit: [1 / smallest semi-axis].
+// A sharp bend of a slide, over a slide step. Unit: [1 / smallest semi-axis].
 constexpr double kSlideBend = kSlopeLimit / kSlideStep;
 
 /// A straight approach: where the tool is, by the distance s along `direction` from `origin`.
@@ -356,6 +356,23 @@ Motion straight(const Approach& line, double from, double to, double mean, const
           [=](double u) { return line.at(from + u * (to - from)); }};
 }
 
+/// Of a motion that starts and ends at rest, with the least jerk between (Flash and Hogan 1985), as reaching
+/// hands move: the share that is done after a share `x` of its time.
+double progress(double x) { return x * x * x * (10.0 + x * (6.0 * x - 15.0)); }
+
+/// The same motion, as much slower as it takes not to accelerate more than a hand does anywhere.
+Motion within(Motion motion, const TouchPathOptions& hand) {
+  constexpr int kSteps = 2000;
+  double most = 0.0;  // second difference of the way
+  for (int i = 1; i < kSteps; ++i) {
+    const auto at = [&](int k) { return motion.pose(progress(static_cast<double>(k) / kSteps)).position; };
+    most = std::max(most, (at(i + 1) - 2.0 * at(i) + at(i - 1)).norm());
+  }
+  const double acceleration = most * kSteps * kSteps / (motion.duration * motion.duration);
+  motion.duration *= std::sqrt(std::max(1.0, acceleration / hand.acceleration));
+  return motion;
+}
+
 /// Along the great circle from one pose on the sphere to another; between opposite points along
 /// one of them.
 Motion arc(const Sphere& sphere, const Pose& from, const Pose& to, const TouchPathOptions& hand) {
@@ -393,12 +410,12 @@ class Script {
     add(straight(in, standoff_in, options_.press, approach_speed, options_), false);
     if (const double length = touch.slide_length(); length > 0.0) {
       const double press = options_.press;
-      // As slow as the sharpest bend that it may follow asks for, on the steepest way.
+      // As slow as a sharp bend asks for, on the steepest way.
       const double bends = std::sqrt(options_.acceleration * unit_ / kSlideBend) / kPeakSpeed;
       const double mean = std::min(kSlideSpeed * unit_, bends);
-      add({duration_of(std::hypot(1.0, kSlopeLimit) * length, 0.0, mean, options_),
-           [=](double u) { return touch.approach.from(touch.surface(u * length)).at(press); }},
-          false);
+      const Motion slide{duration_of(std::hypot(1.0, kSlopeLimit) * length, 0.0, mean, options_),
+                         [=](double u) { return touch.approach.from(touch.surface(u * length)).at(press); }};
+      add(within(slide, options_), false);
     }
     add(straight(out, options_.press, standoff_out, approach_speed, options_), false);
     add(straight(out, standoff_out, exit_s, any_speed, options_), true);
@@ -419,8 +436,7 @@ class Script {
     return count;
   }
 
-  /// Poses at the rate asked for. Each motion starts and ends at rest, with the least jerk between
-  /// (Flash and Hogan 1985), as reaching hands move.
+  /// Poses at the rate asked for.
   Trajectory sampled() const {
     Trajectory trajectory;
     double begin = 0.0;
@@ -430,8 +446,7 @@ class Script {
         const double x = (t - begin) / motion.duration;
         if (x >= 1.0) break;
         if (trajectory.size() == kMaxPoses) refuse_length();
-        const double u = x * x * x * (10.0 + x * (6.0 * x - 15.0));
-        append(trajectory, t, motion.pose(u));
+        append(trajectory, t, motion.pose(progress(x)));
       }
       begin += motion.duration;
     }

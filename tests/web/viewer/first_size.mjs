@@ -35,7 +35,7 @@ describe('the first size', () => {
     assert.ok(Math.abs(said / (100 * 0.25 * 2 * radius * Math.sqrt(3)) - 1) < 0.1, `${said} cm from corner to corner`);
     await settle(desk.page, 4);
     const { height } = await desk.page.locator('#canvas').boundingBox();
-    assert.ok(await shown() > 0.25 * height, `${await shown()} of ${height} px`);
+    assert.ok(await shown() > 0.2 * height, `${await shown()} of ${height} px`);
     const ring = desk.page.locator('.tool-ring');
     const isLarge = await ask(desk.page, (v) => v.toolPixels());
     assert.ok(isLarge >= 24 || (await ring.boundingBox()).width >= 24, `the tool is ${isLarge} px large`);
@@ -56,7 +56,7 @@ describe('the first size', () => {
     await card().getByText(/^It is now .* across\.$/).waitFor();
     await settle(desk.page, 4);
     const { height } = await desk.page.locator('#canvas').boundingBox();
-    assert.ok(await shown() > 0.25 * height && await shown() < height, 'it is seen whole again');
+    assert.ok(await shown() > 0.2 * height && await shown() < height, 'it is seen whole again');
     await card().getByRole('button', { name: 'As captured' }).click();
     await waitFor(() => desk.gateway.parameters.registration.scale === 1, 'the size in the file');
     await card().getByRole('button', { name: 'Keep this size' }).click();

@@ -33,8 +33,9 @@ describe('bringing the tool', () => {
   });
 
   test('it goes around what is in its way', async () => {
-    const { forward } = await ask(desk.page, (v) => v.axes());
-    desk.gateway.tool.position = scaled(forward, 0.2); // behind the ball
+    const { forward, right } = await ask(desk.page, (v) => v.axes());
+    const [behind, beside] = [scaled(forward, 0.2), scaled(right, 0.08)]; // the ball, and the click
+    desk.gateway.tool.position = behind.map((c, k) => c + beside[k]);
     await until(desk.page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 1e-6, desk.gateway.tool.position);
     await desk.page.mouse.click(...await middleOfView());
     await until(desk.page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.1 && !window.palpateViewer.approaching);

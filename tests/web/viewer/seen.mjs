@@ -20,9 +20,37 @@ describe('what is seen', () => {
     }, radius);
     const { width, height } = await desk.page.locator('#canvas').boundingBox();
     for (const [x, y] of [left, right, top, bottom]) assert.ok(x > 0 && y > 0 && x < width && y < height);
-    assert.ok(bottom[1] - top[1] > 0.25 * height, `${bottom[1] - top[1]} of ${height} px`);
+    assert.ok(bottom[1] - top[1] > 0.2 * height, `${bottom[1] - top[1]} of ${height} px`);
     const { y, height: bar } = await desk.page.locator('.bar-row').boundingBox();
     assert.ok(top[1] > y + bar, 'below the toolbar');
+  });
+
+  test('the object is in the middle, however near the tool is, which is in view if it is', async () => {
+    const framed = async (tool) => {
+      desk.gateway.tool.position = tool;
+      await until(desk.page, (at) => window.palpateViewer.tool().every((c, k) => Math.abs(c - at[k]) < 1e-9), tool);
+      await frameAll();
+      const [left, right, at] = await ask(desk.page, (v, r) => [...[-r, r].map((side) => v.axes().right.map((c) => side * c)), v.tool()].map((p) => v.project(p)), radius);
+      return { middle: 0.5 * (left[0] + right[0]), height: left[1], size: right[0] - left[0], at };
+    };
+    const { x, y, width, height } = await desk.page.locator('#canvas').boundingBox();
+    const isSeen = (at) => at && at[0] > x && at[0] < x + width && at[1] > y && at[1] < y + height;
+    const { right, up } = await ask(desk.page, (v) => v.axes());
+    const here = await framed([0, 0, 0]);
+    const beside = await framed(scaled(right, 0.27));
+    const below = await framed(scaled(up, -0.2));
+    const far = await framed(scaled(right, 1.5));
+    for (const view of [here, beside, below, far]) {
+      assert.ok(Math.abs(view.middle - x - 0.5 * width) < 0.02 * width, `${view.middle} of ${width} px`);
+      assert.ok(Math.abs(view.height - here.height) < 0.02 * height, `${view.height} and ${here.height}`);
+    }
+    for (const { at, size } of [beside, below]) {
+      assert.ok(isSeen(at), `${at}`);
+      assert.ok(size < 0.99 * here.size && size > 0.5 * here.size, `${size} and ${here.size}`);
+    }
+    assert.ok(Math.abs(far.size - here.size) < 1, 'it is not made small for a tool that is far away');
+    assert.ok(!isSeen(far.at));
+    desk.gateway.tool.position = clear;
   });
 
   test('the scene is where the program says, in the colours of the file', async () => {

@@ -20,9 +20,11 @@ export function createKeepPanel(parameters, actions) {
     const text = await actions.config();
     if (text !== null) download(text, 'palpate.toml');
   }, { name: 'config' });
+  const use = hint('The next run starts as things are now with ');
+  use.append(element('code', { text: '--config palpate.toml' }), '.');
   byId('keep').append(
     element('div', { className: 'buttons' }, record, report, raw), element('div', { className: 'buttons' }, config),
-    hint('The next run starts as things are now with --config palpate.toml.'));
+    use);
   parameters.onChange(({ recording, recorded }) => {
     record.textContent = recording ? 'End the recording' : 'Record';
     setPressed(record, recording);

@@ -26,7 +26,7 @@ export class StatusBar {
 
   /// {text, level, advice} of what can be said now.
   get said() {
-    if (!this.connection.connected) return { text: 'disconnected', level: 'bad', advice: 'No connection to the program; trying again.' };
+    if (!this.connection.connected) return { text: 'disconnected', level: 'bad', advice: 'No connection to the program; trying again' };
     if (!this.live.isFresh('diagnostics')) return { text: 'no data', level: 'waiting', advice: '' };
     const { level, values } = this.live.diagnostics;
     const fault = values.fault && values.fault !== 'none' ? values.fault : '';

@@ -16,10 +16,11 @@ const mostTimes = 300; // that a scene is larger than the tool, where its unit i
 const patience = 1000; // with a program that has not said where the tool is. Unit: [ms].
 const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
 const nearest = 8; // a double click goes no nearer. In sizes of the tool.
+const toolRoom = 1.2; // around the middle of the tool, that is kept in view. In sizes of the tool.
 const solid = 0.8; // opacity along a ray from which on it is no haze
 const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
+const markRoom = 30; // to both sides of the tool, that a mark takes. Unit: [px].
 const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
-const stretched = 1.4; // a tool that makes the box of the scene larger than by this is left out of it
 
 // Points on rings about the middle, nearest first: [x, y] in pixels.
 function rings(farthest) {
@@ -56,23 +57,23 @@ export class TakeHold {
     if (times > mostTimes) notify(`The tool is ${formatCount(Number(times.toPrecision(2)))} times smaller than the scene. “Propose a setup” in Placement finds a scale.`, 'message');
   }
 
-  /// The whole object, and the tool if it is near.
+  /// The whole object in the middle, and the tool if it is near.
   frameAll() {
-    const box = this.splats.box;
-    const size = (b) => b.getSize(new Vector3()).length();
-    const both = this.live.tool ? box.clone().union(boxAround([this.live.tool.position], 2 * this.felt.size)) : box;
-    this.view.frameAll(box.isEmpty() || size(both) < stretched * size(box) ? both : box, this.#covered());
+    const { live, felt, splats, view } = this;
+    view.frameAll(splats.box, this.#covered(mostCovered), live.tool ? boxAround([live.tool.position], toolRoom * felt.size) : undefined);
   }
 
-  // What the parts of the page that lie on the view take of it from above and from below. Unit: [px].
-  #covered() {
+  // What the parts of the page that lie on the view take of it from above and from below, at most some shares of its height.
+  // Unit: [px]. Only what is near `x`, if that is given.
+  #covered(most, x = null) {
     const view = this.view.canvas.getBoundingClientRect();
     const covered = { top: 0, bottom: 0 };
-    for (const part of document.querySelectorAll('.bar, #stop, #hint, .panels.closed')) {
+    for (const part of document.querySelectorAll('.bar > *, #stop, #hint, .panels.closed')) {
       const { top, bottom, left, right } = part.getBoundingClientRect();
       if (right <= view.left || left >= view.right || bottom <= top) continue;
-      if (top + bottom < view.top + view.bottom) covered.top = Math.max(covered.top, Math.min(bottom - view.top, mostCovered.top * view.height));
-      else covered.bottom = Math.max(covered.bottom, Math.min(view.bottom - top, mostCovered.bottom * view.height));
+      if (x !== null && (x < left - markRoom || x > right + markRoom)) continue;
+      if (top + bottom < view.top + view.bottom) covered.top = Math.max(covered.top, Math.min(bottom - view.top, most.top * view.height));
+      else covered.bottom = Math.max(covered.bottom, Math.min(view.bottom - top, most.bottom * view.height));
     }
     return covered;
   }
@@ -150,8 +151,9 @@ export class TakeHold {
     const { position } = live.tool;
     const middle = depth.gap && depth.gap.from.clone().lerp(depth.gap.to, 0.5).toArray();
     const at = middle && view.project(middle);
+    const seen = view.project(position);
     return {
-      covered: this.#covered().top, at: view.project(position), towards: view.towards(position), radius: felt.size / view.pixelAt(position),
+      covered: this.#covered({ top: 1, bottom: 1 }, seen && seen[0]).top, at: seen, towards: view.towards(position), radius: felt.size / view.pixelAt(position),
       distant: at && { text: formatLength(depth.gap.length), at },
     };
   }

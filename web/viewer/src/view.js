@@ -9,10 +9,12 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { createAxes } from '../../shared/axes.js';
 import { applyTheme, followTheme, themeValue } from '../../shared/theme.js';
 import { Backdrop, sceneLayer } from './backdrop.js';
+import { Frame } from './frame.js';
 
 const fieldOfView = 45; // vertical. Unit: [deg].
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
 const fitMargin = 1.06;
+const mostSmaller = 1.75; // times, that a thing is seen for another to be in view beside it
 const keyTurn = Math.PI / 36; // a press of an arrow key. Unit: [rad].
 const keyZoom = 1.1;
 const axisReach = 22; // of the axes in the corner. Unit: [px].
@@ -93,14 +95,14 @@ export class View {
     this.invalidate();
   }
 
-  /// Moves the camera so that it sees all of a Box3 from where it looks now, in the part of the view that `covered` leaves
-  /// free: {top, bottom} in pixels.
-  frameAll(box, covered = { top: 0, bottom: 0 }) {
+  /// Moves the camera so that it sees all of a Box3 from where it looks now, in the middle of the part of the view that `covered`
+  /// leaves free: {top, bottom} in pixels. The Box3 `beside` is in view, too, where that makes the first at most `mostSmaller` smaller.
+  frameAll(box, covered = { top: 0, bottom: 0 }, beside = new Box3()) {
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 1e-3);
     this.camera.updateMatrixWorld();
-    const { distance, right, up } = this.#fit(box, covered);
+    const { distance, right, up } = this.#fit(box, covered, beside);
     const axes = this.axesOfCamera;
     this.orbit.target.copy(middle).addScaledVector(axes.right, right).addScaledVector(axes.up, up);
     this.camera.position.copy(this.orbit.target).addScaledVector(axes.forward, -distance);
@@ -113,32 +115,31 @@ export class View {
     this.invalidate();
   }
 
-  // From how far, and how far beside the middle of a box, a camera sees all of it. A corner at (x, y, z) of the camera's axes
-  // is in the view where x / (distance + z) and y / (distance + z) are within its sides.
-  #fit(box, { top, bottom }) {
-    const axes = this.axesOfCamera;
+  // From how far, and how far beside the middle of a box, a camera has all of it in the middle, and all of `beside` in view.
+  #fit(box, covered, beside) {
     const middle = box.getCenter(new Vector3());
-    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => new Vector3(...['x', 'y', 'z'].map((axis, bit) => (k & (1 << bit) ? box.max : box.min)[axis])).sub(middle));
-    const along = (axis) => corners.map((corner) => corner.dot(axis));
-    const [xs, ys, zs] = [along(axes.right), along(axes.up), along(axes.forward)];
+    const alone = new Frame({ ...this.#sides(covered), inside: this.#cornersOf(box, middle) });
+    const both = new Frame({ ...alone, beside: this.#cornersOf(beside, middle) });
+    const [near, far] = [alone.leastDistance(), both.leastDistance()];
+    const distance = far < mostSmaller * near ? far : near;
+    return { distance, ...alone.middleAt(distance) };
+  }
+
+  // What a camera sees one unit ahead, {low, high, side}, with a margin.
+  #sides({ top, bottom }) {
     const half = Math.tan((0.5 * fieldOfView * Math.PI) / 180) / fitMargin;
     const height = Math.max(this.canvas.clientHeight, 1);
-    const low = half * (-1 + (2 * bottom) / height);
-    const high = half * (1 - (2 * top) / height);
-    const side = half * this.camera.aspect;
-    const room = (values, from, to, distance) => [
-      Math.max(...values.map((v, i) => v - to * (distance + zs[i]))), Math.min(...values.map((v, i) => v - from * (distance + zs[i])))];
-    let [near, far] = [Math.max(...zs.map((z) => -z)), 1];
-    const sees = (distance) => [room(xs, -side, side, distance), room(ys, low, high, distance)].every(([least, most]) => least <= most);
-    far = Math.max(far, 2 * near) + 1e-3;
-    while (!sees(far) && far < 1e9) far *= 2;
-    for (let k = 0; k < 40; ++k) {
-      const between = 0.5 * (near + far);
-      if (sees(between)) far = between;
-      else near = between;
-    }
-    const middleOf = ([least, most]) => 0.5 * (least + most);
-    return { distance: far, right: middleOf(room(xs, -side, side, far)), up: middleOf(room(ys, low, high, far)) };
+    return { low: half * (-1 + (2 * bottom) / height), high: half * (1 - (2 * top) / height), side: half * this.camera.aspect };
+  }
+
+  // Of a Box3, seen from `origin` along the camera's axes: [right, up, forward] each; none of an empty one.
+  #cornersOf(box, origin) {
+    if (box.isEmpty()) return [];
+    const axes = Object.values(this.axesOfCamera);
+    return [0, 1, 2, 3, 4, 5, 6, 7].map((k) => {
+      const corner = new Vector3(...['x', 'y', 'z'].map((axis, bit) => (k & (1 << bit) ? box.max : box.min)[axis])).sub(origin);
+      return axes.map((axis) => corner.dot(axis));
+    });
   }
 
   /// Turns to a point of the world and looks at it from `distance`, from the side that it is seen from now.
