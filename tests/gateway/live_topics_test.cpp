@@ -120,7 +120,8 @@ TEST_F(LiveTopicsTest, TakesAPoseInTheWorldToWhereTheDeviceIsNow) {
   live->publish();
   put(*first, {1, 6, 4}, "world");
   EXPECT_TRUE(hand.newest().pose.position.isApprox(Vector3d(1, 0, 2)));
-  EXPECT_LT(record.map.to_world(hand.newest().pose).orientation.angularDistance(Quaterniond::Identity()),
+  EXPECT_LT(record.map.to_world(DevicePose(hand.newest().pose))
+                .orientation.angularDistance(Quaterniond::Identity()),
             1e-12);
 }
 

@@ -52,7 +52,7 @@ class Stepper final : public HapticDevice {
  public:
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
   bool read(double t, DeviceReading& reading) override {
-    reading = {t, pose_at(step_++), {}, 0};
+    reading = {t, DevicePose(pose_at(step_++)), {}, 0};
     return true;
   }
   void write(const Wrench&) override {}
@@ -73,7 +73,7 @@ class Breaker final : public HapticDevice {
       if (how_ == How::kThrows) throw Error("the cable burns");
       sleep_until(monotonic_now() + 0.3);
     }
-    reading = {t, pose_at(step_), {}, 0};
+    reading = {t, DevicePose(pose_at(step_)), {}, 0};
     return true;
   }
   void write(const Wrench&) override {}

@@ -21,7 +21,7 @@ struct Handle final : HapticDevice {
   bool read(double t, DeviceReading& reading) override {
     ++reads;
     if (slow_every != 0 && reads % slow_every == 0) sleep_until(monotonic_now() + slow);
-    reading = {t, Pose{}, Twist{}};
+    reading = {t, DevicePose{}, Twist{}};
     reading.pose.position.x() = 0.5 + 1e-6 * std::sin(100.0 * t);
     return true;
   }

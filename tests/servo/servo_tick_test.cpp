@@ -31,7 +31,7 @@ struct Handle final : HapticDevice {
   bool read(double t, DeviceReading& reading) override {
     if (silent || t < said + period - 1e-9) return false;
     said = t;
-    reading = {t, pose, {}};
+    reading = {t, DevicePose(pose), {}};
     reading.pose.position.y() += 1e-6 * std::sin(100.0 * t);  // a hand is never still
     return true;
   }

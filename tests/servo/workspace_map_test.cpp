@@ -16,7 +16,7 @@ WorkspaceMap some_map() {
           Quaterniond(AngleAxisd(0.4, Vector3d(2, 1, -1).normalized()))};
 }
 
-Pose some_pose() {
+DevicePose some_pose() {
   return {{0.05, 0.02, -0.03}, Quaterniond(AngleAxisd(0.7, Vector3d(0, 1, 2).normalized()))};
 }
 
@@ -29,7 +29,7 @@ TEST(WorkspaceMap, ByDefaultTheDeviceIsInTheWorld) {
 }
 
 TEST(WorkspaceMap, ThereAndBackIsTheSamePose) {
-  const Pose back = some_map().to_device(some_map().to_world(some_pose()));
+  const DevicePose back = some_map().to_device(some_map().to_world(some_pose()));
   EXPECT_TRUE(back.position.isApprox(some_pose().position, 1e-12));
   EXPECT_TRUE(back.orientation.isApprox(some_pose().orientation, 1e-12));
 }
@@ -47,8 +47,8 @@ TEST(WorkspaceMap, AMetreOfTheHandIsScaleMetresOfTheWorld) {
   WorkspaceMap map;
   map.scale = 3.0;
   map.rotation = turned({0, 0, 1.5707963267948966});
-  EXPECT_TRUE(
-      map.to_world(Pose{{1, 0, 0}, Quaterniond::Identity()}).position.isApprox(Vector3d(0, 3, 0), 1e-12));
+  EXPECT_TRUE(map.to_world(DevicePose{{1, 0, 0}, Quaterniond::Identity()})
+                  .position.isApprox(Vector3d(0, 3, 0), 1e-12));
   EXPECT_TRUE(map.to_world(Twist{{1, 0, 0}, {1, 0, 0}}).angular.isApprox(Vector3d(0, 1, 0), 1e-12));
 }
 
@@ -57,17 +57,17 @@ TEST(WorkspaceMap, AMetreOfTheHandIsScaleMetresOfTheWorld) {
 TEST(WorkspaceMap, ASpringIsAsStiffInTheHandAndConservative) {
   constexpr double kStiffness = 500.0, kTurning = 0.8, kStep = 1e-6;
   const WorkspaceMap map = some_map();
-  const Pose rest = map.to_world(Pose{});
+  const Pose rest = map.to_world(DevicePose{});
   const auto turn_of = [&](const Pose& world) {
     const AngleAxisd turn(world.orientation * rest.orientation.conjugate());
     return Vector3d(turn.angle() * turn.axis());
   };
-  const auto energy = [&](const Pose& device) {
+  const auto energy = [&](const DevicePose& device) {
     const Pose world = map.to_world(device);
     return map.to_device(0.5 * kStiffness * (world.position - rest.position).squaredNorm() +
                          0.5 * kTurning * turn_of(world).squaredNorm());
   };
-  const Pose at{{0.01, -0.02, 0.005}, turned({0.02, -0.03, 0.01})};
+  const DevicePose at{{0.01, -0.02, 0.005}, turned({0.02, -0.03, 0.01})};
   const Pose world = map.to_world(at);
   const Wrench felt =
       map.to_device(Wrench{-kStiffness * (world.position - rest.position), -kTurning * turn_of(world)});

@@ -187,7 +187,7 @@ void MujocoDevice::tell(double t) {
     velocity.angular +=
         share * (turn_between(told_.pose.orientation, seen.orientation) / dt - velocity.angular);
   }
-  told_.pose = seen;
+  told_.pose = DevicePose(seen);
   told_.t = t;
 }
 

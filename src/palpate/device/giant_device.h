@@ -17,7 +17,7 @@ namespace palpate {
 /// What its force sensor adds to the truth.
 struct ForceSensorProperties {
   double noise = 0.02, torque_noise = 0.002;  ///< of each axis, standard deviation. Unit: [N], [N m].
-  Wrench bias;
+  Wrench bias;                                ///< F_H_D, torque about the TCP
   Wrench drift;                               ///< of the bias. Unit: [N/s], [N m/s].
   double lag = 2e-3;                          ///< of its filter. Unit: [s]. >= 0
   double range = 150.0, torque_range = 15.0;  ///< of each axis: more is told as this. Unit: [N], [N m].
@@ -41,7 +41,7 @@ struct GiantProperties {
 class GiantDevice final : public MotionDevice {
  public:
   /// \param chain checked \param plant made with this chain's shape; moved by this object alone
-  /// \param start of the TCP; must be within reach \throws Error if it is not.
+  /// \param start X_DH of the TCP; must be within reach \throws Error if it is not.
   GiantDevice(const SerialChain& chain, std::unique_ptr<JointPlant> plant, const GiantProperties& properties,
               const Pose& start, std::uint64_t seed = 1);
 
@@ -50,7 +50,7 @@ class GiantDevice final : public MotionDevice {
   MotionAnswer move(const MotionSetpoint& motion, double dt) override;
   void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
 
-  /// Where the TCP really is, and what the hand really exerts on it.
+  /// Where the TCP really is, X_DH, and what the hand really exerts on it, F_H_D, torque about the TCP.
   Pose pose() const;
   Wrench hand() const { return plant_->hand(); }
   const JointMotion& joints() const { return motion_; }

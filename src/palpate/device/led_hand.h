@@ -13,12 +13,12 @@ namespace palpate {
 /// at any rate, and its own way may go on elsewhere. One thread.
 class LedHand {
  public:
-  /// Where it is led to at a time; nothing while nobody leads it.
+  /// X_DH that it is led to at a time; nothing while nobody leads it.
   using Lead = std::function<std::optional<Pose>(double t)>;
 
   LedHand(HandPath own, Lead lead) : own_(std::move(own)), lead_(std::move(lead)) {}
 
-  /// \param t never falls. Unit: [s].
+  /// \returns X_DH \param t never falls. Unit: [s].
   Pose operator()(double t);
 
   /// Of a hand on its way to where it is led; a hand that touches moves at 1 m/s at most.

@@ -12,8 +12,9 @@ bool PlaybackDevice::read(double t, DeviceReading& reading) {
   if (!started_) begin_ = t;
   if (started_ && !(t > last_.t)) return false;
   const Pose pose = pose_at(trajectory_, trajectory_.front().t + (t - begin_));
-  const Twist velocity = started_ ? velocity_between({last_.t, last_.pose, {}}, {t, pose, {}}) : Twist{};
-  reading = last_ = {t, pose, velocity};
+  const Twist velocity =
+      started_ ? velocity_between({last_.t, last_.pose.in_device_frame(), {}}, {t, pose, {}}) : Twist{};
+  reading = last_ = {t, DevicePose(pose), velocity};
   started_ = true;
   return true;
 }

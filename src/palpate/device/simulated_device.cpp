@@ -132,7 +132,7 @@ bool SimulatedDevice::read(double t, DeviceReading& reading) {
   told_ = seen;
   read_at_ = t;
   started_ = true;
-  reading = {t, told_, told_velocity_};
+  reading = {t, DevicePose(told_), told_velocity_};
   return true;
 }
 

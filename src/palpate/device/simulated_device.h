@@ -31,7 +31,8 @@ struct PlantProperties {
   double gyration = 0.03;        ///< radius that makes masses inertias and forces torques. Unit: [m]. > 0
 };
 
-/// Where the hand wants to be, at a time. Must not fail; is called by the thread of read().
+/// X_DH that the hand wants the handle to be at, at a time, in the device's frame D. Must not fail; is called
+/// by the thread of read().
 using HandPath = std::function<Pose(double t)>;
 
 /// A point mass with dry and viscous friction, and an inertia that turns likewise where the device has motors
@@ -57,12 +58,12 @@ class SimulatedDevice final : public HapticDevice {
   void write(const Wrench& wrench) override;
   void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
 
-  /// What the motors show at the time of the last read(). Device's frame.
+  /// What the motors show at the time of the last read(): F_H_D, torque about the handle.
   Wrench motors() const;
-  /// What the encoders do not tell: where the handle really is. World frame.
+  /// What the encoders do not tell: where the handle really is, X_DH, and its velocity V_DH.
   const Pose& pose() const { return pose_; }
   const Twist& velocity() const { return velocity_; }
-  /// Of the hand on the handle. Unit: [N].
+  /// Of the hand on the handle, expressed in D. Unit: [N].
   const Eigen::Vector3d& hand_force() const { return hand_force_; }
   /// That the motors have done on the handle, ever. Unit: [J].
   double motor_work() const { return motor_work_; }

@@ -32,7 +32,7 @@ bool ClientDevice::read(double, DeviceReading& reading) {
         share * (turn_between(last_.pose.orientation, sample.pose.orientation) / dt - last_.velocity.angular);
   }
   read_ = sample.number;
-  last_.pose = sample.pose;
+  last_.pose = DevicePose(sample.pose);
   last_.t = sample.t;
   last_.hand = sample.hand;
   reading = last_;

@@ -9,27 +9,27 @@
 
 namespace palpate {
 
-/// Pose of a body B in the world W: p_W = orientation * p_B + position.
+/// X_FB, the pose of a body B in a frame F, which who holds it names: p_F = orientation * p_B + position.
 struct Pose {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();               ///< Unit: [m], in the world frame.
-  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< Unit norm, body to world.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();               ///< Of the origin of B, in F. Unit: [m].
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< Unit norm, B to F.
 
   bool operator==(const Pose&) const = default;
 };
 
-/// The pose in the world of what has the pose `b` in the frame of a body at `a`.
+/// X_FC = X_FB X_BC.
 inline Pose operator*(const Pose& a, const Pose& b) {
   return {a.orientation * b.position + a.position, a.orientation * b.orientation};
 }
 
-/// Velocity of a body: of its origin and about it, both expressed in the world frame.
+/// V_FB, the velocity of a body B in a frame F: of its origin and about it, both expressed in F.
 struct Twist {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< Unit: [m/s].
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< Unit: [rad/s].
 };
 
-/// What the tool *receives*: force in the world frame, torque about the tool centre in the world
-/// frame. Pushing back is positive along the outward normal of the surface.
+/// F_B_F, what a body B *receives*: force and torque, expressed in a frame F, the torque about the origin of
+/// B, which is the handle of a tool. Pushing back is positive along the outward normal of the surface.
 struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< Unit: [N].
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< Unit: [N m].

@@ -46,7 +46,7 @@ struct FieldDepth {
   Eigen::Vector3d turning = Eigen::Vector3d::Zero();
 };
 
-/// \param contacts of `tool` at `pose`, part by part as query() finds them
+/// \param contacts of `tool` at `pose`, X_WT, part by part as query() finds them
 FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose& pose);
 
 /// The conservative model: with U = k D^2 / 2, force = -dU/dx and torque = -dU/dtheta, exactly. No work is

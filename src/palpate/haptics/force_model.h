@@ -12,8 +12,8 @@ namespace palpate {
 
 /// What a force model is told at one instant. Every number is finite.
 struct ForceInput {
-  Pose tool;        ///< world frame
-  Twist velocity;   ///< of the tool, unfiltered, world frame
+  Pose tool;        ///< X_WT
+  Twist velocity;   ///< V_WT: of the tool, unfiltered
   double dt = 0.0;  ///< time since the last call; 0 if there was none. Unit: [s].
   /// Of all parts of the tool at this pose; null if the model does not want them.
   const ContactSet* contacts = nullptr;
@@ -25,8 +25,8 @@ struct ForceInput {
 
 /// What a force model answers.
 struct ForceOutput {
-  Wrench wrench;  ///< on the tool, torque about its handle
-  /// Where the tool would be if it could not enter anything; the tool's pose where the model has none.
+  Wrench wrench;  ///< F_T_W: on the tool, torque about its handle, expressed in the world
+  /// X_WP: where the tool would be if it could not enter anything; the tool's pose where the model has none.
   Pose proxy;
   /// How far there is a surface where the tool is held, in [0, 1]; see SurfacePatch. 1 where nothing holds it
   /// and where the model has none.

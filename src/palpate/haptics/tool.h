@@ -16,10 +16,10 @@ namespace palpate {
 struct ToolPart {
   std::string name;           ///< for people
   Eigen::Vector3d semi_axes;  ///< Unit: [m]. Positive.
-  Pose pose = {};             ///< of its centre and axes in the tool frame
+  Pose pose = {};             ///< X_TP: of its centre and axes in the tool frame T
 
-  /// Its solid where the tool is at `tool`.
-  Ellipsoid at(const Pose& tool) const { return Ellipsoid::from_semi_axes(tool * pose, semi_axes); }
+  /// Its solid in the world where the tool is at X_WT.
+  Ellipsoid at(const Pose& X_WT) const { return Ellipsoid::from_semi_axes(X_WT * pose, semi_axes); }
 
   bool operator==(const ToolPart&) const = default;
 };

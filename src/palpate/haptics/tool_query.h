@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-/// Replaces `result` by the contacts of all parts of `tool` at `pose`, part by part (Contact::part); counts
-/// are sums. A Gaussian that two parts touch is there twice. Takes memory from the heap if there are many
-/// parts.
+/// Replaces `result` by the contacts of all parts of `tool` at `pose`, X_WT, part by part (Contact::part);
+/// counts are sums. A Gaussian that two parts touch is there twice. Takes memory from the heap if there are
+/// many parts.
 void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, ContactSet& result);
 
 /// The same for a tool that moves little from tick to tick; see ContactTracker.

@@ -167,11 +167,12 @@ Trajectory LiveSystem::explore_room(const SceneIndex& index, const Tool& tool) c
   const WorkspaceMap& map = settings_.device.map;
   const Eigen::AlignedBox3d reach = giant_reach();
   RoomPathOptions options;
-  options.home = map.to_world(*home_);
+  options.home = map.to_world(DevicePose(*home_));
   options.wait = kTares;
   for (int corner = 0; corner < 8; ++corner)
     options.reach.extend(
-        map.to_world(Pose{reach.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)), {}}).position);
+        map.to_world(DevicePose{reach.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)), {}})
+            .position);
   return room_path(index, EllipsoidLookup(index).all(), tool, options).path;
 }
 
@@ -182,14 +183,14 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
     DeviceConnections connections;
     connections.client_hand = &client_hand_;
     if (config.kind == DeviceKind::kPlayback) {
-      for (TimedPose& p : path_) p.pose = config.map.to_device(p.pose);
+      for (TimedPose& p : path_) p.pose = config.map.to_device(p.pose).in_device_frame();
       length_ = path_.back().t - path_.front().t;
       connections.playback = path_;
     } else if (config.kind == DeviceKind::kSimulated || home_) {
       go(path_);
       const HandPath own = [this](double t) {
         way_.update();
-        return tick_->map().to_device((*way_.front())(t));
+        return tick_->map().to_device((*way_.front())(t)).in_device_frame();
       };
       connections.hand = simulated_hand(own, client_hand_, moves_itself_);
       if (home_) connections.hand = LedHand(connections.hand, waits_at(*home_));

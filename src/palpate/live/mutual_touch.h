@@ -45,7 +45,7 @@ class MutualTouch {
 
   /// Where a hand is.
   struct Place {
-    Pose pose;
+    Pose pose;                   ///< X_WT
     const Tool* tool = nullptr;  ///< one that is kept
     double radius = 0.0;         ///< of it. Unit: [m].
     double stiffness = 0.0;      ///< Unit: [N/m].

@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// The velocity that carried the tool from `from` to `to`, world frame; zero if no time passed.
+/// The velocity V_WT that carried the tool from `from` to `to`, world frame; zero if no time passed.
 Twist velocity_between(const TimedPose& from, const TimedPose& to);
 
 /// Contacts and wrench at every pose, in order. Contacts are found in parallel on the calling

@@ -16,9 +16,9 @@ struct TickTimes;
 
 /// What a live loop knows of a tick besides; a replay has no device.
 struct LiveColumns {
-  Twist velocity;  ///< of the tool, world frame
-  /// What the motors were told, after safety, along the axes of the world; RunRow::wrench is what the model
-  /// asked for.
+  Twist velocity;  ///< V_WT: of the tool
+  /// What the motors were told, after safety, F_H_W: torque about the handle, along the axes of the world;
+  /// RunRow::wrench is what the model asked for.
   Wrench sent;
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
@@ -32,12 +32,12 @@ struct LiveColumns {
 /// One tick.
 struct RunRow {
   double t = 0.0;              ///< Unit: [s].
-  Pose tool;                   ///< world frame
+  Pose tool;                   ///< X_WT
   std::size_t candidates = 0;  ///< after the broad phase
   std::size_t filtered = 0;    ///< after the bounding spheres, paper eq. 4
   std::size_t colliding = 0;   ///< after the overlap test
   double k_max = 0.0;          ///< largest K_min; 0 without contact
-  Wrench wrench;               ///< on the tool
+  Wrench wrench;               ///< F_T_W: on the tool, torque about its handle
   Eigen::Vector3d proxy =
       Eigen::Vector3d::Zero();  ///< the tool centre where the model has no proxy. Unit: [m].
   double compute_us = 0.0;      ///< time for the force and the contacts that it is made of. Unit: [us].

@@ -13,7 +13,7 @@ namespace palpate {
 /// The tool at one instant, world frame.
 struct TimedPose {
   double t = 0.0;  ///< Unit: [s].
-  Pose pose;
+  Pose pose;       ///< X_WT
   /// Measured at the handle, world frame, where a recording has it. Unit: [N].
   std::optional<Eigen::Vector3d> user_force;
 };

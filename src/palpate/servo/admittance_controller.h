@@ -35,7 +35,8 @@ struct MotionLimits {
   double stop_time() const;
 };
 
-/// A motion at one instant, for a device to follow. Device's frame; rotation about the TCP.
+/// A motion of the TCP at one instant, for a device to follow: X_DH, V_DH and its derivative, in the device's
+/// frame D.
 struct MotionSetpoint {
   Pose pose;
   Twist velocity, acceleration;
@@ -60,9 +61,9 @@ class AdmittanceController {
  public:
   AdmittanceController(const Admittance& admittance, const MotionLimits& limits);
 
-  /// At rest there. What is outside of the workspace is let in, slowly.
+  /// At rest at X_DH. What is outside of the workspace is let in, slowly.
   void start(const Pose& pose);
-  /// The motion is that of the device, where it could not follow: `pose` and `velocity` as they are.
+  /// The motion is that of the device, where it could not follow: X_DH and V_DH as they are.
   void follow(const Pose& pose, const Twist& velocity, double dt);
 
   /// What is aimed for; see above.
@@ -70,8 +71,8 @@ class AdmittanceController {
   /// In effect now.
   const Admittance& admittance() const { return now_; }
 
-  /// After `dt`, with forces that were measured at its beginning. \pre they are finite \param dt Unit: [s]. >
-  /// 0
+  /// After `dt`, with wrenches F_H_D that were measured at its beginning, torque about the TCP. \pre they are
+  /// finite \param dt Unit: [s]. > 0
   const MotionSetpoint& step(const Wrench& user, const Wrench& scene, double dt);
   /// After `dt` of coming to rest, over in MotionLimits::stop_time().
   const MotionSetpoint& brake(double dt);

@@ -32,11 +32,11 @@ class ForceSensorGuard {
  public:
   explicit ForceSensorGuard(const ForceSensorLimits& limits) : limits_(limits) {}
 
-  /// \param measured at `measured_t` \param t now. Unit: [s]. \returns what is wrong; then `wrench()` is the
-  /// last good one, and not to be used
+  /// \param measured F_H_D, torque about the TCP, at `measured_t` \param t now. Unit: [s]. \returns what is
+  /// wrong; then `wrench()` is the last good one, and not to be used
   SensorFault take(const Wrench& measured, double measured_t, double t);
 
-  /// Of the hand, without bias.
+  /// Of the hand, without bias: F_H_D, torque about the TCP.
   Wrench wrench() const { return {last_.force - bias_.force, last_.torque - bias_.torque}; }
 
   /// Begins to average what is measured.

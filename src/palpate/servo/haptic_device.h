@@ -78,7 +78,8 @@ class HapticDevice {
   /// a network, ends it early with each. Unit: [s], on `clock`, which is the loop's.
   virtual void wait(const LoopClock& clock, double until) { clock.sleep_until(until); }
 
-  /// What the motors show from now on; nothing unless it is enabled. \pre within capabilities(), and finite.
+  /// What the motors show from now on, F_H_D, torque about the handle; nothing unless it is enabled. \pre
+  /// within capabilities(), and finite.
   virtual void write(const Wrench& wrench) = 0;
   /// @}
 

@@ -13,8 +13,8 @@ namespace palpate {
 /// What such a device says at one instant.
 struct MotionReading {
   double t = 0.0;  ///< when it was measured, on the loop's clock. Unit: [s].
-  Pose pose;       ///< of the TCP, as measured; the device's frame
-  Twist velocity;
+  Pose pose;       ///< X_DH: of the TCP, as measured, in the device's frame D
+  Twist velocity;  ///< V_DH
   /// Of the hand on the handle, as the force sensor says, torque about the TCP; along the axes of the
   /// device's frame. Bias and all.
   Wrench user;

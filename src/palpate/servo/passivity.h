@@ -45,9 +45,9 @@ class PassivityController {
   /// 0: turns are not damped. Unit: [m].
   PassivityController(double period, double damping, double damping_max, double arm = 0.0);
 
-  /// What to send at a pose, in place of `wanted`. \param stored S at this pose; infinite if nobody knows: it
-  /// is then only observed. Unit: [J]. \param sent what was sent at the last call, by whoever was last to
-  /// change it \param passed since that. Unit: [s].
+  /// What to send at a pose X_DH, in place of `wanted`; wrenches F_H_D. \param stored S at this pose;
+  /// infinite if nobody knows: it is then only observed. Unit: [J]. \param sent what was sent at the last
+  /// call, by whoever was last to change it \param passed since that. Unit: [s].
   Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose, double passed);
 
   /// D. Unit: [J].

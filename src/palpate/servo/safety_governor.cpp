@@ -26,7 +26,7 @@ bool is_pose(const DeviceReading& r) {
          r.velocity.angular.allFinite() && std::abs(r.pose.orientation.norm() - 1.0) <= kUnitTolerance;
 }
 
-bool same(const Pose& a, const Pose& b) {
+bool same(const DevicePose& a, const DevicePose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
@@ -186,7 +186,7 @@ void SafetyGovernor::forgive(unsigned faults) {
 bool SafetyGovernor::holds(Fault fault) const { return !traits(fault).latched || (held_ & bit(fault)) != 0U; }
 
 /// The force was held from one reading to the next, so that this is exact but for the delay of the device.
-void SafetyGovernor::watch_energy(const Pose& from, const Pose& to, double dt) {
+void SafetyGovernor::watch_energy(const DevicePose& from, const DevicePose& to, double dt) {
   energy_ = std::max(0.0, energy_ - limits_.energy_leak * dt) + std::min(0.0, energy_);
   energy_ += sent_.force.dot(to.position - from.position) +
              sent_.torque.dot(turn_between(from.orientation, to.orientation));

@@ -12,6 +12,7 @@
 
 #include <palpate/geometry/pose.h>
 #include <palpate/servo/device_capabilities.h>
+#include <palpate/servo/device_pose.h>
 #include <palpate/servo/fault.h>
 #include <palpate/servo/sustained_limit.h>
 
@@ -19,13 +20,14 @@ namespace palpate {
 
 /// What a device says at one instant.
 struct DeviceReading {
-  double t = 0.0;  ///< when it was measured, on the loop's clock. Unit: [s].
-  Pose pose;       ///< of the handle, the device's frame
-  Twist velocity;  ///< the same frame
+  double t = 0.0;   ///< when it was measured, on the loop's clock. Unit: [s].
+  DevicePose pose;  ///< X_DH: of the handle H, in the frame D of the device
+  Twist velocity;   ///< V_DH: of H, measured and expressed in D
   /// Another number: another hand has the handle, or the device was away, and the handle may be anywhere.
   std::uint32_t hand = 0;
   std::uint32_t buttons = 0;  ///< a bit each, set while it is pressed; the lowest is the first
-  /// Of the hand on the handle, where the device measures it; along the axes of the device's frame.
+  /// F_H_D: of the hand on the handle, where the device measures it; torque about the origin of H, expressed
+  /// in D.
   std::optional<Wrench> user = {};
 };
 
@@ -119,8 +121,8 @@ class SafetyGovernor {
   /// The last reading that was good. Force models see no other.
   const DeviceReading& reading() const { return reading_; }
 
-  /// What to send, for a model that asks for `wanted`, on contacts that are `contacts_age` old. \param
-  /// contacts_age Unit: [s].
+  /// What to send, F_H_D, for a model that asks for `wanted`, likewise, on contacts that are `contacts_age`
+  /// old. Unit: [s].
   Wrench release(const Wrench& wanted, double contacts_age);
 
   /// Raises `why`, of its own accord: with a latched fault, no force from the next fall on, until resume().
@@ -164,7 +166,7 @@ class SafetyGovernor {
   void begin_tick(double t);
   /// The first thing that is wrong with a reading, kNone if nothing is.
   Fault check(const DeviceReading& reading);
-  void watch_energy(const Pose& from, const Pose& to, double dt);
+  void watch_energy(const DevicePose& from, const DevicePose& to, double dt);
   void watch_rate(bool fresh);
   void watch_lateness();
   void watch_stillness(bool moved);

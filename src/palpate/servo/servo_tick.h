@@ -21,12 +21,12 @@ namespace palpate {
 /// What happened in a tick.
 struct TickRecord {
   double t = 0.0;         ///< Unit: [s].
-  DeviceReading reading;  ///< the last good one, of the device
-  Pose tool;              ///< where that is in the world
-  Twist velocity;         ///< world frame
+  DeviceReading reading;  ///< the last good one, in the device's frame D
+  Pose tool;              ///< X_WT: where that is in the world
+  Twist velocity;         ///< V_WT
   ForceOutput felt;       ///< of the model, there
   WorkspaceMap map;       ///< that took the reading there
-  Wrench sent;            ///< what the device was told, its frame
+  Wrench sent;            ///< F_H_D: what the device was told, torque about the handle
   Wrench sent_world;      ///< the same along the axes of the world, as large as in the hand
   /// Of the tool, by ServoTick::look(); see ContactSet. Of more than ToolTracker::kMost pairs, those that
   /// come first.
@@ -108,7 +108,7 @@ class ServoTick {
   void press_clutch(bool pressed);
   /// Has the tool be at `place` once no force is on, with the hand where it is, as if a clutch had been
   /// pressed meanwhile; not if it is within `reach` of it. TickRecord::map is another then. One thread at a
-  /// time. \param reach Unit: [m].
+  /// time. \param place X_WT \param reach Unit: [m].
   void bring(const Pose& place, double reach);
   /// run() does not come to an end, or the program is about to: the device is stopped, and whatever run() was
   /// about to write is of no force. Also from a signal handler.
@@ -164,7 +164,7 @@ class ServoTick {
   bool changing_ = false;  ///< next_.front() waits until no force is on
   std::atomic<bool> clutch_pressed_ = false;
   struct Place {
-    Pose pose;
+    Pose pose;           ///< X_WT
     double reach = 0.0;  ///< Unit: [m].
   };
   LatestValue<Place> places_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <palpate/geometry/pose.h>
+#include <palpate/servo/device_pose.h>
 
 namespace palpate {
 
@@ -23,24 +24,29 @@ struct WorkspaceMap {
 
   bool operator==(const WorkspaceMap&) const = default;
 
-  Pose to_world(const Pose& device) const {
-    return {offset + scale * (rotation * device.position), rotation * device.orientation * tool};
+  /// \returns X_WT, of the tool T, where the handle is at X_DH
+  Pose to_world(const DevicePose& X_DH) const {
+    return {offset + scale * (rotation * X_DH.position), rotation * X_DH.orientation * tool};
   }
-  Twist to_world(const Twist& device) const {
-    return {scale * (rotation * device.linear), rotation * device.angular};
+  /// \returns V_WT, expressed in W, where the handle moves with V_DH, expressed in D
+  Twist to_world(const Twist& V_DH) const {
+    return {scale * (rotation * V_DH.linear), rotation * V_DH.angular};
   }
-  Pose to_device(const Pose& world) const {
-    return {rotation.conjugate() * (world.position - offset) / scale,
-            rotation.conjugate() * world.orientation * tool.conjugate()};
+  /// \returns X_DH of the handle that holds the tool at X_WT
+  DevicePose to_device(const Pose& X_WT) const {
+    return {rotation.conjugate() * (X_WT.position - offset) / scale,
+            rotation.conjugate() * X_WT.orientation * tool.conjugate()};
   }
-  Wrench to_device(const Wrench& world) const {
-    return {rotation.conjugate() * world.force / scale,
-            rotation.conjugate() * world.torque / (scale * scale)};
+  /// \param F_T_W on the tool, torque about the origin of T, expressed in W \returns F_H_D, on the handle,
+  /// torque about the origin of H, expressed in D
+  Wrench to_device(const Wrench& F_T_W) const {
+    return {rotation.conjugate() * F_T_W.force / scale,
+            rotation.conjugate() * F_T_W.torque / (scale * scale)};
   }
-  /// Changes offset and H so that the tool is at `world` where the handle is at `device`.
-  void attach(const Pose& world, const Pose& device) {
-    offset += world.position - to_world(device).position;
-    tool = ((rotation * device.orientation).conjugate() * world.orientation).normalized();
+  /// Changes offset and H so that the tool is at X_WT where the handle is at X_DH.
+  void attach(const Pose& X_WT, const DevicePose& X_DH) {
+    offset += X_WT.position - to_world(X_DH).position;
+    tool = ((rotation * X_DH.orientation).conjugate() * X_WT.orientation).normalized();
   }
   /// Of an energy of the world, in J.
   double to_device(double energy) const { return energy / (scale * scale); }

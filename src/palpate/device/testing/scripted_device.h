@@ -75,7 +75,7 @@ class ScriptedDevice final : public HapticDevice {
     const double dt = measured - told_.t;
     Twist velocity;
     if (read_ && dt > 0.0) velocity.linear = (pose.position - told_.pose.position) / dt;
-    reading = told_ = {measured, pose, velocity, plugged_in_};
+    reading = told_ = {measured, DevicePose(pose), velocity, plugged_in_};
     read_at_ = t;
     read_ = true;
     return true;
@@ -117,7 +117,7 @@ class ScriptedDevice final : public HapticDevice {
   }
 
   Pose spoilt(Pose pose, double t) {
-    if (has(DeviceFault::kFrozen, t) && read_) pose = told_.pose;
+    if (has(DeviceFault::kFrozen, t) && read_) pose = told_.pose.in_device_frame();
     if (has(DeviceFault::kReversed, t)) pose.position.x() *= -1.0;
     if (has(DeviceFault::kNoisy, t)) {
       noise_ = noise_ * 1664525U + 1013904223U;  // Numerical Recipes' generator
