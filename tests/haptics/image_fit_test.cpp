@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -151,7 +152,8 @@ TEST(ToolSide, FindsWhereASurfaceIsNearest) {
     return (slope - side.slope).dot(u) + 0.5 * u.dot((side.curvature + bend) * u);
   };
   for (int k = 0; k < 8; ++k) {
-    const Vector2d aside = 1e-4 * Vector2d(std::cos(0.25 * M_PI * k), std::sin(0.25 * M_PI * k));
+    const Vector2d aside =
+        1e-4 * Vector2d(std::cos(0.25 * std::numbers::pi * k), std::sin(0.25 * std::numbers::pi * k));
     EXPECT_GT(gap(at + aside), gap(at));
     EXPECT_LT(gap(at + aside) - gap(at), 1e-4 * 1e-4 * 100.0);
   }
@@ -246,7 +248,8 @@ TEST(ImageFit, SaysHowRoughItIs) {
   double last = 0.0;
   for (const double step : {0.0005, 0.001}) {
     const auto height = [step](double x, double y) {
-      const double sign = std::sin(2.0 * M_PI * x / 0.008) * std::sin(2.0 * M_PI * y / 0.008);
+      const double sign =
+          std::sin(2.0 * std::numbers::pi * x / 0.008) * std::sin(2.0 * std::numbers::pi * y / 0.008);
       return 0.03 + (sign > 0.0 ? step : -step);
     };
     const Seen seen(height);

@@ -21,6 +21,7 @@ constexpr int kFits = 3;
 /// What is farther from the first fit than this counts half; from a later one, what is farther than kFar
 /// times the roughness. In details.
 constexpr double kFirstSpread = 1.0, kLeastSpread = 0.15, kFar = 2.0;
+
 }  // namespace
 
 Vector2d image_of(const ViewFrame& view, const Vector3d& point) {

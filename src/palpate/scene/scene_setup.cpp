@@ -96,7 +96,8 @@ Level largest_level(const std::vector<Piece>& pieces, int axis, const Eigen::Ali
   constexpr double kAlike = 0.8;
   std::array<double, kBins> seen{};
   const double low = box.min()[axis], width = box.sizes()[axis] / static_cast<double>(kBins);
-  const auto bin = [&](const Piece& piece) {
+  const auto bin = [&](const Piece& piece) -> std::size_t {
+    if (width == 0.0) return 0;  // all are in one plane
     const double at = (piece.position[axis] - low) / width;
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(kBins - 1)));
   };
