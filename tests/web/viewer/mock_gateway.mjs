@@ -56,6 +56,7 @@ export class MockGateway {
   #shown = new Set(); // ids of the contacts in the last message
   #sockets = new Map(); // socket: Set of topics
   #lastPose;
+  #since; // reset(), on the clock of stamps. Unit: [ms].
 
   constructor(folder, scene = ballScene(600)) {
     this.folder = folder;
@@ -81,6 +82,7 @@ export class MockGateway {
       },
     });
     this.#lastPose = -Infinity;
+    this.#since = Date.now();
     this.change({ ...parameters, scene: { ...this.parameters.scene, name: this.#nameOf(ply) } });
   }
 
@@ -185,7 +187,10 @@ export class MockGateway {
     }
   }
 
+  // What was under way when all began anew belongs to what was before.
   #pose(message) {
+    const { secs, nsecs } = message.header.stamp;
+    if (1e3 * secs + 1e-6 * nsecs < this.#since) return;
     this.poses.push(message);
     if (this.parameters.demo) this.change({ demo: false });
     const { position: { x, y, z }, orientation: q } = message.pose;
