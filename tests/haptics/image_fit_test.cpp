@@ -37,7 +37,7 @@ struct Any {
     for (;;) {
       const Vector3d inside =
           solid.center + 0.8 * random.uniform(0.0, 1.0) * (solid.axes * random.direction());
-      const Vector2d at = image_of(view, inside);
+      Vector2d at = image_of(view, inside);
       if (is_below(profile, at)) return at;
     }
   }
