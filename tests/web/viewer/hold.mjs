@@ -125,11 +125,11 @@ describe('holding the tool', () => {
     assert.ok(Math.abs(Math.hypot(...Object.values(pose.orientation)) - 1) < 1e-9);
     await desk.page.mouse.up();
     assert.equal(await ask(desk.page, (v) => v.held), false);
-    await settle(desk.page);
+    await waitFor(() => !desk.gateway.isHeld, 'the hand is free again'); // the last pose has come by then
     const sent = desk.gateway.poses.length;
     const left = desk.gateway.tool.position;
     assert.ok(distance(left, clear) > 0.02);
-    await waitFor(() => !desk.gateway.isHeld, 'the hand is free again');
+    await settle(desk.page, 4);
     await desk.page.waitForFunction(() => /stays where it is/.test(document.getElementById('holder').textContent));
     assert.equal(desk.gateway.poses.length, sent);
     assert.equal(desk.gateway.parameters.demo, false, 'and the demo does not take it');
