@@ -41,6 +41,7 @@ describe('another scene', () => {
   test('is chosen as a file, or dropped, and handed over whole', async () => {
     await desk.page.locator('#scene-file').setInputFiles({ name: 'my cup.ply', mimeType: '', buffer: Buffer.alloc(300000) });
     await waitFor(() => desk.gateway.uploaded.length === 1, 'the file');
+    await until(desk.page, () => document.getElementById('sending').hidden); // it takes one at a time
     await drop('cup.splat', 64);
     await waitFor(() => desk.gateway.uploaded.length === 2, 'the other');
     assert.deepEqual(desk.gateway.uploaded, [{ name: 'my cup.ply', bytes: 300000 }, { name: 'cup.splat', bytes: 64 }]);
