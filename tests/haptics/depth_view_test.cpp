@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -428,6 +430,40 @@ TEST(SplatTracker, KnowsAllThatTheSolidTouchesWhereverItGoes) {
       EXPECT_LT((near.position(i) - contact.center).norm(), 1e-7);
     }
   }
+}
+
+TEST(SelectSplats, LeavesOutNothingThatReachesIntoTheSolid) {
+  Random random(44);
+  std::vector<test::Splat> splats;
+  for (int i = 0; i < 2000; ++i)
+    splats.push_back(
+        test::splat({random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)},
+                    {random.uniform(0.0, 0.01), random.uniform(0.0, 0.002), 0.0005}));
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  SplatTracker all(index);
+  const LocalSplats& near = all.around(ball(Vector3d::Zero(), 0.08));
+  LocalSplats chosen, few(8);
+  std::size_t most = 0;
+  for (int step = 0; step < 50; ++step) {
+    const Vector3d at = 0.03 * Vector3d(random.normal(), random.normal(), random.normal());
+    if (at.norm() > 0.06) continue;
+    const Ellipsoid solid = ball(at, 0.015);
+    ASSERT_TRUE(select_splats(near, solid, chosen));
+    EXPECT_LT(chosen.size, near.size / 2);
+    most = std::max(most, chosen.size);
+    ContactSet touched;
+    index.query(solid, touched);
+    for (const Contact& contact : touched.contacts) {
+      const std::span<const std::uint32_t> ids(chosen.id.data(), chosen.size);
+      const auto found = std::ranges::find(ids, contact.id);
+      ASSERT_NE(found, ids.end());
+      const auto i = static_cast<std::size_t>(found - ids.begin());
+      EXPECT_LT((chosen.position(i) - contact.center).norm(), 1e-7);
+    }
+    EXPECT_EQ(select_splats(near, solid, few), chosen.size <= 8);
+    EXPECT_EQ(few.size, chosen.size <= 8 ? chosen.size : 0);
+  }
+  EXPECT_GT(most, 8U);
 }
 
 /// What a ray through the middle of a ball at the origin sees, looking down.

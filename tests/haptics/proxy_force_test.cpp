@@ -601,6 +601,57 @@ TEST(ProxyForce, HoldsTheLastOfManyParts) {
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
 }
 
+/// As many parts as a tool may have, close together. \param top how high they are. Unit: [m].
+Tool plate_of_256(double top) {
+  constexpr int kSide = 16;
+  std::vector<ToolPart> parts;
+  for (int i = 0; i < kSide; ++i)
+    for (int k = 0; k < kSide; ++k)
+      parts.push_back({"part",
+                       {0.006, 0.006, top},
+                       {{0.008 * (i - 7.5), 0.008 * (k - 7.5), 0.0}, Eigen::Quaterniond::Identity()}});
+  return Tool(parts);
+}
+
+// What a tick had no budget for, the next does: the searches and looks of 256 parts, most of which touch, do
+// not keep the proxy waiting for long, and what they have looked at is not looked at again.
+TEST(ProxyForce, GoesOnWithAsManyPartsAsAToolMayHave) {
+  constexpr double kTop = 0.008, kDepth = 0.003;
+  constexpr int kLongestWait = 60;
+  Bench bench("plane", even(0.004), {}, plate_of_256(kTop));
+  Vector3d place(0, 0, 0.03), before(0, 0, 1);
+  int waits = 0, longest = 0;
+  for (int tick = 0; tick < 600; ++tick) {
+    if (place.z() > kTop - kDepth) place.z() -= 2e-4;
+    place.x() = 0.02 * std::sin(0.005 * tick);
+    const Vector3d proxy = bench.at(place).proxy.position;
+    EXPECT_GT(proxy.z(), kTop - 1e-3);
+    waits = proxy == before ? waits + 1 : 0;
+    longest = std::max(longest, waits);
+    before = proxy;
+  }
+  EXPECT_LT(longest, kLongestWait);
+  ForceOutput felt;
+  for (int tick = 0; tick < 400; ++tick) felt = bench.at(place);
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
+}
+
+// A tick is not enough to find out what 256 parts are in: there is no force until all have looked, and then
+// all hold the tool.
+TEST(ProxyForce, StartsInASurfaceWithAsManyPartsAsAToolMayHave) {
+  constexpr double kTop = 0.008, kDepth = 0.003;
+  Bench bench("plane", even(0.004), {}, plate_of_256(kTop));
+  const Vector3d place(0, 0, kTop - kDepth);
+  int ticks = 0;
+  ForceOutput felt = bench.at(place);
+  for (; felt.wrench.force.norm() == 0.0 && ticks < 200; ++ticks) felt = bench.at(place);
+  EXPECT_GT(ticks, 1);
+  EXPECT_LT(ticks, 100);
+  for (int tick = 0; tick < 100; ++tick) felt = bench.at(place);
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
+  EXPECT_LT(felt.wrench.torque.norm(), 0.01 * kStiffness * kDepth);
+}
+
 // So fine a detail sees no farther than half a millimetre: the proxy does not go farther either.
 TEST(ProxyForce, DoesNotEnterWhatItHasNotSeen) {
   std::vector<test::Splat> splats;

@@ -1,6 +1,7 @@
 #include <palpate/collision/local_splats.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Geometry>
 
@@ -106,7 +107,43 @@ void magnify(LocalSplats& splats, std::size_t i, float times) {
   splats.radius[i] *= times;
 }
 
+/// False if a plane across one of the splat's semi-axes separates it from the solid. \param from the splat's
+/// centre to the solid's
+bool slabs_meet(const LocalSplats& splats, std::size_t i, const Vector3f& from, const Eigen::Matrix3f& axes) {
+  constexpr float kRounding = 1e-3F;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3f row = row_of(splats, k, i);
+    if (std::abs(row.dot(from)) > (1.0F + kRounding) * (1.0F + (axes.transpose() * row).norm())) return false;
+  }
+  return true;
+}
+
+void copy_splat(const LocalSplats& from, std::size_t i, LocalSplats& to, std::size_t k) {
+  for (std::size_t r = 0; r < 3; ++r) to.center[r][k] = from.center[r][i];
+  for (std::size_t r = 0; r < 9; ++r) to.whitening[r][k] = from.whitening[r][i];
+  to.radius[k] = from.radius[i];
+  to.opacity[k] = from.opacity[i];
+  to.id[k] = from.id[i];
+}
+
 }  // namespace
+
+bool select_splats(const LocalSplats& splats, const Ellipsoid& solid, LocalSplats& result) {
+  const std::size_t room = result.id.size() - kIndexWidth;
+  const Eigen::Matrix3f axes = solid.axes.cast<float>();
+  const double radius = solid.radius();
+  std::size_t found = 0;
+  result.size = 0;
+  for (std::size_t i = 0; i < splats.size; ++i) {
+    const Eigen::Vector3d from = solid.center - splats.position(i);
+    const double reach = radius + static_cast<double>(splats.radius[i]);
+    if (from.squaredNorm() > reach * reach || !slabs_meet(splats, i, from.cast<float>(), axes)) continue;
+    if (found == room) return false;
+    copy_splat(splats, i, result, found++);
+  }
+  result.size = found;
+  return true;
+}
 
 LocalSplats::LocalSplats(std::size_t capacity) {
   const std::size_t room = capacity + kIndexWidth;

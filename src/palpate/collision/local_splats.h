@@ -10,6 +10,7 @@
 
 #include <palpate/base/aligned_vector.h>
 #include <palpate/collision/index_layout.h>
+#include <palpate/geometry/ellipsoid.h>
 
 namespace palpate {
 
@@ -40,6 +41,11 @@ struct LocalSplats {
 
   Eigen::Vector3d position(std::size_t i) const { return {center[0][i], center[1][i], center[2][i]}; }
 };
+
+/// Replaces `result` by those of `splats` that may reach into `solid`, in their order: all that do, and a few
+/// besides. Takes nothing from the heap. \param solid world frame \returns false if they do not fit its
+/// capacity; it is then empty
+bool select_splats(const LocalSplats& splats, const Ellipsoid& solid, LocalSplats& result);
 
 struct CandidateSet;
 struct CapturedFrame;

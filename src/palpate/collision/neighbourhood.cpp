@@ -63,4 +63,6 @@ void Neighbourhood::splats(const SceneIndex& index, LocalSplats& result) const {
 
 std::size_t Neighbourhood::size() const { return candidates_->size; }
 
+std::size_t Neighbourhood::walked() const { return candidates_->walked; }
+
 }  // namespace palpate

@@ -58,6 +58,8 @@ class Neighbourhood {
 
   /// How many Gaussians are kept.
   std::size_t size() const;
+  /// How many the last search went through: what it cost.
+  std::size_t walked() const;
 
  private:
   void remember(const Ellipsoid& solid, bool fits);

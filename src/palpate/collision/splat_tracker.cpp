@@ -14,9 +14,11 @@ const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
     ahead_->want(solid);
     if (ahead_->newest().covers(solid)) known = &ahead_->newest();
   }
+  has_searched_ = false;
   if (!known->covers(solid)) {
     known = &near_;
-    if (!known->covers(solid))
+    has_searched_ = !known->covers(solid);
+    if (has_searched_)
       near_.search_drawn(index_, {solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes});
   }
   taken_up_ = 0;

@@ -29,6 +29,10 @@ class SplatTracker {
   const LocalSplats& newest() const { return *splats_; }
   /// How many Gaussians around() took up anew in its last call; none if what it had was enough.
   std::size_t taken_up() const { return taken_up_; }
+  /// True if around() had to search in its last call.
+  bool has_searched() const { return has_searched_; }
+  /// How many Gaussians that search went through; none if there was none.
+  std::size_t walked() const { return has_searched_ ? near_.walked() : 0; }
 
  private:
   void fill_from(const Neighbourhood& known);
@@ -39,6 +43,7 @@ class SplatTracker {
   const Neighbourhood* filled_from_ = nullptr;
   std::uint64_t filled_at_ = 0;  ///< Neighbourhood::searches() then
   std::size_t taken_up_ = 0;
+  bool has_searched_ = false;
   std::unique_ptr<LocalSplats> splats_;
 };
 

@@ -110,12 +110,21 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
     : parameters_(parameters),
       gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
-      step_(std::numeric_limits<double>::infinity()) {
+      step_(std::numeric_limits<double>::infinity()),
+      budget_(tool.parts().size() > kFewParts) {
   const double extent = index.usual_extent();
   const std::size_t capacity = Neighbourhood::capacity_for(tool.parts().size());
+  std::vector<ToolPart> larger;
   for (const ToolPart& part : tool.parts()) {
     parts_.emplace_back(index, part, parameters, extent, lookahead, capacity, budget_);
     step_ = std::min(step_, 0.5 * parts_.back().reach);
+    larger.push_back(parts_.back().larger);
+  }
+  const std::vector<PartGroup> groups = group_parts(larger);
+  const std::size_t splat_capacity = Neighbourhood::capacity_for(groups.size());
+  for (const PartGroup& group : groups) {
+    groups_.emplace_back(index, group.around, group.members.size() == 1, lookahead, splat_capacity);
+    for (const std::size_t k : group.members) parts_[k].join(groups_.back(), capacity);
   }
   contacts_.contacts.reserve(kRoom);
   obstacles_.planes.reserve(SurfacePatches::kMost * parts_.size());
@@ -135,18 +144,30 @@ void ProxyForce::reset() {
     part.patches.clear();
     part.heading.setZero();
     part.ahead = part.aside = part.one_end = part.other_end = {};
+    part.ready = false;
   }
 }
 
 bool ProxyForce::touches(Part& part, const Ellipsoid& solid) {
+  budget_.spend_on_touch();
   part.touched.query(solid, contacts_);
   return !contacts_.contacts.empty();
+}
+
+bool ProxyForce::start() {
+  for (; starting_ < parts_.size(); ++starting_) {
+    if (budget_.is_half_spent()) return false;
+    start_patches(parts_[starting_]);
+  }
+  return true;
 }
 
 void ProxyForce::start_patches(Part& part) {
   const Ellipsoid solid = part.solid.at(proxy_);
   if (!touches(part, solid)) return;
-  const LocalSplats& splats = part.splats.around(part.larger.at(proxy_));
+  SplatTracker& tracker = part.group->splats;
+  const LocalSplats& splats = tracker.around(part.group->solid.at(proxy_));
+  budget_.spend_on_start(tracker.taken_up());
   // The deepest first.
   std::ranges::sort(contacts_.contacts, [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
   for (const Contact& contact : contacts_.contacts)
@@ -206,7 +227,7 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
 }
 
 bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) {
-  const LocalSplats& splats = part.splats.newest();
+  const LocalSplats& splats = *part.near;
   if (splats.size == 0) return true;
   const Ellipsoid solid = part.solid.at(proxy_);
   const Eigen::Vector3d goes = motion.translation + motion.rotation.cross(solid.center - proxy_.position);
@@ -225,20 +246,37 @@ bool ProxyForce::may_meet(Part& part, const Goal& goal) {
   return way_between(solid, there) > std::min(step_, goal.longest) || touches(part, there);
 }
 
+void ProxyForce::select_near(Part& part) {
+  const LocalSplats& splats = part.group->splats.newest();
+  part.near = &splats;
+  if (part.group->is_single || splats.size == 0) return;
+  if (select_splats(splats, part.larger.at(proxy_), *part.own)) part.near = part.own.get();
+  budget_.spend_on_selection(splats.size, part.own->size);
+}
+
 bool ProxyForce::look_around(const Goal& goal) {
-  bool sees = true;
   for (Part& part : parts_) {
-    const bool looks = !budget_.is_spent();
-    budget_.spend_on_part();
-    if (looks) {
-      part.splats.around(part.larger.at(proxy_));
-      budget_.spend_on_search(part.splats.taken_up());
-    }
-    part.patches.follow(part.splats.newest(), part.solid.at(proxy_));
-    part.meets = may_meet(part, goal);
-    sees = looks && look_ahead(part, part.splats.newest(), goal) && sees;
+    if (!part.ready) part.ready = look_from(part, goal);
+    if (!part.ready) return false;
   }
-  return sees;
+  return true;
+}
+
+bool ProxyForce::look_from(Part& part, const Goal& goal) {
+  if (budget_.is_spent()) return false;
+  budget_.spend_on_part();
+  search(*part.group);
+  if (budget_.is_spent()) return false;
+  select_near(part);
+  part.patches.follow(*part.near, part.solid.at(proxy_));
+  part.meets = may_meet(part, goal);
+  return look_ahead(part, *part.near, goal);
+}
+
+void ProxyForce::search(Group& group) {
+  group.splats.around(group.solid.at(proxy_));
+  budget_.spend_on_taking_up(group.splats.taken_up());
+  if (group.splats.has_searched()) budget_.spend_on_search(group.splats.walked());
 }
 
 void ProxyForce::find_obstacles() {
@@ -322,6 +360,8 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
   Motion motion;
   for (int k = 0; k < kMostTurns; ++k) {
     find_obstacles();
+    if (!budget_.allows_motion(obstacles_.planes.size())) return std::nullopt;
+    budget_.spend_on_motion(obstacles_.planes.size());
     motion = constrained_motion(wanted, obstacles_.planes, gyration_);
     held = hold();
     if (share_within(wanted, motion, stretch, gyration_) < 1.0) motion = less_wound(wanted, motion, stretch);
@@ -337,7 +377,7 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
     if (!found) break;
   }
   for (Part& part : parts_)
-    part.ahead.done = part.aside.done = part.one_end.done = part.other_end.done = false;
+    part.ready = part.ahead.done = part.aside.done = part.one_end.done = part.other_end.done = false;
   return motion;
 }
 
@@ -460,12 +500,16 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   budget_.refill();
   const bool jumped =
       !trails_ && (input.tool.position - tool_.position).norm() > kJump * parameters_.hand_scale;
-  const bool first = !started_ || jumped;
-  if (first) {
+  if (!started_ || jumped) {
     reset();
     proxy_ = tool_ = input.tool;
     started_ = true;
-    for (Part& part : parts_) start_patches(part);
+    starting_ = 0;
+    steps_out_ = kMostFreeSteps;
+  }
+  if (!start()) {
+    tool_ = input.tool;
+    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   }
   damping_max_ = input.damping_max;
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
@@ -482,8 +526,9 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
   const double more = trails_ ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
-  const double stretch = first ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
-  const int most_held = first ? kMostFreeSteps : kMostSteps;
+  const bool starts = steps_out_ > 0;
+  const double stretch = starts ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
+  const int most_held = starts ? steps_out_ : kMostSteps;
   int held_steps = 0;
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
     const double gone = step(input.tool, way, stretch);
@@ -491,6 +536,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     held_steps += held_ ? 1 : 0;
     if (gone < kSettled * step_) break;
   }
+  steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   remember(proxy_.position - before);
   // On its way through free space, nothing is felt.
   if (!trails_) {
@@ -499,7 +545,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   }
   const Motion pull = motion_between(input.tool, proxy_);
   const double length = length_of(pull, gyration_);
-  wind(pull, length, first ? std::nullopt : std::optional(moved), input.dt);
+  wind(pull, length, starts ? std::nullopt : std::optional(moved), input.dt);
   if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   const double k = spring_.stiffness, of_length = k * spring_.felt / length;
   const double push = of_length * damped(of_length * pull.translation);

@@ -12,7 +12,9 @@
 #include <palpate/collision/splat_tracker.h>
 #include <palpate/haptics/constrained_motion.h>
 #include <palpate/haptics/force_model.h>
+#include <palpate/haptics/look_budget.h>
 #include <palpate/haptics/material.h>
+#include <palpate/haptics/part_groups.h>
 #include <palpate/haptics/surface_patches.h>
 #include <palpate/haptics/tool.h>
 
@@ -82,8 +84,9 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 /// surface is made of there, and over the patches, by how hard they are pushed.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
-/// its memory: an object serves one tool on one thread. Takes nothing from the heap after construction,
-/// unless a part has more than kRoom contacts at once.
+/// its memory: an object serves one tool on one thread. Where a tool of many parts starts, some ticks pass
+/// without a force until all of them have looked at what they are in. Takes nothing from the heap after
+/// construction, unless a part has more than kRoom contacts at once.
 class ProxyForce final : public ForceModel {
  public:
   /// `index` and `lookahead` must outlive it; see ContactTracker.
@@ -127,20 +130,38 @@ class ProxyForce final : public ForceModel {
     double head_on = 0.0;          ///< see SurfacePatches::look_ahead()
   };
 
+  /// Parts that look at the scene together.
+  struct Group {
+    Group(const SceneIndex& index, const ToolPart& around, bool single, Lookahead* lookahead,
+          std::size_t capacity)
+        : solid(around), is_single(single), splats(index, lookahead, capacity) {}
+
+    ToolPart solid;  ///< around all of them, enlarged
+    bool is_single;  ///< the part itself
+    SplatTracker splats;
+  };
+
   struct Part {
     Part(const SceneIndex& index, const ToolPart& part, const ProxyParameters& parameters, double extent,
          Lookahead* lookahead, std::size_t capacity, LookBudget& budget)
         : solid(part),
           reach(reach_of(part, detail_of(part, parameters), extent)),
           larger(enlarged(part, detail_of(part, parameters), reach)),
-          splats(index, lookahead, capacity),
           touched(index, Precision::kDouble, lookahead, capacity),
           patches(detail_of(part, parameters), larger.semi_axes.cwiseQuotient(part.semi_axes), budget) {}
+
+    void join(Group& joined, std::size_t capacity) {
+      group = &joined;
+      near = &joined.splats.newest();
+      if (!joined.is_single) own = std::make_unique<LocalSplats>(capacity);
+    }
 
     ToolPart solid;
     double reach;     ///< Unit: [m].
     ToolPart larger;  ///< by the reach
-    SplatTracker splats;
+    Group* group = nullptr;
+    const LocalSplats* near = nullptr;  ///< what it looks at: of its group, or its own
+    std::unique_ptr<LocalSplats> own;   ///< those of its group that it may see; null where it is alone
     ContactTracker touched;
     SurfacePatches patches;
     /// Mean direction of the last way of the centre, over a quarter of the thinnest semi-axis; a unit vector
@@ -149,12 +170,13 @@ class ProxyForce final : public ForceModel {
     Sight ahead;               ///< the way that the centre wants to go
     Sight aside;               ///< and the way that it goes, along what holds it
     Sight one_end, other_end;  ///< and the ends, where it turns
+    bool ready = false;        ///< has looked all around for the step that is to come
     bool meets = false;        ///< its patches hold it in the step that is to come
   };
 
   /// Where a step goes.
   struct Goal {
-    Pose target;
+    Pose target;           ///< X_WT
     double longest = 0.0;  ///< of the step. Unit: [m].
   };
 
@@ -201,12 +223,18 @@ class ProxyForce final : public ForceModel {
   std::optional<Motion> way_to(const Goal& goal, double stretch, Hold& held);
   /// Follows the patches of all parts, and looks where they are about to go. \returns as look_ahead()
   bool look_around(const Goal& goal);
+  /// Does so from one part. \returns as look_ahead()
+  bool look_from(Part& part, const Goal& goal);
+  /// Finds the Gaussians around a group.
+  void search(Group& group);
   /// The patches of all parts as obstacles.
   void find_obstacles();
   /// Looks where `part` goes with that motion. \returns as look_ahead()
   bool look_aside(Part& part, const Motion& motion, const Goal& goal);
   /// Looks where `part` is about to go. \returns false if the budget was spent before.
   bool look_ahead(Part& part, const LocalSplats& splats, const Goal& goal);
+  /// Of what is around its group, what `part` may see.
+  void select_near(Part& part);
   /// The same for one direction.
   bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look, const Pose& target);
   /// True if `part` touches an ellipsoid there.
@@ -214,6 +242,8 @@ class ProxyForce final : public ForceModel {
   /// False if `part` is free, will be where it wants to be after this step, and touches nothing there: a
   /// contact begins only where the tool touches something, whatever patches the last one has left.
   bool may_meet(Part& part, const Goal& goal);
+  /// Goes on with the parts that have not started yet. \returns false if there are some left
+  bool start();
   /// Patches of what the tool is in where it starts.
   void start_patches(Part& part);
   Properties properties_of(const SurfacePatches& patches, std::size_t i) const;
@@ -236,7 +266,8 @@ class ProxyForce final : public ForceModel {
   double radius_;    ///< of the tool about its handle. Unit: [m].
   double step_;      ///< the farthest that a point moves at once. Unit: [m].
   LookBudget budget_;
-  std::deque<Part> parts_;  ///< that cannot be moved
+  std::deque<Group> groups_;  ///< that cannot be moved
+  std::deque<Part> parts_;    ///< nor can they
   ContactSet contacts_;
   Obstacles obstacles_;
   /// Mean direction of the proxy's last way, of the length of a step; a unit vector if that was straight.
@@ -244,11 +275,13 @@ class ProxyForce final : public ForceModel {
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   double damping_max_ = 0.0;                            ///< ForceInput::damping_max
   bool started_ = false;
-  bool held_ = false;    ///< by something, in the last step
-  bool trails_ = false;  ///< has been held since it was last with the tool
-  bool waits_ = false;   ///< for the time to look where it goes
-  Goal goal_;            ///< of the last step
-  Hold hold_;            ///< of the last step in which it was held
+  std::size_t starting_ = 0;  ///< the first part that has not looked where the tool has started
+  int steps_out_ = 0;         ///< that the proxy may yet make out of what it has started in
+  bool held_ = false;         ///< by something, in the last step
+  bool trails_ = false;       ///< has been held since it was last with the tool
+  bool waits_ = false;        ///< for the time to look where it goes
+  Goal goal_;                 ///< of the last step
+  Hold hold_;                 ///< of the last step in which it was held
   Step step_taken_;
   Spring spring_;  ///< of the last call
   Pose tool_;      ///< of the last call, world frame

@@ -123,7 +123,8 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
                            ? (solid.center - patch.on_surface()).dot(patch.normal) - kKnown * detail_
                            : std::numeric_limits<double>::infinity();
   view_->look(splats, view, profile, scaled(solid, larger_), pattern, start_of(profile, place), light, known);
-  budget_.spend(splats.size, view_->drawn());
+  budget_.spend_on_look(splats.size, view_->drawn());
+  budget_.spend_on_fit();
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
   const double clearance = view_->clearance(nearest);
@@ -278,7 +279,7 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   view_->look(splats, view, profile, scaled(solid, larger_),
               RayPattern::over_ellipse(root, image_of(view, about)), start_of_all(profile, solid, along),
               light_);
-  budget_.spend(splats.size, view_->drawn());
+  budget_.spend_on_look(splats.size, view_->drawn());
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);

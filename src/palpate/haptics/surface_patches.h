@@ -12,6 +12,7 @@
 
 #include <palpate/geometry/ellipsoid.h>
 #include <palpate/haptics/depth_view.h>
+#include <palpate/haptics/look_budget.h>
 
 namespace palpate {
 
@@ -52,29 +53,6 @@ struct PatchWitness {
 /// How much of a surface there is where the moments were taken; see SurfacePatch::confidence.
 /// \param seen that a ray lost half of its light there.
 double confidence_of(const DepthMoments& moments, bool seen);
-
-/// What looking may cost in a tick. A look costs what there is to look at, so that no tick takes for ever,
-/// however dense the scene and however many parts the tool has.
-class LookBudget {
- public:
-  /// In Gaussians drawn, about 16 ns each. The last look may go beyond it.
-  static constexpr double kTick = 16000.0;
-
-  void refill() { left_ = kTick; }
-  bool is_spent() const { return left_ <= 0.0; }
-  /// \param near Gaussians that were looked at \param drawn those of them that rays may have met
-  void spend(std::size_t near, std::size_t drawn) {
-    left_ -= kPerLook + kPerNear * static_cast<double>(near) + static_cast<double>(drawn);
-  }
-  /// \param found Gaussians that were searched for and taken up
-  void spend_on_search(std::size_t found) { left_ -= kPerFound * static_cast<double>(found); }
-  /// Of a part that is taken along by a step, looks or not: of 256 parts 6 steps a tick.
-  void spend_on_part() { left_ -= kPerPart; }
-
- private:
-  static constexpr double kPerLook = 200.0, kPerNear = 0.2, kPerFound = 2.5, kPerPart = 10.0;
-  double left_ = kTick;
-};
 
 /// The patches that one solid of a tool touches, kept from one instant to the next. Takes nothing from the
 /// heap after construction.
