@@ -34,7 +34,9 @@ ToolPart solid_around(Parts parts, Members members) {
   const Eigen::Array3d half = 0.5 * box.sizes().array();
   const Eigen::Array3d squared = static_cast<double>((half > 0.0).count()) * half.square();
   Eigen::Array3d best = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
-  for (double c = 0.0625; c <= 4.0; c *= 1.2) {
+  constexpr int kTries = 24;
+  for (int k = 0; k < kTries; ++k) {
+    const double c = 0.0625 * std::pow(1.2, k);  // to 4
     const Eigen::Array3d tried = (1.0 + 1.0 / c) * squared + (1.0 + c) * radius * radius;
     if (tried.prod() < best.prod()) best = tried;
   }
