@@ -9,6 +9,7 @@
 
 #include <palpate/base/error.h>
 
+#include "dds_security.h"
 #include "type_hash.h"
 
 namespace palpate::ros2 {
@@ -102,12 +103,16 @@ dds_return_t checked(dds_return_t code, std::string_view what) {
   return code;
 }
 
-Participant::Participant(Say say) : told_(std::make_unique<Told>()) {
+Participant::Participant(Say say, const std::string& enclave) : told_(std::make_unique<Told>()) {
   told_->say = std::move(say);
+  const Enclave security = enclave_of_environment(enclave);
+  if (!security.notice.empty()) told_->say(security.notice);
+  const Qos qos(dds_create_qos());
+  if (security.is_secured()) set_security(*qos, security);
   const Listener listener(dds_create_listener(told_.get()));
   dds_lset_requested_incompatible_qos(listener.get(), Told::on_reader);
   dds_lset_offered_incompatible_qos(listener.get(), Told::on_writer);
-  id_ = checked(dds_create_participant(domain(), nullptr, listener.get()), "join the domain");
+  id_ = checked(dds_create_participant(domain(), qos.get(), listener.get()), "join the domain");
 }
 
 Participant::~Participant() { dds_delete(id_); }

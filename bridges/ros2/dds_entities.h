@@ -28,12 +28,13 @@ inline constexpr Quality kLatched{true, true, 1};     ///< what ROS 1 calls latc
 using Say = std::function<void(const std::string& line)>;
 
 /// A participant of the domain ROS_DOMAIN_ID (0), on the interfaces and with the peers of CYCLONEDDS_URI.
-/// Readers and writers are its own, and gone with it. Thread-safe.
+/// Secured by the files of an enclave where ROS_SECURITY_ENABLE says so. Readers and writers are its own, and
+/// gone with it. Thread-safe.
 class Participant {
  public:
   /// \param say told of a peer that is found, but whose quality of service or type does not fit; once a topic
-  /// \throws Error where it cannot be made.
-  explicit Participant(Say say);
+  /// \param enclave its name, see enclave_of_environment() \throws Error where it cannot be made.
+  explicit Participant(Say say, const std::string& enclave = "/");
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;

@@ -22,7 +22,8 @@ void run(int argc, char** argv) {
   const ros2::Resolve resolve = [&arguments](const std::string& name) {
     return arguments.names.resolve(name);
   };
-  ros2::Participant participant([&notices](const std::string& line) { notices.say(line); });
+  ros2::Participant participant([&notices](const std::string& line) { notices.say(line); },
+                                arguments.enclave);
   node::NodeNetwork network;
   network.transport = [&](const std::string& prefix, node::NodeNotices& of_hand) {
     return ros2::make_transport(

@@ -9,7 +9,7 @@
 namespace palpate::ros2 {
 namespace {
 
-constexpr std::string_view kUsage = "it takes --ros-args -r FROM:=TO -p NAME:=VALUE";
+constexpr std::string_view kUsage = "it takes --ros-args -r FROM:=TO -p NAME:=VALUE --enclave NAME";
 
 bool is_name(std::string_view text) {
   return !text.empty() && text.back() != '/' && text.find("//") == std::string_view::npos &&
@@ -90,6 +90,8 @@ NodeArguments read_arguments(int argc, const char* const* argv) {
         rules.push_back(std::move(rule));
       else
         result.parameters.push_back({rule.from, plain(rule.to)});
+    } else if (ros && (argument == "-e" || argument == "--enclave") && k + 1 < argc) {
+      result.enclave = argv[++k];
     } else {
       throw Error("'{}' is no argument; {}", printable(argument), kUsage);
     }

@@ -22,11 +22,12 @@ struct Names {
 
 struct NodeArguments {
   Names names;
+  std::string enclave = "/";  ///< of DDS Security
   std::vector<node::NodeParameter> parameters;
 };
 
-/// Reads `--ros-args`, then `-r FROM:=TO` (`__node:=NAME`, `__ns:=NAMESPACE`, too) and `-p NAME:=VALUE`, up
-/// to `--`. An array's value is written
+/// Reads `--ros-args`, then `-r FROM:=TO` (`__node:=NAME`, `__ns:=NAMESPACE`, too), `-p NAME:=VALUE` and
+/// `--enclave NAME`, up to `--`. An array's value is written
 /// `[1.0, 2.0]`. \throws Error for any other argument.
 NodeArguments read_arguments(int argc, const char* const* argv);
 

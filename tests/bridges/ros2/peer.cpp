@@ -180,8 +180,10 @@ struct Mouth final : DataWriterListener {
 
 class Peer {
  public:
-  explicit Peer(std::uint32_t domain) {
+  /// \param enclave a folder with the files of DDS Security; empty: not secured
+  explicit Peer(std::uint32_t domain, const std::string& enclave = {}) {
     DomainParticipantQos qos;
+    if (!enclave.empty()) secure(qos, enclave);
     const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList.emplace_back("127.0.0.1");
     qos.transport().use_builtin_transports = false;
@@ -204,6 +206,23 @@ class Peer {
   std::string obey(std::istringstream& words);
 
  private:
+  static void secure(DomainParticipantQos& qos, const std::string& enclave) {
+    const std::string auth = "dds.sec.auth.builtin.PKI-DH.",
+                      access = "dds.sec.access.builtin.Access-Permissions.";
+    const std::string file = "file://" + enclave + "/";
+    for (const auto& [name, value] : std::vector<std::pair<std::string, std::string>>{
+             {"dds.sec.auth.plugin", "builtin.PKI-DH"},
+             {"dds.sec.access.plugin", "builtin.Access-Permissions"},
+             {"dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC"},
+             {auth + "identity_ca", file + "identity_ca.cert.pem"},
+             {auth + "identity_certificate", file + "cert.pem"},
+             {auth + "private_key", file + "key.pem"},
+             {access + "permissions_ca", file + "permissions_ca.cert.pem"},
+             {access + "governance", file + "governance.p7s"},
+             {access + "permissions", file + "permissions.p7s"}})
+      qos.properties().properties().emplace_back(name, value);
+  }
+
   Topic* topic(const std::string& name, const std::string& type) {
     TypeSupport support(new RawType(type));
     support.register_type(participant_);
@@ -336,7 +355,7 @@ std::string Peer::obey(std::istringstream& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Peer peer(static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 0));
+  Peer peer(static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 0), argc > 2 ? argv[2] : "");
   for (std::string line; std::getline(std::cin, line);) {
     std::istringstream words(line);
     const std::string answer = peer.obey(words);

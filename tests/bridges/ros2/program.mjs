@@ -70,9 +70,10 @@ export class Program {
   }
 }
 
+/** With the `enclave`, a folder with files of DDS Security, or without. */
 export class Peer {
-  constructor() {
-    this.process = spawn(process.env.PALPATE_ROS2_PEER, [kDomain], { stdio: ['pipe', 'pipe', 'inherit'] });
+  constructor(enclave) {
+    this.process = spawn(process.env.PALPATE_ROS2_PEER, [kDomain, ...enclave ? [enclave] : []], { stdio: ['pipe', 'pipe', 'inherit'] });
     this.answers = createInterface({ input: this.process.stdout })[Symbol.asyncIterator]();
     this.ended = once(this.process, 'exit');
   }
@@ -102,8 +103,8 @@ const kHeight = 4 + 24 + 16;
 
 /** What drives a device that speaks CRTK: a peer with its topics, which sends poses 1000 times a second. */
 export class Driver extends Peer {
-  constructor(prefix, reliability = 'reliable', walks = true) {
-    super();
+  constructor(prefix, reliability = 'reliable', walks = true, enclave = undefined) {
+    super(enclave);
     this.tell(`writer pose rt${prefix}/measured_cp ${ddsType('geometry_msgs/PoseStamped')} ${reliability}`);
     this.tell(`writer echoed rt${prefix}/palpate/echoed ${ddsType('std_msgs/Header')} ${reliability}`);
     this.tell(`reader echo rt${prefix}/palpate/echo ${ddsType('std_msgs/Header')} ${reliability}`);
