@@ -17,10 +17,10 @@
 #include <palpate/base/file.h>
 #include <palpate/collision/open_index.h>
 #include <palpate/collision/simd_target.h>
+#include <palpate/report/bench_table.h>
 #include <palpate/study/latency.h>
 #include <palpate/study/touch_path.h>
 
-#include "bench_report.h"
 #include "command.h"
 #include "made.h"
 #include "options.h"
@@ -135,6 +135,7 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   figures.pipeline = options.query.pipeline;
   figures.simd = options.simd;
   figures.model = to_string(options.query.model(options.live));
+  figures.tool_name = tool_text(options.live.tool);
   figures.tool = options.live.tool;
   figures.open = std::move(opened.figures);
   figures.rounds = options.rounds;
@@ -161,16 +162,16 @@ void run(Options& options) {
   if (options.simd.empty()) options.simd = simd_targets().front();
   use_simd_target(options.simd);
   const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));
-  if (!options.histogram.empty()) write_file(options.histogram, histogram_of(figures));
+  if (!options.histogram.empty()) write_file(options.histogram, bench_histogram(figures));
   if (options.common.json) {
     using enum ConfigGroup;
-    Json json = to_json(figures);
+    Json json = bench_json(figures);
     json["made"] = made_json(made_by(options.common, options.live, {kScene, kTool, kForce}));
     print_json(json);
     return;
   }
   if (options.common.quiet) return;
-  print_text(figures, ::isatty(STDOUT_FILENO) != 0);
+  fmt::print("{}", bench_text(figures, ::isatty(STDOUT_FILENO) != 0));
   if (!options.histogram.empty()) fmt::print("wrote {}\n", printable(options.histogram));
 }
 

@@ -9,11 +9,10 @@
 #include <vector>
 
 #include <palpate/haptics/tool.h>
+#include <palpate/report/ordered_json.h>
 #include <palpate/study/query_timing.h>
 
-#include "output.h"
-
-namespace palpate::cli {
+namespace palpate {
 
 /// From a file to a query that can be asked.
 struct OpenFigures {
@@ -31,6 +30,7 @@ struct BenchFigures {
   std::string path;            ///< file; empty for one made here
   std::string pipeline, simd;  ///< as the options have them; the instruction set that was used
   std::string model;
+  std::string tool_name;  ///< in a few words
   Tool tool;
   OpenFigures open;
   int rounds = 0;
@@ -56,7 +56,7 @@ std::vector<Phase> phases_of(const BenchFigures& figures);
 std::vector<double> histogram_times(const BenchFigures& figures);
 
 /// The same as a picture. \returns an SVG document.
-std::string histogram_of(const BenchFigures& figures);
+std::string bench_histogram(const BenchFigures& figures);
 
 /// An object with these keys, all of them always there:
 ///
@@ -81,9 +81,9 @@ std::string histogram_of(const BenchFigures& figures);
 ///     sizes               object     contacts, filtered, candidates of the poses in contact: median, max; or
 ///     null throughput          object     threads, queries_per_second, in_contact: whether of poses in
 ///     contact or of all
-Json to_json(const BenchFigures& figures);
+OrderedJson bench_json(const BenchFigures& figures);
 
 /// A table; with a histogram below it if `with_histogram`.
-void print_text(const BenchFigures& figures, bool with_histogram);
+std::string bench_text(const BenchFigures& figures, bool with_histogram);
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,4 +1,4 @@
-#include "bench_report.h"
+#include <palpate/report/bench_table.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,7 +12,7 @@
 #include <palpate/study/latency.h>
 #include <palpate/study/machine.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 /// A figure of every pose that touches something, or of those that do not.
@@ -43,15 +43,15 @@ constexpr Stage kStages[] = {{"contacts", "contacts", &PoseFigures::contacts},
                              {"filtered", "after the spheres", &PoseFigures::filtered},
                              {"candidates", "candidates", &PoseFigures::candidates}};
 
-Json latency_json(const Phase& phase) {
+OrderedJson latency_json(const Phase& phase) {
   if (phase.times.empty()) return nullptr;
   const Latency t(phase.times);
   return {{"count", t.count}, {"p50", t.median}, {"p99", t.p99}, {"p99.9", t.p999}, {"max", t.max}};
 }
 
-Json sizes_json(const BenchFigures& figures) {
+OrderedJson sizes_json(const BenchFigures& figures) {
   if (figures.contact_poses() == 0) return nullptr;
-  Json json;
+  OrderedJson json;
   for (const Stage& stage : kStages) {
     const Spread spread = spread_of(figures, stage.size);
     json[stage.key] = {{"median", spread.median}, {"max", spread.max}};
@@ -64,11 +64,11 @@ std::optional<double> bytes_per_gaussian(const OpenFigures& open) {
   return static_cast<double>(*open.index_bytes) / static_cast<double>(open.gaussians);
 }
 
-Json open_json(const OpenFigures& open) {
-  Json json{{"seconds", open.seconds}, {"origin", open.origin}, {"remarks", open.remarks}};
-  json["index_bytes"] = open.index_bytes ? Json(*open.index_bytes) : Json();
+OrderedJson open_json(const OpenFigures& open) {
+  OrderedJson json{{"seconds", open.seconds}, {"origin", open.origin}, {"remarks", open.remarks}};
+  json["index_bytes"] = open.index_bytes ? OrderedJson(*open.index_bytes) : OrderedJson();
   const auto each = bytes_per_gaussian(open);
-  json["bytes_per_gaussian"] = each ? Json(*each) : Json();
+  json["bytes_per_gaussian"] = each ? OrderedJson(*each) : OrderedJson();
   json["peak_rss_bytes"] = open.peak_bytes;
   return json;
 }
@@ -77,52 +77,63 @@ std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{:.3g} MB", 1e-6 * static_cast<double>(bytes));
 }
 
-void print_head(const BenchFigures& f) {
-  fmt::print("machine   {}\n", machine());
-  fmt::print("scene     {}, {}, {} Gaussians\n", printable(f.scene), megabytes(f.open.scene_bytes),
-             f.open.gaussians);
-  fmt::print("query     {} on {}; tool {}; {} force\n", f.pipeline, f.simd, tool_text(f.tool), f.model);
-  fmt::print("path      {}: {} poses, {} in contact\n",
-             f.path.empty() ? "made for this scene" : printable(f.path), f.poses.size(), f.contact_poses());
-  fmt::print("open      {:.3g} s, from {}{}\n", f.open.seconds, f.open.origin,
-             f.open.index_bytes ? fmt::format(", {}", megabytes(*f.open.index_bytes)) : "");
-  for (const std::string& remark : f.open.remarks) fmt::print("          {}\n", printable(remark));
+std::string head_text(const BenchFigures& f) {
+  std::string text;
+  text += fmt::format("machine   {}\n", machine());
+  text += fmt::format("scene     {}, {}, {} Gaussians\n", printable(f.scene), megabytes(f.open.scene_bytes),
+                      f.open.gaussians);
+  text += fmt::format("query     {} on {}; tool {}; {} force\n", f.pipeline, f.simd, f.tool_name, f.model);
+  text += fmt::format("path      {}: {} poses, {} in contact\n",
+                      f.path.empty() ? "made for this scene" : printable(f.path), f.poses.size(),
+                      f.contact_poses());
+  text += fmt::format("open      {:.3g} s, from {}{}\n", f.open.seconds, f.open.origin,
+                      f.open.index_bytes ? fmt::format(", {}", megabytes(*f.open.index_bytes)) : "");
+  for (const std::string& remark : f.open.remarks) text += fmt::format("          {}\n", printable(remark));
+  return text;
 }
 
-void print_latencies(const BenchFigures& figures) {
-  fmt::print("\n{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n",
-             fmt::format("least of {} rounds", figures.rounds), "count", "p50", "p99", "p99.9", "max");
+std::string latencies_text(const BenchFigures& figures) {
+  std::string text;
+  text +=
+      fmt::format("\n{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n",
+                  fmt::format("least of {} rounds", figures.rounds), "count", "p50", "p99", "p99.9", "max");
   for (const Phase& phase : phases_of(figures)) {
     if (phase.times.empty()) {
-      fmt::print("{:<26} {:>9}\n", phase.name, "none");
+      text += fmt::format("{:<26} {:>9}\n", phase.name, "none");
       continue;
     }
     const Latency t(phase.times);
-    fmt::print("{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n", phase.name, t.count, microseconds(t.median),
-               microseconds(t.p99), microseconds(t.p999), microseconds(t.max));
+    text +=
+        fmt::format("{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n", phase.name, t.count, microseconds(t.median),
+                    microseconds(t.p99), microseconds(t.p999), microseconds(t.max));
   }
+  return text;
 }
 
-void print_sizes(const BenchFigures& figures) {
+std::string sizes_text(const BenchFigures& figures) {
+  std::string text;
   if (figures.contact_poses() == 0) {
-    fmt::print("\nthe path never touches the scene: there are no contacts to time or to count\n");
-    return;
+    text += fmt::format("\nthe path never touches the scene: there are no contacts to time or to count\n");
+    return text;
   }
-  fmt::print("\n{:<26} {:>9} {:>10}\n", "of a pose in contact", "median", "max");
+  text += fmt::format("\n{:<26} {:>9} {:>10}\n", "of a pose in contact", "median", "max");
   for (const Stage& stage : kStages) {
     const Spread spread = spread_of(figures, stage.size);
-    fmt::print("{:<26} {:>9} {:>10}\n", stage.name, spread.median, spread.max);
+    text += fmt::format("{:<26} {:>9} {:>10}\n", stage.name, spread.median, spread.max);
   }
+  return text;
 }
 
-void print_rest(const BenchFigures& f) {
-  fmt::print("\nthroughput  {:.0f} queries/s {}on {} thread{}\n", f.queries_per_second,
-             f.contact_poses() != 0 ? "in contact " : "", f.threads, f.threads == 1 ? "" : "s");
-  fmt::print("memory      ");
+std::string rest_text(const BenchFigures& f) {
+  std::string text;
+  text += fmt::format("\nthroughput  {:.0f} queries/s {}on {} thread{}\n", f.queries_per_second,
+                      f.contact_poses() != 0 ? "in contact " : "", f.threads, f.threads == 1 ? "" : "s");
+  text += fmt::format("memory      ");
   if (const auto each = bytes_per_gaussian(f.open)) {
-    fmt::print("index {}, {:.1f} bytes a Gaussian; ", megabytes(*f.open.index_bytes), *each);
+    text += fmt::format("index {}, {:.1f} bytes a Gaussian; ", megabytes(*f.open.index_bytes), *each);
   }
-  fmt::print("at most {} resident while it was opened\n", megabytes(f.open.peak_bytes));
+  text += fmt::format("at most {} resident while it was opened\n", megabytes(f.open.peak_bytes));
+  return text;
 }
 
 }  // namespace
@@ -148,7 +159,7 @@ std::vector<double> histogram_times(const BenchFigures& figures) {
   return collect<double>(figures.poses, figures.contact_poses() != 0, &PoseFigures::fresh);
 }
 
-std::string histogram_of(const BenchFigures& f) {
+std::string bench_histogram(const BenchFigures& f) {
   const std::vector<double> times = histogram_times(f);
   const Latency t(times);
   const std::string name = std::filesystem::path(f.scene).filename().string();
@@ -160,17 +171,17 @@ std::string histogram_of(const BenchFigures& f) {
                   f.pipeline, f.simd, f.rounds));
 }
 
-Json to_json(const BenchFigures& f) {
-  Json json{{"machine", machine()},
-            {"scene", f.scene},
-            {"scene_bytes", f.open.scene_bytes},
-            {"gaussians", f.open.gaussians},
-            {"pipeline", f.pipeline},
-            {"simd", f.simd},
-            {"model", f.model},
-            {"tool", tool_json(f.tool)},
-            {"open", open_json(f.open)}};
-  json["path"] = f.path.empty() ? Json() : Json(f.path);
+OrderedJson bench_json(const BenchFigures& f) {
+  OrderedJson json{{"machine", machine()},
+                   {"scene", f.scene},
+                   {"scene_bytes", f.open.scene_bytes},
+                   {"gaussians", f.open.gaussians},
+                   {"pipeline", f.pipeline},
+                   {"simd", f.simd},
+                   {"model", f.model},
+                   {"tool", tool_json(f.tool)},
+                   {"open", open_json(f.open)}};
+  json["path"] = f.path.empty() ? OrderedJson() : OrderedJson(f.path);
   json["poses"] = f.poses.size();
   json["contact_poses"] = f.contact_poses();
   json["rounds"] = f.rounds;
@@ -182,12 +193,10 @@ Json to_json(const BenchFigures& f) {
   return json;
 }
 
-void print_text(const BenchFigures& figures, bool with_histogram) {
-  print_head(figures);
-  print_latencies(figures);
-  print_sizes(figures);
-  print_rest(figures);
-  if (with_histogram) fmt::print("\n{}", histogram_text(histogram_times(figures)));
+std::string bench_text(const BenchFigures& figures, bool with_histogram) {
+  std::string text = head_text(figures) + latencies_text(figures) + sizes_text(figures) + rest_text(figures);
+  if (with_histogram) text += fmt::format("\n{}", histogram_text(histogram_times(figures)));
+  return text;
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

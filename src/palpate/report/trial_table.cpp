@@ -1,0 +1,127 @@
+#include <palpate/report/trial_table.h>
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <palpate/report/figure_column.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kToMm = 1e3, kPercent = 100.0;
+
+using Column = FigureColumn<TrialFigures>;
+
+double number(std::size_t n) { return static_cast<double>(n); }
+
+/// NaN of none.
+double first_of(const std::vector<std::size_t>& strokes) {
+  return strokes.empty() ? std::numeric_limits<double>::quiet_NaN() : number(strokes.front());
+}
+
+using Figures = TrialFigures;
+constexpr const char *kMm = "{:.2f}", *kShare = "{:.0f}", *kCount = "{:.0f}", *kUs = "{:.0f}";
+
+const std::vector<Column>& columns() {
+  static const std::vector<Column> all{
+      {"strokes", "strokes", kCount, [](const Figures& f) { return number(f.strokes); }},
+      {"slow", nullptr, kCount, [](const Figures& f) { return number(f.slow); }},
+      {"silent", "silent", kCount, [](const Figures& f) { return number(f.silent); }},
+      {"sunk", "sunk", kCount, [](const Figures& f) { return number(f.sunk); }},
+      {"through", "through", kCount, [](const Figures& f) { return number(f.through); }},
+      {"stuck", "stuck", kCount, [](const Figures& f) { return number(f.stuck); }},
+      {"onsets", "onsets", kCount, [](const Figures& f) { return number(f.onsets); }},
+      {"onset_p05_mm", "begin p5", kMm, [](const Figures& f) { return kToMm * f.onset.p05; }},
+      {"onset_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.onset.p50; }},
+      {"onset_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.onset.p95; }},
+      {"true_p50_mm", nullptr, kMm, [](const Figures& f) { return kToMm * f.onset_depth.p50; }},
+      {"true_p95_mm", "true p95", kMm, [](const Figures& f) { return kToMm * f.onset_depth.p95; }},
+      {"late_p05_mm", "late p5", kMm, [](const Figures& f) { return kToMm * f.late.p05; }},
+      {"late_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.late.p50; }},
+      {"late_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.late.p95; }},
+      {"within_half_mm_percent", "in .5mm", kShare,
+       [](const Figures& f) { return kPercent * f.within_half_mm; }},
+      {"within_1mm_percent", "in 1mm", kShare, [](const Figures& f) { return kPercent * f.within_1mm; }},
+      {"magnitude_p05", "F/kd p5", kMm, [](const Figures& f) { return f.magnitude.p05; }},
+      {"magnitude_p50", "p50", kMm, [](const Figures& f) { return f.magnitude.p50; }},
+      {"magnitude_p95", "p95", kMm, [](const Figures& f) { return f.magnitude.p95; }},
+      {"step_max_n", "step N", kMm, [](const Figures& f) { return f.step.max; }},
+      {"tick_p50_us", "tick us", kUs, [](const Figures& f) { return f.tick.p50; }},
+      {"tick_p99.9_us", "p99.9", kUs, [](const Figures& f) { return f.tick.p999; }},
+      {"tick_max_us", "max", kUs, [](const Figures& f) { return f.tick.max; }},
+      {"first_silent", "1st silent", kCount, [](const Figures& f) { return first_of(f.silent_strokes); }},
+      {"first_sunk", "sunk", kCount, [](const Figures& f) { return first_of(f.sunk_strokes); }},
+      {"first_through", "through", kCount, [](const Figures& f) { return first_of(f.through_strokes); }},
+      {"first_stuck", "stuck", kCount, [](const Figures& f) { return first_of(f.stuck_strokes); }},
+      {"first_late", "late", kCount, [](const Figures& f) { return first_of(f.late_strokes); }},
+  };
+  return all;
+}
+
+std::size_t width_of(const Column& column) {
+  constexpr std::size_t kLeast = 6;
+  return std::max(kLeast, std::string_view(column.heading).size());
+}
+
+}  // namespace
+
+std::string trial_text(const std::vector<TrialRow>& rows) {
+  std::string text =
+      "Strokes in which nothing is felt deep inside, the proxy sinks in, or comes out behind, and at whose\n"
+      "end a force is left; where the force begins, from the seen and the true surface, and late, from the\n"
+      "seen one or the first ellipsoid, mm; shares of that, %; |F| over stiffness times depth; largest step\n"
+      "of the force; time of a tick; the first strokes that failed, for --stroke.\n\n";
+  text += fmt::format("{:<12} {:<7} {:<9}", "tool", "place", "like");
+  for (const Column& c : columns()) {
+    if (c.heading != nullptr) text += fmt::format(" {:>{}}", c.heading, width_of(c));
+  }
+  text += "\n";
+  for (const TrialRow& row : rows) {
+    text += fmt::format("{:<12} {:<7} {:<9}", row.tool, row.place, row.like);
+    for (const Column& c : columns()) {
+      if (c.heading != nullptr) text += fmt::format(" {:>{}}", text_of(c, row.figures), width_of(c));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+OrderedJson trial_json(const std::vector<TrialRow>& rows) {
+  OrderedJson json = OrderedJson::array();
+  for (const TrialRow& row : rows) {
+    OrderedJson one{{"tool", row.tool}, {"place", row.place}, {"like", row.like}};
+    put_figures(columns(), row.figures, one);
+    one["silent_strokes"] = row.figures.silent_strokes;
+    one["sunk_strokes"] = row.figures.sunk_strokes;
+    one["through_strokes"] = row.figures.through_strokes;
+    one["stuck_strokes"] = row.figures.stuck_strokes;
+    one["late_strokes"] = row.figures.late_strokes;
+    json.push_back(std::move(one));
+  }
+  return json;
+}
+
+std::string trial_csv(const std::vector<TrialRow>& rows) {
+  std::string text = "tool,place,like" + csv_names(columns()) + "\n";
+  for (const TrialRow& row : rows)
+    text += fmt::format("{},{},{}{}\n", row.tool, row.place, row.like, csv_figures(columns(), row.figures));
+  return text;
+}
+
+std::string trial_ticks_csv(const std::vector<TrialTick>& ticks) {
+  std::string text = "t,x,y,z,proxy_x,proxy_y,proxy_z,fx,fy,fz,depth_m,proxy_depth_m,confidence\n";
+  constexpr double kPeriod = 1e-3;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    text += fmt::format("{:.3f}", kPeriod * number(i));
+    for (const Eigen::Vector3d* v : {&ticks[i].tool, &ticks[i].proxy, &ticks[i].force})
+      text += fmt::format(",{:.7g},{:.7g},{:.7g}", v->x(), v->y(), v->z());
+    text += fmt::format(",{:.6g},{:.6g},{:.4g}\n", ticks[i].depth, ticks[i].proxy_depth, ticks[i].confidence);
+  }
+  return text;
+}
+
+}  // namespace palpate
