@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,9 +12,8 @@
 #include <palpate/live/factories.h>
 #include <palpate/report/reproduction_report.h>
 #include <palpate/report/result_files.h>
-#include <palpate/scene/scene_setup.h>
-#include <palpate/study/capture_defects.h>
 #include <palpate/study/machine.h>
+#include <palpate/study/room_placement.h>
 
 #include "command.h"
 #include "made.h"
@@ -25,17 +23,6 @@
 
 namespace palpate::cli {
 namespace {
-
-/// Beside where the handle rests, a scene may be so large, so far in y from there, and its top so far below
-/// what the handle reaches: with room to walk around, and to pass above. Unit: [m].
-const Eigen::Vector3d kFits(3.5, 1.9, 1.3);
-constexpr double kAside = 0.35, kBelow = 0.18;
-/// A larger one lies below where the handle rests, and this many of its Gaussians fill this much of the room:
-/// the paper's million, and a share that was chosen by trial on one captured city, where contacts then have
-/// about as many Gaussians as the paper's. Unit: [m], [m], 1.
-const Eigen::Array2d kRoom(4.2, 5.0);
-constexpr double kUnderHandle = 0.1;
-constexpr std::size_t kFilling = 1'150'000;
 
 struct Options {
   CommonOptions common;
@@ -58,74 +45,6 @@ struct Ground {
   std::unique_ptr<PaperPipeline> paper;
 };
 
-GaussianScene truck(const AnalyticSurface& surface, std::uint64_t seed) {
-  ProceduralOptions made;
-  made.seed = seed;
-  made.spacing = 0.0068;  // a million on its surface
-  made.noise = 0.001;
-  CaptureDefects defects;
-  defects.floaters = defects.faint = true;
-  return make_capture(surface, made, defects);
-}
-
-EllipsoidScene kept_of(const GaussianScene& scene, const SceneConfig& config) {
-  FilterReport report;
-  EllipsoidScene kept = filter_scene(scene, config.filter, config.world_from_scene(), report);
-  if (kept.size() == 0) throw Error("{}: nothing is left to touch; lower --opacity-min", config.name());
-  return kept;
-}
-
-/// How much larger `kept` may be for kFilling of it to be left in kRoom about `middle`; at least 1.
-double enlarged_to_fill(const EllipsoidScene& kept, const Eigen::Vector3d& middle) {
-  if (kept.size() <= kFilling) return 1.0;
-  std::vector<double> share;  // of the room, in which a centre is
-  for (const Ellipsoid& e : kept.ellipsoids)
-    share.push_back(((e.center - middle).head<2>().array().abs() / (0.5 * kRoom)).maxCoeff());
-  std::nth_element(share.begin(), share.begin() + kFilling, share.end());
-  return std::max(1.0, 1.0 / share[kFilling]);
-}
-
-/// Enlarges a scene that is larger than the room to fill it, and leaves what is about its middle. \returns
-/// the box of that.
-Eigen::AlignedBox3d crop_to_room(const GaussianScene& scene, SceneConfig& config, const EllipsoidScene& kept,
-                                 const Eigen::Vector3d& middle) {
-  const double larger = enlarged_to_fill(kept, middle);
-  config.registration.scale *= larger;
-  const Eigen::Vector3d half(0.5 * kRoom.x(), 0.5 * kRoom.y(), std::numeric_limits<double>::max());
-  auto& crop = config.filter.crop_box.emplace(larger * middle - half, larger * middle + half);
-  const Eigen::AlignedBox3d box = central_box(kept_of(scene, config));
-  crop.min().z() = box.min().z();
-  crop.max().z() = box.max().z();
-  return box;
-}
-
-/// A procedural scene as large as fits, a captured one as large as suits the tool: beside where the handle
-/// rests, or the middle of it below. What is too low for the handle is not touched.
-void place_in_room(const GaussianScene& scene, SceneConfig& config, double tool_radius,
-                   const Eigen::Vector3d& home) {
-  const bool captured = scene.format != "procedural";
-  Similarity& placed = config.registration = {};
-  config.frame = UpAxis::kAsIs;
-  if (captured) {
-    const SceneSetup proposed = propose_setup(scene, tool_radius);
-    config.frame = proposed.frame.value;
-    placed.scale = proposed.scale.value;
-  }
-  const EllipsoidScene kept = kept_of(scene, config);
-  Eigen::AlignedBox3d box = central_box(kept);
-  if (!captured) {
-    placed.scale = (kFits.array() / box.sizes().array()).minCoeff();
-    box = {placed.scale * box.min(), placed.scale * box.max()};
-  }
-  const bool below = (box.sizes().array() > 1.001 * kFits.array()).any() && !config.filter.crop_box;
-  if (below) box = crop_to_room(scene, config, kept, box.center());
-  const Eigen::Vector3d top =
-      below ? Eigen::Vector3d(0.0, 0.0, home.z() - kUnderHandle)
-            : Eigen::Vector3d(0.0, -kAside - 0.5 * box.sizes().y(), giant_reach().max().z() - kBelow);
-  placed.translation = top - Eigen::Vector3d(box.center().x(), box.center().y(), box.max().z());
-  if (below) config.filter.crop_box->translate(placed.translation);
-}
-
 Ground ground_of(Options& options, const Eigen::Vector3d& home, const Progress& progress) {
   Ground ground;
   SceneConfig& scene = options.live.scene;
@@ -133,14 +52,19 @@ Ground ground_of(Options& options, const Eigen::Vector3d& home, const Progress& 
   if (scene.path.empty()) {
     ground.surface = make_surface("truck");
     report(progress, "making the scene", 0.0);
-    gaussians = truck(*ground.surface, options.seed);
+    gaussians = procedural_truck(*ground.surface, options.seed);
     ground.name = "a procedural truck";
   } else {
     gaussians = load(scene, progress).scene;
     ground.name = std::filesystem::path(scene.name()).filename().string();
   }
   const double radius = options.live.tool.thinnest();
-  if (!options.registered) place_in_room(gaussians, scene, radius, home);
+  if (!options.registered) {
+    const RoomPlacement placed = place_in_room(gaussians, scene.filter, radius, home);
+    scene.frame = placed.frame;
+    scene.registration = placed.registration;
+    scene.filter = placed.filter;
+  }
   const Similarity registration = scene.world_from_scene();
   ground.loaded.scene = std::move(gaussians);
   ground.loaded.kept = filter_scene(ground.loaded.scene, scene.filter, registration, ground.loaded.filtered);

@@ -1,19 +1,13 @@
 // palpate stability: what devices and hands make of a scene, in virtual time.
-#include <algorithm>
-#include <atomic>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <palpate/base/error.h>
-#include <palpate/base/quantile.h>
 #include <palpate/haptics/material_file.h>
 #include <palpate/live/factories.h>
 #include <palpate/live/live_scene.h>
@@ -21,7 +15,7 @@
 #include <palpate/report/stability_page.h>
 #include <palpate/report/stability_table.h>
 #include <palpate/study/procedural.h>
-#include <palpate/study/stability.h>
+#include <palpate/study/stability_study.h>
 
 #include "command.h"
 #include "made.h"
@@ -92,117 +86,38 @@ Ground ground_of(const Options& options, const Progress& progress) {
   return ground;
 }
 
-StabilityTrial trial_of(const Options& options, const Ground& ground, const StabilityRow& row) {
-  StabilityTrial trial;
-  trial.index = ground.index.get();
-  trial.tool = options.live.tool;
-  trial.profile = device_profile(row.profile);
-  trial.hand = row.hand;
-  trial.model = [&options, &ground, name = row.model](Lookahead* ahead) {
+StabilityStudy study_of(const Options& options, const Ground& ground) {
+  StabilityStudy study;
+  study.index = ground.index.get();
+  study.tool = options.live.tool;
+  study.places = ground.places;
+  study.profiles = options.profiles;
+  study.models = options.models;
+  study.hands = options.hands;
+  study.delay = options.delay;
+  study.stiffness = options.live.force.proxy.stiffness;
+  study.model = [&options, &ground](const std::string& name, Lookahead* ahead) {
     return make_force_model(force_model_kind(name), options.live.force, *ground.index, options.live.tool,
                             ground.materials, ahead);
   };
-  if (row.source == ContactSource::kWorker) trial.worker_delay = row.delay;
-  if (row.source == ContactSource::kHold) trial.hold = row.delay;
-  // What has no potential, or is late, is not passive: it is shown as it is.
-  trial.governed = row.source != ContactSource::kHold && row.model != "density";
-  return trial;
-}
-
-/// Of the forces while sliding, as StabilityRow::force_off.
-double force_off(const StabilityOutcome& outcome, const StabilityOutcome& reference) {
-  constexpr double kShare = 0.95;
-  const auto ticks = [](double seconds) { return static_cast<std::size_t>(seconds / StabilityTrial::kTick); };
-  const std::size_t end = reference.ticks.size() - ticks(StabilityTrial::kLift);
-  const std::size_t begin = end - ticks(StabilityTrial::kSlide);
-  std::vector<double> off;
-  double sum = 0.0;
-  for (std::size_t i = begin; i < end; ++i) {
-    off.push_back(std::abs(outcome.ticks[i].force - reference.ticks[i].force));
-    sum += reference.ticks[i].force;
-  }
-  const double mean = sum / static_cast<double>(off.size());
-  return mean > 0.0 ? quantile(off, kShare) / mean : 0.0;
-}
-
-void measure(StabilityRow& row, const Options& options, const Ground& ground) {
-  const StabilityTrial trial = trial_of(options, ground, row);
-  StabilityTrial in_loop = trial;
-  in_loop.worker_delay = in_loop.hold = 0.0;
-  bool first = true;
-  for (const PressPlace& place : ground.places) {
-    const StabilityOutcome outcome = hold_on(trial, place, true);
-    row.limit_cycle = std::max(row.limit_cycle, outcome.limit_cycle);
-    row.port_energy = std::max(row.port_energy, outcome.port_energy);
-    row.contact_changes = std::max(row.contact_changes, outcome.contact_changes);
-    row.rest_force = first ? outcome.rest_force : std::min(row.rest_force, outcome.rest_force);
-    if (row.fault == Fault::kNone) row.fault = outcome.fault;
-    if (row.source != ContactSource::kLoop)
-      row.force_off = std::max(row.force_off, force_off(outcome, hold_on(in_loop, place, true)));
-    first = false;
-  }
-  if (row.model != "density")
-    row.z_width = z_width(trial, ground.places.front(), options.live.force.proxy.stiffness);
-}
-
-std::vector<StabilityRow> rows_of(const Options& options) {
-  std::vector<StabilityRow> rows;
-  for (const std::string& profile : options.profiles) {
-    for (const std::string& model : options.models) {
-      for (const auto source : {ContactSource::kLoop, ContactSource::kWorker, ContactSource::kHold}) {
-        if (source != ContactSource::kLoop && options.delay == 0.0) continue;
-        for (const HandProperties& hand : options.hands) {
-          StabilityRow row;
-          row.profile = profile;
-          row.model = model;
-          row.hand = hand;
-          row.source = source;
-          row.delay = source == ContactSource::kLoop ? 0.0 : options.delay;
-          rows.push_back(row);
-        }
-      }
-    }
-  }
-  return rows;
-}
-
-StabilityTables measure_all(const Options& options, const Ground& ground, const Progress& progress) {
-  StabilityTables tables{rows_of(options), {}};
-  std::mutex watched;
-  std::size_t done = 0;
-  tbb::parallel_for(std::size_t{0}, tables.rows.size(), [&](std::size_t i) {
-    measure(tables.rows[i], options, ground);
-    const std::scoped_lock lock(watched);
-    report(progress, "holding", static_cast<double>(++done) / static_cast<double>(tables.rows.size() + 1));
-  });
-  for (const std::string& name : options.profiles) {
-    const DeviceProfile& profile = device_profile(name);
-    const double period = 1.0 / profile.capabilities.rate;
-    for (const bool passivity : {false, true}) {
-      tables.walls.push_back(
-          {name, passivity, wall_z_width(profile, period, passivity),
-           wall_bound(profile, period, passivity ? profile.capabilities.damping_max : 0.0)});
-    }
-  }
-  report(progress, "holding", 1.0);
-  return tables;
+  return study;
 }
 
 /// The first profile and model, in the hand that is in the middle, with every source.
-std::vector<StabilityTrace> traces_of(const Options& options, const Ground& ground,
-                                      const StabilityTables& tables, std::string& subtitle) {
+std::vector<StabilityTrace> traces_of(const StabilityStudy& study, const StabilityTables& tables,
+                                      std::string& subtitle) {
   std::vector<StabilityTrace> traces;
-  const HandProperties& hand = options.hands[options.hands.size() / 2];
+  const HandProperties& hand = study.hands[study.hands.size() / 2];
   for (const StabilityRow& row : tables.rows) {
-    if (row.profile != options.profiles.front() || row.model != options.models.front()) continue;
+    if (row.profile != study.profiles.front() || row.model != study.models.front()) continue;
     if (hand_text(row.hand) != hand_text(hand)) continue;
     const std::string name = row.source == ContactSource::kLoop
                                  ? "contacts looked for in the loop"
                                  : fmt::format("{}, {:g} ms", to_string(row.source), 1e3 * row.delay);
-    traces.push_back({name, hold_on(trial_of(options, ground, row), ground.places.front(), true).ticks});
+    traces.push_back({name, hold_on(trial_of(study, row), study.places.front(), true).ticks});
   }
   subtitle =
-      fmt::format("{}, {}, a hand of {}", options.profiles.front(), options.models.front(), hand_text(hand));
+      fmt::format("{}, {}, a hand of {}", study.profiles.front(), study.models.front(), hand_text(hand));
   return traces;
 }
 
@@ -233,9 +148,10 @@ void run(const Options& options) {
   ResultFile csv(options.csv), html(options.html);
   const Progress progress = terminal_progress(options.common.quiet);
   const Ground ground = ground_of(options, progress);
-  const StabilityTables tables = measure_all(options, ground, progress);
+  const StabilityStudy study = study_of(options, ground);
+  const StabilityTables tables = measure_stability(study, progress);
   std::string subtitle;
-  const std::vector<StabilityTrace> traces = traces_of(options, ground, tables, subtitle);
+  const std::vector<StabilityTrace> traces = traces_of(study, tables, subtitle);
   const std::vector<Plot> figures = stability_figures(tables, traces, subtitle);
   std::vector<std::string> written;
   const Provenance made = provenance_of(options, ground);

@@ -22,14 +22,6 @@ OrderedJson or_null(const std::optional<double>& value) {
 
 }  // namespace
 
-std::string_view to_string(ContactSource source) {
-  switch (source) {
-    case ContactSource::kLoop: return "loop";
-    case ContactSource::kWorker: return "worker";
-    default: return "hold";
-  }
-}
-
 std::string hand_text(const HandProperties& hand) {
   return fmt::format("{:g} kg, {:g} N s/m, {:g} N/m", hand.mass, hand.damping, hand.stiffness);
 }

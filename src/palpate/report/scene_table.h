@@ -1,0 +1,28 @@
+/// \file
+/// What is in a scene file, what is wrong with it, and what a filter keeps, as text and JSON.
+#pragma once
+
+#include <string>
+
+#include <palpate/report/ordered_json.h>
+#include <palpate/scene/gaussian_scene.h>
+#include <palpate/scene/lint.h>
+#include <palpate/scene/scene_filter.h>
+
+namespace palpate {
+
+/// A scene and what is known of it.
+struct SceneReport {
+  const GaussianScene& scene;
+  const EllipsoidScene& kept;  ///< in the world
+  const FilterReport& filtered;
+  const LintReport& lint;
+  double opacity_min;  ///< of the filter
+  std::string frame;   ///< what is assumed about the captured frame
+  double scale;        ///< of the registration. Unit: [m/unit].
+};
+
+OrderedJson scene_json(const SceneReport& report);
+std::string scene_text(const SceneReport& report);
+
+}  // namespace palpate

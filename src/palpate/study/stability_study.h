@@ -1,0 +1,72 @@
+/// \file
+/// Trials of stability of many devices, hands and models at some places of a scene.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <palpate/base/progress.h>
+#include <palpate/study/stability.h>
+
+namespace palpate {
+
+/// Where the contacts of a trial come from.
+enum class ContactSource {
+  kLoop,    ///< looked for in the loop
+  kWorker,  ///< by a thread that looks ahead, and is late
+  kHold,    ///< the force itself is computed by a thread that is late, and held: the paper's
+};
+std::string_view to_string(ContactSource source);
+
+/// A device, a hand, a model: the worst of all places.
+struct StabilityRow {
+  std::string profile, model;
+  HandProperties hand;
+  ContactSource source = ContactSource::kLoop;
+  double delay = 0.0;                           ///< of `source`. Unit: [s].
+  double limit_cycle = 0.0, port_energy = 0.0;  ///< StabilityOutcome
+  int contact_changes = 0;
+  double rest_force = 0.0;  ///< the least
+  Fault fault = Fault::kNone;
+  /// While sliding, how far the force is from that of the same trial with ContactSource::kLoop in 95 of 100
+  /// ticks, as a share of the mean of that.
+  double force_off = 0.0;
+  std::optional<double>
+      z_width;  ///< z_width(), at the first place; none for a model without a stiffness. Unit: [N/m].
+};
+
+/// An ideal wall on a device.
+struct WallRow {
+  std::string profile;
+  bool passivity;         ///< with the PassivityController
+  double z_width, bound;  ///< wall_z_width(), wall_bound(). Unit: [N/m].
+};
+
+struct StabilityTables {
+  std::vector<StabilityRow> rows;
+  std::vector<WallRow> walls;
+};
+
+/// What is to be tried: every profile with every model, hand and source of contacts.
+struct StabilityStudy {
+  const SceneIndex* index = nullptr;  ///< must outlive it
+  Tool tool;
+  std::vector<PressPlace> places;
+  std::vector<std::string> profiles, models;
+  std::vector<HandProperties> hands;
+  double delay = 0.0;      ///< of ContactSource::kWorker and kHold; 0: neither is tried. Unit: [s].
+  double stiffness = 0.0;  ///< of the models. Unit: [N/m].
+  /// Makes the force model of that name, which looks for contacts through `lookahead` where that is not null.
+  std::function<std::unique_ptr<ForceModel>(const std::string& name, Lookahead* lookahead)> model;
+};
+
+/// The trial of a row. \pre `study` outlives it
+StabilityTrial trial_of(const StabilityStudy& study, const StabilityRow& row);
+
+StabilityTables measure_stability(const StabilityStudy& study, const Progress& progress);
+
+}  // namespace palpate
