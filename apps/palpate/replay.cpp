@@ -10,6 +10,7 @@
 #include <palpate/base/error.h>
 #include <palpate/base/version.h>
 #include <palpate/record/playback.h>
+#include <palpate/report/run_table.h>
 
 #include "command.h"
 #include "config.h"
@@ -31,47 +32,6 @@ struct Options {
   std::string out;
   int threads = 0;
 };
-
-Json to_json(const std::vector<RunRow>& rows) {
-  const RunSummary summary = summarize(rows);
-  return {
-      {"poses", rows.size()},
-      {"seconds", summary.seconds},
-      {"contact_poses", summary.contact_rows},
-      {"episodes", contact_episodes(rows).size()},
-      {"colliding_max", summary.most_colliding},
-      {"force_max", summary.largest_force},
-      {"compute_us",
-       {{"p50", summary.compute_us.p50}, {"p99", summary.compute_us.p99}, {"max", summary.compute_us.max}}}};
-}
-
-void print_episodes(const std::vector<RunRow>& rows) {
-  constexpr std::size_t kShown = 30;
-  const auto episodes = contact_episodes(rows);
-  if (episodes.empty()) {
-    fmt::print("no contact\n");
-    return;
-  }
-  fmt::print("{:>7} {:>9} {:>9} {:>9} {:>11}  {}\n", "contact", "onset s", "for s", "colliding", "max |F| N",
-             "tool at onset, m");
-  for (std::size_t k = 0; k < std::min(kShown, episodes.size()); ++k) {
-    const Episode& e = episodes[k];
-    const Eigen::Vector3d& p = rows[e.first].tool.position;
-    fmt::print("{:>7} {:>9.3f} {:>9.3f} {:>9} {:>11.3f}  {:.4f} {:.4f} {:.4f}\n", k + 1, rows[e.first].t,
-               rows[e.last].t - rows[e.first].t, e.most_colliding, e.peak_force, p.x(), p.y(), p.z());
-  }
-  if (episodes.size() > kShown) fmt::print("  ... and {} more\n", episodes.size() - kShown);
-}
-
-void print_text(const std::vector<RunRow>& rows) {
-  print_episodes(rows);
-  const RunSummary s = summarize(rows);
-  fmt::print(
-      "\n{} poses over {:.2f} s, {} in contact, up to {} colliding, up to {:.2f} N; compute p50 {:.1f} us, "
-      "p99 {:.1f} us, max {:.0f} us\n",
-      rows.size(), s.seconds, s.contact_rows, s.most_colliding, s.largest_force, s.compute_us.p50,
-      s.compute_us.p99, s.compute_us.max);
-}
 
 void settle(Options& options) {
   const RunOrigin origin(options.from);
@@ -101,12 +61,12 @@ void run(Options& options) {
   write_run(rows, options.out, to_toml(known), progress);
 
   if (options.common.json) {
-    Json json = to_json(rows);
+    Json json = run_json(rows);
     json["made"] = made_json(known);
     if (pipeline.paper) add_reach(*pipeline.paper, options.live.tool, json);
     print_json(json);
   } else if (!options.common.quiet) {
-    print_text(rows);
+    fmt::print("{}", run_text(rows));
     if (pipeline.paper) print_reach(*pipeline.paper, options.live.tool);
     fmt::print("wrote {}\n", printable(options.out));
   }

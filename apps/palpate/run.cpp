@@ -18,6 +18,7 @@
 #include <palpate/live/live_hands.h>
 #include <palpate/live/run_signals.h>
 #include <palpate/record/recording_observer.h>
+#include <palpate/report/live_table.h>
 #include <palpate/servo/live_view.h>
 
 #include "command.h"
@@ -26,7 +27,6 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
-#include "run_summary.h"
 #include "terminal.h"
 #include "viewer_files.h"
 
@@ -171,17 +171,17 @@ std::vector<HandSetup> setups_of(const Options& options) {
   return setups;
 }
 
-void tell_outcomes(const std::vector<Outcome>& outcomes, const LiveHands& hands, bool as_json) {
+void tell_outcomes(const std::vector<LiveOutcome>& outcomes, const LiveHands& hands, bool as_json) {
   Json json;
   for (std::size_t k = 0; k < outcomes.size(); ++k) {
     const auto& [name, system] = hands.all()[k];
     if (!as_json) {
       if (!name.empty()) fmt::print("hand {}\n", name);
-      print_text(outcomes[k], *system);
+      fmt::print("{}", live_text(outcomes[k], system->loop().statistics()));
       continue;
     }
     Json& of_hand = name.empty() ? json : json["hands"][name];
-    of_hand = to_json(outcomes[k], *system);
+    of_hand = live_json(outcomes[k], system->loop().statistics());
     of_hand["made"] = made_json(system->provenance(kCommand));
   }
   if (as_json) print_json(json);
@@ -245,8 +245,12 @@ void run(const Options& options) {
     for (const auto& view : views) view->update();
     console.tell_transitions();
   }
-  std::vector<Outcome> outcomes;
-  for (std::size_t k = 0; k < systems.size(); ++k) outcomes.push_back(outcome_of(*systems[k], *views[k]));
+  std::vector<LiveOutcome> outcomes;
+  for (std::size_t k = 0; k < systems.size(); ++k) {
+    const LiveView& view = *views[k];
+    outcomes.push_back({systems[k]->clock().now(), systems[k]->loop().statistics().ticks, view.totals(),
+                        view.newest().state, faults_of(view)});
+  }
   for (LiveSystem* system : systems) system->begin_to_stop();  // while the rest is ended
   if (gateway) gateway->stop();
   hands.stop();
