@@ -68,29 +68,6 @@ EvaluationSetup setup_of(const Options& options, const std::string& shape, doubl
   return setup;
 }
 
-EvaluationRow measure(const EvaluationSetup& setup, const std::string& model, const Progress& progress) {
-  EvaluationRow row{setup.shape, model, *setup.scene.spacing, evaluate(setup, progress)};
-  if (setup.friction > 0.0) row.friction_at = friction_response(setup, {0.1, 0.2, 0.3, 0.5, 0.8});
-  if (setup.shape == "box") row.edge = edge_response(setup);
-  if (setup.shape != "step") return row;
-  row.step = step_response(setup);
-  EvaluationSetup clean = setup;
-  clean.scene.noise = clean.scene.tilt = 0.0;
-  row.clean_step = step_response(clean);
-  return row;
-}
-
-/// Holds the forces of every row against those at the first spacing.
-void compare_densities(std::vector<EvaluationRow>& rows, double first_spacing) {
-  for (EvaluationRow& row : rows) {
-    if (row.spacing == first_spacing) continue;
-    for (const EvaluationRow& first : rows) {
-      if (first.shape == row.shape && first.model == row.model && first.spacing == first_spacing)
-        row.denser = force_ratio(row.figures, first.figures);
-    }
-  }
-}
-
 std::vector<EvaluationRow> measure_all(const Options& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   const auto total =
@@ -102,7 +79,7 @@ std::vector<EvaluationRow> measure_all(const Options& options) {
   for (const std::string& shape : options.shapes) {
     for (const double spacing : options.spacings) {
       for (const std::string& model : options.models)
-        rows.push_back(measure(setup_of(options, shape, spacing, model), model, of_row));
+        rows.push_back(evaluation_row(setup_of(options, shape, spacing, model), model, of_row));
     }
   }
   report(progress, "evaluating", 1.0);

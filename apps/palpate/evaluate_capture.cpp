@@ -40,15 +40,6 @@ struct Capture {
         seen(loaded.scene, options.world_from_scene()) {}
 };
 
-Trajectory trajectory_of(const std::vector<CaptureTick>& ticks) {
-  constexpr double kPeriod = 1e-3;
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < ticks.size(); ++i)
-    trajectory.push_back(
-        {kPeriod * static_cast<double>(i), {ticks[i].tool, Eigen::Quaterniond::Identity()}, {}});
-  return trajectory;
-}
-
 ForceModelMaker maker(const ForceConfig& force, const std::string& model) {
   return [force, kind = force_model_kind(model)](const SceneIndex& index, const Tool& tool, double) {
     return make_force_model(kind, force, index, tool);
@@ -80,20 +71,9 @@ class Study {
   }
 
   CaptureRow measure(const std::string& model) {
-    CaptureRow row{model, {}, {}, {}};
     CaptureEvaluation evaluation = on(capture_, model);
-    std::vector<CaptureSlide> slides;
-    const auto slide_count = std::min(aims_.size(), static_cast<std::size_t>(options_.slides));
-    const auto work = static_cast<double>(aims_.size() + slide_count);
-    for (const CaptureAim& aim : aims_) {
-      row.pushes.push_back(evaluation.push(aim));
-      report(progress_, "pushing, " + model, 0.999 * static_cast<double>(row.pushes.size()) / work);
-    }
-    for (std::size_t i = 0; i < slide_count; ++i) {
-      slides.push_back(evaluation.slide(aims_[i]));
-      report(progress_, "sliding, " + model, static_cast<double>(aims_.size() + i + 1) / work);
-    }
-    row.figures = evaluation.figures(row.pushes, slides);
+    CaptureRow row =
+        capture_row(model, evaluation, aims_, static_cast<std::size_t>(options_.slides), progress_);
     if (against_) {
       CaptureEvaluation other = on(*against_, model);
       row.likeness = capture_likeness(evaluation, other, aims_);
@@ -115,7 +95,7 @@ class Study {
       plots.back().title += fmt::format(", {}, push {}", row.model, i);
       if (options_.worst.empty()) continue;
       written.push_back((std::filesystem::path(options_.worst) / ("push-" + name + ".csv")).string());
-      write_trajectory(trajectory_of(ticks), written.back(), to_toml(made));
+      write_trajectory(capture_trajectory(ticks), written.back(), to_toml(made));
     }
     return plots;
   }

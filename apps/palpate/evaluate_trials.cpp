@@ -3,12 +3,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <palpate/base/error.h>
 #include <palpate/haptics/tool_file.h>
@@ -114,20 +112,6 @@ std::vector<TrialRow> rows_of(const TrialOptions& options, const TrialTask& task
   return rows;
 }
 
-void measure(std::vector<TrialRow>& rows, const Progress& progress) {
-  std::mutex mutex;
-  std::vector<double> done(rows.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) {
-    rows[i].figures = run_trials(rows[i].setup, [&](std::string_view stage, double fraction) {
-      const std::lock_guard lock(mutex);
-      done[i] = fraction;
-      double sum = 0.0;
-      for (const double one : done) sum += one;
-      report(progress, stage, sum / number(rows.size()));
-    });
-  });
-}
-
 }  // namespace
 
 TrialOptions::TrialOptions()
@@ -160,7 +144,7 @@ void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
     repeat(rows.front(), options, task, csv);
     return;
   }
-  measure(rows, terminal_progress(task.common.quiet));
+  measure_trials(rows, terminal_progress(task.common.quiet));
   std::vector<std::string> written;
   const Provenance made = provenance_of(task);
   csv.write(head_of(made) + trial_csv(rows), written);

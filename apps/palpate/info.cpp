@@ -7,6 +7,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/live/setup_json.h>
+#include <palpate/live/setup_text.h>
 #include <palpate/report/scene_table.h>
 #include <palpate/scene/lint.h>
 
@@ -14,7 +15,6 @@
 #include "made.h"
 #include "options.h"
 #include "output.h"
-#include "setup.h"
 #include "terminal.h"
 
 namespace palpate::cli {
@@ -38,7 +38,7 @@ Command declare_info(CLI::App& parent) {
                                      scene.frame_note(),
                                      scene.registration.scale};
             std::optional<SceneSetup> setup;
-            if (findings.defects[0] != 0) setup = propose_setup(loaded.scene, live->tool);
+            if (findings.defects[0] != 0) setup = propose_setup(loaded.scene, live->tool.thinnest());
             if (common->json) {
               Json json = scene_json(report);
               json["proposed"] = setup ? setup_json<Json>(*setup) : Json();
@@ -46,7 +46,7 @@ Command declare_info(CLI::App& parent) {
               print_json(json);
             } else {
               fmt::print("{}", scene_text(report));
-              if (setup) print_setup(*setup);
+              if (setup) fmt::print("{}", setup_text(*setup));
             }
           }};
 }

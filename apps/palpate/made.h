@@ -4,9 +4,9 @@
 
 #include <initializer_list>
 #include <string>
-#include <string_view>
 
 #include <palpate/live/provenance.h>
+#include <palpate/live/provenance_json.h>
 
 #include "command.h"
 #include "options.h"
@@ -26,14 +26,11 @@ Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const 
 Provenance made_by(const CommonOptions& common, LiveConfig live, const QueryOptions& query_options,
                    const Pipeline& pipeline);
 
-/// Changes a setting, or adds it. \param value as TOML
-void set(Provenance& provenance, std::string_view name, const std::string& value);
-
 /// The head of a table in CSV.
 std::string head_of(const Provenance& provenance);
 
-/// What is known of the making by name, and `settings`, an object of them.
-Json made_json(const Provenance& provenance);
+/// Provenance as JSON.
+inline Json made_json(const Provenance& provenance) { return provenance_json<Json>(provenance); }
 
 /// An object of `made` and `rows`.
 Json with_made(const Provenance& provenance, Json rows);

@@ -1,18 +1,16 @@
 // palpate setup: how an unknown scene might be felt, as a configuration file.
-#include "setup.h"
-
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
 #include <palpate/live/config_toml.h>
 #include <palpate/live/setup_json.h>
+#include <palpate/live/setup_text.h>
 #include <palpate/scene/load_scene.h>
 
 #include "command.h"
@@ -22,23 +20,6 @@
 
 namespace palpate::cli {
 namespace {
-
-/// An option to paste, empty if nothing needs to be set, and why.
-struct Line {
-  std::string option, reason;
-};
-
-std::vector<Line> lines_of(const SceneSetup& setup) {
-  const bool turned = setup.frame.value != UpAxis::kAsIs;
-  const auto& longest = setup.max_scale.value;
-  const auto& crop = setup.crop_box.value;
-  return {
-      {turned ? fmt::format("--frame {}", to_string(setup.frame.value)) : "", setup.frame.reason},
-      {fmt::format("--scale {}", setup.scale.value), setup.scale.reason},
-      {fmt::format("--opacity-min {}", setup.opacity_min.value), setup.opacity_min.reason},
-      {longest ? fmt::format("--max-scale {:.3g}", *longest) : "", setup.max_scale.reason},
-      {crop ? fmt::format("--crop-box {:.3g}", fmt::join(corners(*crop), ",")) : "", setup.crop_box.reason}};
-}
 
 void apply(const SceneSetup& setup, SceneConfig& scene) {
   scene.frame = setup.frame.value;
@@ -65,7 +46,7 @@ void run(const Options& options) {
   if (!options.out.empty()) check_output(options.out, {options.live.scene.path, options.common.config});
   LiveConfig live = options.live;
   const GaussianScene scene = load_scene(live.scene.path, terminal_progress(options.common.quiet));
-  const SceneSetup setup = propose_setup(scene, live.tool);
+  const SceneSetup setup = propose_setup(scene, live.tool.thinnest());
   apply(setup, live.scene);
   if (!options.out.empty()) {
     OutputFile file(options.out);
@@ -77,7 +58,7 @@ void run(const Options& options) {
     json["made"] = made_json(provenance_of(options));
     print_json(json);
   } else if (!options.common.quiet) {
-    print_setup(setup);
+    fmt::print("{}", setup_text(setup));
     if (!options.out.empty())
       fmt::print("\nwrote {}; next: palpate run {} --config {}\n", printable(options.out),
                  printable(live.scene.path), printable(options.out));
@@ -85,21 +66,6 @@ void run(const Options& options) {
 }
 
 }  // namespace
-
-SceneSetup propose_setup(const GaussianScene& scene, const Tool& tool) {
-  return palpate::propose_setup(scene, tool.thinnest());
-}
-
-void print_setup(const SceneSetup& setup) {
-  std::vector<std::string> options;
-  for (const Line& line : lines_of(setup))
-    if (!line.option.empty()) options.push_back(line.option);
-  fmt::print("proposed          {}\n", fmt::join(options, " "));
-  for (const auto& [option, reason] : lines_of(setup)) {
-    const std::string name = option.substr(0, option.find(' '));
-    fmt::print("  {:<15} {}\n", name.empty() ? "-" : name, reason);
-  }
-}
 
 Command declare_setup(CLI::App& parent) {
   CLI::App& app = add_command(parent, "setup",

@@ -38,17 +38,6 @@ struct Options {
   std::string csv, html, svg;
 };
 
-/// Light, usual and heavy, each held loosely, as usual, and firmly: the range of human hands.
-std::vector<HandProperties> usual_hands() {
-  std::vector<HandProperties> hands;
-  for (const double mass : {0.05, 0.15, 0.3}) {
-    for (const auto& [damping, stiffness] :
-         {std::pair(1.0, 100.0), std::pair(3.0, 400.0), std::pair(10.0, 1000.0)})
-      hands.push_back({mass, damping, stiffness});
-  }
-  return hands;
-}
-
 /// A scene and where it is pressed.
 struct Ground {
   std::string name;

@@ -1,9 +1,12 @@
 #include <palpate/live/provenance.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <palpate/base/version.h>
 #include <palpate/collision/index_file.h>
@@ -19,6 +22,15 @@ std::string table(std::string_view name, const std::vector<SettingText>& items) 
   std::string text = fmt::format("[{}]\n", name);
   for (const SettingText& item : items) text += fmt::format("{} = {}\n", item.name, item.value);
   return text;
+}
+
+/// As it is where that is a number, true or false to TOML, too; else as text.
+std::string toml_value(const std::string& text) {
+  if (!nlohmann::json::accept(text)) return toml_quoted(text);
+  const nlohmann::json value = nlohmann::json::parse(text);
+  const bool too_large = value.is_number_unsigned() &&
+                         value.get<std::uint64_t>() > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
+  return value.is_boolean() || (value.is_number() && !too_large) ? text : toml_quoted(text);
 }
 
 }  // namespace
@@ -44,6 +56,20 @@ Provenance provenance(std::string_view command, const SceneOrigin& scene, const 
     for (SettingText& setting : settings_text(config, group)) known.settings.push_back(std::move(setting));
   }
   return known;
+}
+
+void set(Provenance& provenance, std::string_view name, const std::string& value) {
+  std::vector<SettingText>& all = provenance.settings;
+  const auto at = std::find_if(all.begin(), all.end(), [&](const SettingText& s) { return s.name == name; });
+  if (at != all.end()) {
+    at->value = value;
+  } else {
+    all.push_back({std::string(name), value});
+  }
+}
+
+void set_text(Provenance& provenance, std::string_view name, const std::string& text) {
+  set(provenance, name, toml_value(text));
 }
 
 std::string to_toml(const Provenance& provenance) {

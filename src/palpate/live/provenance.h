@@ -34,6 +34,11 @@ SceneOrigin scene_origin(const SceneConfig& scene);
 Provenance provenance(std::string_view command, const SceneOrigin& scene, const LiveConfig& config,
                       std::initializer_list<ConfigGroup> groups);
 
+/// Changes a setting, or adds it. \param value as TOML
+void set(Provenance& provenance, std::string_view name, const std::string& value);
+/// The same of a value in any words: quoted where TOML would not take it for a number, true or false.
+void set_text(Provenance& provenance, std::string_view name, const std::string& text);
+
 /// TOML: the tables [made] and [settings]. The head of a run's file (write_run()) and of other tables.
 std::string to_toml(const Provenance& provenance);
 

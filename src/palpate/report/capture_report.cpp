@@ -209,4 +209,31 @@ Plot capture_force_plot(const std::string& name, const std::vector<CaptureTick>&
   return plot;
 }
 
+CaptureRow capture_row(const std::string& model, CaptureEvaluation& evaluation,
+                       const std::vector<CaptureAim>& aims, std::size_t slides, const Progress& progress) {
+  CaptureRow row{model, {}, {}, {}};
+  std::vector<CaptureSlide> slid;
+  const std::size_t slide_count = std::min(aims.size(), slides);
+  const auto work = static_cast<double>(aims.size() + slide_count);
+  for (const CaptureAim& aim : aims) {
+    row.pushes.push_back(evaluation.push(aim));
+    report(progress, "pushing, " + model, 0.999 * static_cast<double>(row.pushes.size()) / work);
+  }
+  for (std::size_t i = 0; i < slide_count; ++i) {
+    slid.push_back(evaluation.slide(aims[i]));
+    report(progress, "sliding, " + model, static_cast<double>(aims.size() + i + 1) / work);
+  }
+  row.figures = evaluation.figures(row.pushes, slid);
+  return row;
+}
+
+Trajectory capture_trajectory(const std::vector<CaptureTick>& ticks) {
+  constexpr double kPeriod = 1e-3;
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    trajectory.push_back(
+        {kPeriod * static_cast<double>(i), {ticks[i].tool, Eigen::Quaterniond::Identity()}, {}});
+  return trajectory;
+}
+
 }  // namespace palpate

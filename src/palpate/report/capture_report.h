@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <palpate/base/progress.h>
+#include <palpate/record/trajectory.h>
 #include <palpate/report/figure_column.h>
 #include <palpate/report/ordered_json.h>
 #include <palpate/report/plot.h>
@@ -21,6 +23,14 @@ struct CaptureRow {
   std::optional<CaptureLikeness> likeness;
   std::vector<CapturePush> pushes;
 };
+
+/// Pushes along all aims, and slides along the first so many of them. \param model its name
+CaptureRow capture_row(const std::string& model, CaptureEvaluation& evaluation,
+                       const std::vector<CaptureAim>& aims, std::size_t slides,
+                       const Progress& progress = {});
+
+/// The poses of a push, 1 ms each.
+Trajectory capture_trajectory(const std::vector<CaptureTick>& ticks);
 
 /// The figures of a row, whose headings say what they are.
 const std::vector<FigureColumn<CaptureRow>>& capture_columns();

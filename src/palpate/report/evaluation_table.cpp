@@ -203,4 +203,27 @@ std::string evaluation_csv(const std::vector<EvaluationRow>& rows) {
   return text;
 }
 
+EvaluationRow evaluation_row(const EvaluationSetup& setup, const std::string& model,
+                             const Progress& progress) {
+  EvaluationRow row{setup.shape, model, *setup.scene.spacing, evaluate(setup, progress)};
+  if (setup.friction > 0.0) row.friction_at = friction_response(setup, {0.1, 0.2, 0.3, 0.5, 0.8});
+  if (setup.shape == "box") row.edge = edge_response(setup);
+  if (setup.shape != "step") return row;
+  row.step = step_response(setup);
+  EvaluationSetup clean = setup;
+  clean.scene.noise = clean.scene.tilt = 0.0;
+  row.clean_step = step_response(clean);
+  return row;
+}
+
+void compare_densities(std::vector<EvaluationRow>& rows, double first_spacing) {
+  for (EvaluationRow& row : rows) {
+    if (row.spacing == first_spacing) continue;
+    for (const EvaluationRow& first : rows) {
+      if (first.shape == row.shape && first.model == row.model && first.spacing == first_spacing)
+        row.denser = force_ratio(row.figures, first.figures);
+    }
+  }
+}
+
 }  // namespace palpate

@@ -25,6 +25,13 @@ struct EvaluationRow {
   std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; not there itself
 };
 
+/// Measures all that there is to `setup`'s shape. \param model its name
+EvaluationRow evaluation_row(const EvaluationSetup& setup, const std::string& model,
+                             const Progress& progress = {});
+
+/// Holds the forces of every row against those at the first spacing.
+void compare_densities(std::vector<EvaluationRow>& rows, double first_spacing);
+
 using EvaluationColumn = FigureColumn<EvaluationRow>;
 
 /// A table of some columns for people, with the rows that have something in it.

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <palpate/report/figure_column.h>
 
@@ -122,6 +124,20 @@ std::string trial_ticks_csv(const std::vector<TrialTick>& ticks) {
     text += fmt::format(",{:.6g},{:.6g},{:.4g}\n", ticks[i].depth, ticks[i].proxy_depth, ticks[i].confidence);
   }
   return text;
+}
+
+void measure_trials(std::vector<TrialRow>& rows, const Progress& progress) {
+  std::mutex mutex;
+  std::vector<double> done(rows.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) {
+    rows[i].figures = run_trials(rows[i].setup, [&](std::string_view stage, double fraction) {
+      const std::lock_guard lock(mutex);
+      done[i] = fraction;
+      double sum = 0.0;
+      for (const double one : done) sum += one;
+      report(progress, stage, sum / number(rows.size()));
+    });
+  });
 }
 
 }  // namespace palpate

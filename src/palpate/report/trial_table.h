@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <palpate/base/progress.h>
 #include <palpate/report/ordered_json.h>
 #include <palpate/study/trials.h>
 
@@ -17,6 +18,9 @@ struct TrialRow {
   TrialSetup setup;
   TrialFigures figures;
 };
+
+/// The figures of all rows, on all processors.
+void measure_trials(std::vector<TrialRow>& rows, const Progress& progress);
 
 std::string trial_text(const std::vector<TrialRow>& rows);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <mutex>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -113,6 +114,16 @@ StabilityTables measure_stability(const StabilityStudy& study, const Progress& p
   }
   report(progress, "holding", 1.0);
   return tables;
+}
+
+std::vector<HandProperties> usual_hands() {
+  std::vector<HandProperties> hands;
+  for (const double mass : {0.05, 0.15, 0.3}) {
+    for (const auto& [damping, stiffness] :
+         {std::pair(1.0, 100.0), std::pair(3.0, 400.0), std::pair(10.0, 1000.0)})
+      hands.push_back({mass, damping, stiffness});
+  }
+  return hands;
 }
 
 }  // namespace palpate

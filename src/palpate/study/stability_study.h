@@ -64,6 +64,9 @@ struct StabilityStudy {
   std::function<std::unique_ptr<ForceModel>(const std::string& name, Lookahead* lookahead)> model;
 };
 
+/// Light, usual and heavy, each held loosely, as usual, and firmly: the range of human hands.
+std::vector<HandProperties> usual_hands();
+
 /// The trial of a row. \pre `study` outlives it
 StabilityTrial trial_of(const StabilityStudy& study, const StabilityRow& row);
 
