@@ -108,6 +108,12 @@ test('a ray goes through haze, and stops where most of what is seen is', () => {
   assert.ok(Math.abs(veils.hit([0, 0, 0], [0, 0, 1]).distance - 2) < 1e-6, 'half of the opacity is before');
 });
 
+test('how much is seen before a distance', () => {
+  const scene = kept(gaussian([0, 0, 1], { opacity: 0.4 }), gaussian([0, 0, 3], { opacity: 0.9 }), gaussian([5, 0, 2]));
+  const before = (distance) => scene.opacityBefore([0, 0, 0], [0, 0, 2], distance); // in units of the direction
+  [[0.4, 0], [0.6, 0.4], [1.6, 1 - 0.6 * 0.1]].forEach(([distance, opacity]) => assert.ok(Math.abs(before(distance) - opacity) < 1e-6, `${before(distance)}`));
+});
+
 test('what is seen and cut off is not felt, nor is what it hides', () => {
   const scene = kept(gaussian([0, 0, 1]), gaussian([0, 0, 2]));
   scene.keep(listOf([[1, [0.1, 0.1, 0.1]]]));

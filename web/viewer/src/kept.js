@@ -105,6 +105,12 @@ export class Kept {
     return null;
   }
 
+  /// How much is seen along a ray before a distance, in units of `direction`: an opacity.
+  opacityBefore(origin, direction, distance) {
+    const left = this.#along(origin, direction).reduce((share, one) => (one.distance < distance ? share * (1 - one.alpha) : share), 1);
+    return 1 - left;
+  }
+
   /// Where the kept ellipsoids of `rows` are nearest to a point: {point, distance}, or null. Boxes stand in for them.
   closest(rows, position) {
     let [nearest, least] = [null, Infinity];
