@@ -62,6 +62,15 @@ test('the box leaves out the few that are far away', () => {
   assert.equal(kept().box, null);
 });
 
+test('the box has what stands up from the rest, and not the haze above', () => {
+  const floor = Array.from({ length: 4000 }, (_, i) => gaussian([(i % 80) / 80, Math.floor(i / 80) / 50, 0.001 * (i % 7)]));
+  const head = Array.from({ length: 60 }, (_, i) => gaussian([0.5 + 0.01 * (i % 3), 0.5, i / 200])); // up to 0.3
+  const haze = Array.from({ length: 60 }, (_, i) => gaussian([(i % 8) / 8, (i % 11) / 11, 0.35 + i / 100]));
+  const { min, max } = kept(...floor, ...head, ...haze).box;
+  assert.ok(Math.abs(max[2] - 0.3) < 0.02, `${max}`);
+  assert.ok(min.every((c) => Math.abs(c) < 0.03), `${min}`);
+});
+
 test('a ray sees the first solid Gaussian in its way', () => {
   const scene = kept(gaussian([0, 0, 5]), gaussian([0, 0, 2]), gaussian([0, 0, -1]));
   const seen = scene.hit([0, 0, 0], [0, 0, 1]);
