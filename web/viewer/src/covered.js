@@ -37,10 +37,13 @@ export class Covered {
     };
   }
 
-  /// From above, near `x` of the page; anywhere, where that is null. Unit: [px].
-  topNear(x) {
+  /// From above and from below, {top, bottom}, near `x` of the page; anywhere, where that is null. Unit: [px].
+  near(x) {
     if (!this.#view) this.measure();
-    const near = this.#above.filter(({ left, right }) => x === null || (x > left - sideRoom && x < right + sideRoom));
-    return Math.max(0, ...near.map((box) => box.bottom - this.#view.top));
+    const isNear = ({ left, right }) => x === null || (x > left - sideRoom && x < right + sideRoom);
+    return {
+      top: Math.max(0, ...this.#above.filter(isNear).map((box) => box.bottom - this.#view.top)),
+      bottom: Math.max(0, ...this.#below.filter(isNear).map((box) => this.#view.bottom - box.top)),
+    };
   }
 }

@@ -139,7 +139,7 @@ export class TakeHold {
     const at = middle && view.project(middle);
     const seen = view.project(position);
     return {
-      covered: this.covered.topNear(seen && seen[0]), at: seen, towards: view.towards(position), radius: felt.size / view.pixelAt(position),
+      covered: this.covered.near(seen && seen[0]), at: seen, towards: view.towards(position), radius: felt.size / view.pixelAt(position),
       distant: at && { text: formatLength(depth.gap.length), at },
     };
   }
