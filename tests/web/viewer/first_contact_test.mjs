@@ -51,38 +51,52 @@ for (const name of [builtIn, ...files]) {
       return page;
     }
 
-    // What the tool does after `act`, which counts what it does, on a page of its own: {page, felt}, not felt where the program was
-    // held up meanwhile.
+    // The force is on: on a busy machine the demo may have lost it.
+    async function forceComesOn(page) {
+      const look = () => (document.getElementById('state').textContent === 'active' && 'on') || (!document.getElementById('resume').hidden && 'stopped');
+      while (await until(page, look) === 'stopped') await page.evaluate(() => document.getElementById('resume').click());
+    }
+
+    // What the tool does after `act`, which counts what it does, on a page of its own: {page, felt, said}, not felt where the program
+    // was held up meanwhile.
     async function attempt(by, context, act) {
       const page = await load(context);
-      await until(page, (size) => [window.palpateViewer.toolPixels(), // or by a mark, once it is known where the tool is
-        ...[...document.querySelectorAll('.tool-ring, .tool-arrow')].map((mark) => mark.getBoundingClientRect().width)].some((width) => width >= size), least);
+      const outline = await until(page, (size) => { // or by a mark, once it is known where the tool is
+        const width = Math.max(window.palpateViewer.toolPixels(),
+          ...[...document.querySelectorAll('.tool-ring, .tool-arrow')].map((mark) => mark.getBoundingClientRect().width));
+        return width >= size && width;
+      }, least);
+      await forceComesOn(page);
       const heldUp = await page.evaluate(countHeldUp);
       let actions = 0;
-      await act(page, (action) => { ++actions; return action; });
+      const way = await act(page, (action) => { ++actions; return action; }) ?? 0;
       assert.ok(actions <= most[by], `${actions} actions by ${by}`);
+      const said = `${actions} by ${by}, ${way.toFixed(0)} px from the middle of the view; the tool's outline is ${outline.toFixed(0)} px wide`;
       // One function: the page's own rules forbid to make functions of text there.
       const { felt } = await until(page, new Function('before', `
         if ((${countHeldUp})() > before) return { felt: false };
         const viewer = window.palpateViewer;
         return Math.hypot(...(viewer.force() ?? [0])) > 0.05 && !viewer.approaching && { felt: true };`), heldUp);
-      return { page, felt };
+      return { page, felt, said };
     }
 
-    // Tries until it is felt, and does `then`.
-    async function feel(by, context, act, then = () => {}) {
+    // Tries until it is felt and `then` says what it saw, which is null where the program was held up; `t`, the test, says what it took.
+    async function feel(t, by, context, act, then = () => '') {
       for (let tries = 1; ; ++tries) {
-        const { page, felt } = await attempt(by, context, act);
-        if (felt) await then(page);
+        const { page, felt, said } = await attempt(by, context, act);
+        const more = felt ? await then(page) : null;
         await page.getByRole('button', { name: 'Start demo' }).click();
         await until(page, () => window.palpateViewer.parameters().demo);
         await page.close();
-        if (felt) return;
+        if (more !== null) {
+          t.diagnostic(`${name}: ${said}${more}`);
+          return;
+        }
         assert.ok(tries < mostTries, 'the program was held up');
       }
     }
 
-    // As near to the middle of the view as somebody sees a thing, and no haze.
+    // As near to the middle of the view as somebody sees a thing, and no haze: {place, way}, and how far from the middle.
     async function seenPlace(page) {
       const { x, y, width, height } = await page.locator('#canvas').boundingBox();
       const steps = [-8, -7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8].map((k) => k / 20);
@@ -91,15 +105,19 @@ for (const name of [builtIn, ...files]) {
       const place = await ask(page, (v, list) => list.find((p) => document.elementFromPoint(...p)?.id === 'canvas' && v.pick(p)
         && v.seenOpacity(p) > 0.8), places);
       assert.ok(place, 'something is seen');
-      return place;
+      return { place, way: Math.hypot(place[0] - x - 0.5 * width, place[1] - y - 0.5 * height) };
     }
 
     async function staysWhereItIsLeft(page) {
+      const heldUp = await page.evaluate(countHeldUp);
       await page.waitForTimeout(2000); // it settles in what it is pressed into
       const left = await ask(page, (v) => v.tool());
       await page.waitForTimeout(stays);
       const [now, size] = await ask(page, (v) => [v.tool(), v.parameters().tool[0].semi_axes[0]]);
-      assert.ok(Math.hypot(...now.map((c, k) => c - left[k])) < size, `${left} and ${now}`);
+      if (await page.evaluate(countHeldUp) > heldUp) return null; // nothing pushes against the hand any more
+      const moved = Math.hypot(...now.map((c, k) => c - left[k]));
+      assert.ok(moved < size, `${left} and ${now}`);
+      return `; it moves ${(1000 * moved).toFixed(1)} mm in ${stays / 1000} s`;
     }
 
     before(async () => {
@@ -116,14 +134,18 @@ for (const name of [builtIn, ...files]) {
       await rm(work, { recursive: true, force: true });
     });
 
-    test('by keyboard', { timeout: long }, () => feel('keyboard', desk, (page, count) => count(page.keyboard.press('c'))));
+    test('by keyboard', { timeout: long }, (t) => feel(t, 'keyboard', desk, (page, count) => count(page.keyboard.press('c'))));
 
-    test('by mouse, and the tool stays where it is left', { timeout: long }, () => feel('mouse', desk, async (page, count) => {
-      await count(page.mouse.click(...await seenPlace(page)));
+    test('by mouse, and the tool stays where it is left', { timeout: long }, (t) => feel(t, 'mouse', desk, async (page, count) => {
+      const { place, way } = await seenPlace(page);
+      await count(page.mouse.click(...place));
+      return way;
     }, staysWhereItIsLeft));
 
-    test('by touch', { timeout: long }, () => feel('touch', phone, async (page, count) => {
-      await count(page.touchscreen.tap(...await seenPlace(page)));
+    test('by touch', { timeout: long }, (t) => feel(t, 'touch', phone, async (page, count) => {
+      const { place, way } = await seenPlace(page);
+      await count(page.touchscreen.tap(...place));
+      return way;
     }));
   });
 }

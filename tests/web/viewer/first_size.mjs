@@ -63,6 +63,14 @@ describe('the first size', () => {
     assert.equal(await card().isVisible(), false);
   });
 
+  test('is asked for again where the connection is lost before the answer comes', async () => {
+    desk.gateway.breaksOff = '/palpate/propose_setup';
+    await openUnknown();
+    await waitFor(() => asked().length === 1, 'the size');
+    assert.equal(requests('propose_setup').length, 2);
+    await card().getByText(/across/).waitFor();
+  });
+
   test('is not looked for where somebody has said one, or a device has a hand of its own', async () => {
     await openUnknown({ registration: { assumed: [] } });
     await settle(desk.page, 4);

@@ -209,8 +209,12 @@ describe('in a headset', () => {
 
   test('an arrow points to the tool when it is out of view', async () => {
     await until(desk.page, () => !window.palpateViewer.vr().marker);
-    await look(Math.PI / 2);
-    await until(desk.page, () => window.palpateViewer.vr().marker);
+    await look(Math.PI / 2); // to the left
+    await until(desk.page, () => window.palpateViewer.vr().marker && window.palpateViewer.vr().pointsTo[0] > 0.1);
+    await look(-Math.PI / 2);
+    await until(desk.page, () => window.palpateViewer.vr().marker && window.palpateViewer.vr().pointsTo[0] < -0.1);
+    await look(3); // where it is behind, nobody nods that far
+    await until(desk.page, () => window.palpateViewer.vr().marker && Math.abs(window.palpateViewer.vr().pointsTo[1]) < 0.1);
   });
 
   test('tracked hands are drawn, the panel is at the left one, and a pinch holds the tool, which goes with the hand', async () => {

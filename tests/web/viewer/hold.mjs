@@ -43,6 +43,27 @@ describe('bringing the tool', () => {
     assert.ok(nearestToMiddle > 0.8 * radius, `${nearestToMiddle} m from the middle of the ball`);
   });
 
+  test('a click on what hides it brings it there; with Shift, it is caught where it is hidden', async () => {
+    const { forward } = await ask(desk.page, (v) => v.axes());
+    const hidden = scaled(forward, 0.2); // behind the ball, where its middle is seen
+    desk.gateway.tool.position = hidden;
+    await until(desk.page, (p) => Math.hypot(...window.palpateViewer.tool().map((c, k) => c - p[k])) < 1e-6, hidden);
+    const at = await toolOnPage();
+    await desk.page.mouse.move(...at);
+    assert.equal(await desk.page.evaluate(() => document.getElementById('canvas').classList.contains('over-tool')), false);
+    await desk.page.keyboard.down('Shift');
+    await desk.page.mouse.down();
+    await until(desk.page, () => window.palpateViewer.held && !window.palpateViewer.approaching);
+    await desk.page.mouse.up();
+    await desk.page.keyboard.up('Shift');
+    await until(desk.page, () => !window.palpateViewer.held);
+    assert.ok(distance(desk.gateway.tool.position, hidden) < 1e-6, 'it stays where it was caught');
+    await desk.page.mouse.click(...at);
+    await until(desk.page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.1 && !window.palpateViewer.approaching);
+    const depth = desk.gateway.tool.position.reduce((sum, c, k) => sum + c * forward[k], 0);
+    assert.ok(depth < -0.8 * radius, `${depth} m behind the middle of the ball`);
+  });
+
   test('a key brings it to the middle of the view: one action by keyboard', async () => {
     await desk.page.keyboard.press('c');
     await until(desk.page, felt);

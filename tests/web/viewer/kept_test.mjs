@@ -62,6 +62,15 @@ test('the box leaves out the few that are far away', () => {
   assert.equal(kept().box, null);
 });
 
+test('the box has what stands up from the rest, and not the haze above', () => {
+  const floor = Array.from({ length: 4000 }, (_, i) => gaussian([(i % 80) / 80, Math.floor(i / 80) / 50, 0.001 * (i % 7)]));
+  const head = Array.from({ length: 60 }, (_, i) => gaussian([0.5 + 0.01 * (i % 3), 0.5, i / 200])); // up to 0.3
+  const haze = Array.from({ length: 60 }, (_, i) => gaussian([(i % 8) / 8, (i % 11) / 11, 0.35 + i / 100]));
+  const { min, max } = kept(...floor, ...head, ...haze).box;
+  assert.ok(Math.abs(max[2] - 0.3) < 0.02, `${max}`);
+  assert.ok(min.every((c) => Math.abs(c) < 0.03), `${min}`);
+});
+
 test('a ray sees the first solid Gaussian in its way', () => {
   const scene = kept(gaussian([0, 0, 5]), gaussian([0, 0, 2]), gaussian([0, 0, -1]));
   const seen = scene.hit([0, 0, 0], [0, 0, 1]);
@@ -106,6 +115,12 @@ test('a ray goes through haze, and stops where most of what is seen is', () => {
   assert.equal(kept(haze).hit([0, 0, 0], [0, 0, 1]), null, 'what is hardly seen is nothing');
   const veils = kept(...[1, 2, 3, 4].map((z) => gaussian([0, 0, z], { opacity: 0.4 })));
   assert.ok(Math.abs(veils.hit([0, 0, 0], [0, 0, 1]).distance - 2) < 1e-6, 'half of the opacity is before');
+});
+
+test('how much is seen before a distance', () => {
+  const scene = kept(gaussian([0, 0, 1], { opacity: 0.4 }), gaussian([0, 0, 3], { opacity: 0.9 }), gaussian([5, 0, 2]));
+  const before = (distance) => scene.opacityBefore([0, 0, 0], [0, 0, 2], distance); // in units of the direction
+  [[0.4, 0], [0.6, 0.4], [1.6, 1 - 0.6 * 0.1]].forEach(([distance, opacity]) => assert.ok(Math.abs(before(distance) - opacity) < 1e-6, `${before(distance)}`));
 });
 
 test('what is seen and cut off is not felt, nor is what it hides', () => {

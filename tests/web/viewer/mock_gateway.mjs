@@ -42,6 +42,7 @@ export class MockGateway {
   refusal; // of the next set_parameters
   refusePoses;
   stalls; // half of the way through the scene
+  breaksOff = ''; // once this service is asked for
   fault;
   token; // wanted of every connection, if any
   tool;
@@ -182,6 +183,11 @@ export class MockGateway {
       else this.#pose(message.msg);
     } else if (message.op === 'call_service') {
       this.requests.push({ service: message.service, args: message.args });
+      if (message.service === this.breaksOff) {
+        this.breaksOff = '';
+        socket.terminate();
+        return;
+      }
       const values = this.#serve(message.service.replace('/palpate/', ''), message.args);
       send({ op: 'service_response', id: message.id, service: message.service, result: true, values });
     }

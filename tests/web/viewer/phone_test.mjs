@@ -1,4 +1,5 @@
-// The page on a phone, by touch, upright and lying; and what every eye, hand and reader needs: contrast, names, keys, no motion.
+// The page on a phone, by touch, upright and lying; how its parts lie on any screen; and what every eye, hand and reader needs:
+// contrast, names, keys, no motion.
 
 import assert from 'node:assert/strict';
 import { after, before, beforeEach, describe, test } from 'node:test';
@@ -9,6 +10,7 @@ import { ballScene } from './mock_scene.mjs';
 
 const upright = { width: 390, height: 844 };
 const lying = { width: 844, height: 390 };
+const screens = { upright, lying, narrow: { width: 900, height: 640 }, laptop: { width: 1440, height: 900 }, desk: { width: 1920, height: 1080 } };
 const leastContrast = 4.5;
 const clear = [0, 0, 0.2];
 const scene = ballScene(600);
@@ -35,7 +37,7 @@ async function resize(size) {
   await page.setViewportSize(size);
   await until(page, ({ width, height }) => {
     const canvas = document.getElementById('canvas');
-    return canvas.clientHeight === height && Math.abs(canvas.width / canvas.height - width / height) < 0.02;
+    return window.innerWidth === width && canvas.clientHeight === height && Math.abs(canvas.width / canvas.height - canvas.clientWidth / height) < 0.02;
   }, size);
   await settle(page);
 }
@@ -79,6 +81,53 @@ describe('on a phone', () => {
     await until(page, () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.1);
     await page.locator('#hint').waitFor({ state: 'hidden' });
   });
+});
+
+describe('nothing covers another', () => {
+  // What is seen of the page's parts, by selector.
+  const seenParts = async () => {
+    const parts = ['.identity', '.tools', '#stop', '#stopped', '#size', '#hint', '.legend', '.notices', '#sheet', '.panels:not(.closed) .sections'];
+    const shown = await page.evaluate((list) => list.filter((selector) => document.querySelector(selector)?.checkVisibility()), parts);
+    const found = await boxes(shown);
+    return Object.fromEntries(shown.map((name, i) => [name, found[i]]).filter(([, box]) => box.bottom > box.top));
+  };
+
+  function check(parts, { width, height }) {
+    const list = Object.entries(parts);
+    for (const [name, box] of list) {
+      assert.ok(box.left >= 0 && box.top >= 0 && box.right <= width + 1 && box.bottom <= height + 1, `${name} is on the page: ${JSON.stringify(box)}`);
+    }
+    list.forEach(([a, box], i) => list.slice(i + 1).forEach(([b, other]) =>
+      assert.ok(!overlap(box, other), `${a} ${JSON.stringify(box)} and ${b} ${JSON.stringify(other)}`)));
+  }
+
+  before(async () => {
+    gateway.reset(clear, scene);
+    await page.evaluate(() => { document.getElementById('hint').hidden = false; });
+  });
+  after(async () => {
+    await page.locator('#resume').dispatchEvent('click');
+    await page.locator('#stopped').waitFor({ state: 'hidden' });
+  });
+
+  for (const [name, viewport] of Object.entries(screens)) {
+    test(`${name}: with hints, without, and with a stop and a notice`, async () => {
+      await resize(viewport);
+      const hint = (shown) => page.evaluate((on) => { document.getElementById('hint').hidden = !on; }, shown);
+      await hint(true);
+      check(await seenParts(), viewport);
+      await page.locator('#stop').dispatchEvent('click');
+      await page.locator('#stopped').waitFor();
+      for (const hints of [true, false]) {
+        await hint(hints);
+        await page.locator('#scene-file').setInputFiles({ name: 'garden.spz', mimeType: '', buffer: Buffer.from([0]) });
+        await page.locator('.notice').waitFor();
+        const parts = await seenParts();
+        assert.ok('#stopped' in parts && '.notices' in parts && hints === ('#hint' in parts), Object.keys(parts).join());
+        check(parts, viewport);
+      }
+    });
+  }
 });
 
 // The contrast of every text that is seen with what is behind it, as {text, ratio}.

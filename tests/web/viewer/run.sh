@@ -18,6 +18,6 @@ here=$(dirname "$(realpath "$0")")
 # shellcheck source=tests/web/packages.sh
 source "$here/../packages.sh"
 enter "$work" "$here"
-cp "$here"/../../../web/viewer/src/{kept,ray_blocks,haptics,neighbourhood,parameters}.js .
+cp "$here"/../../../web/viewer/src/{extent,kept,ray_blocks,haptics,neighbourhood,parameters}.js .
 # Two at a time: each has a browser that draws in software, and mostly waits for one core.
 node --test --test-concurrency=2 "${tests[@]}"

@@ -39,6 +39,14 @@ describe('safety', () => {
     assert.equal(await desk.page.evaluate(() => getComputedStyle(document.getElementById('view'), '::after').content), 'none');
   });
 
+  test('a force that waits for the tool to be lifted is no riddle', async () => {
+    desk.gateway.fault = { level: 0, state: 'waiting', fault: 'none', advice: '' };
+    await desk.page.getByText('once the tool touches nothing').waitFor();
+    assert.deepEqual(await desk.page.evaluate(() => [document.getElementById('state').dataset.level, document.getElementById('resume').hidden]), ['waiting', true]);
+    desk.gateway.fault = { level: 0, state: 'active', fault: 'none', advice: '' };
+    await desk.page.locator('#stopped').waitFor({ state: 'hidden' });
+  });
+
   test('Escape in a dialogue or a measurement cancels that and nothing else', async () => {
     await desk.page.keyboard.press('?');
     await desk.page.getByRole('dialog').waitFor();

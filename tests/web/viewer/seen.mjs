@@ -184,4 +184,21 @@ describe('what is seen', () => {
     await settle(desk.page, 3);
     await frameAll();
   });
+
+  test('a tool that the page lies on is pointed at', async () => {
+    await desk.page.evaluate(() => { document.getElementById('hint').hidden = false; });
+    const hint = await desk.page.locator('#hint').boundingBox();
+    const [origin, above, up] = await ask(desk.page, (v) => [v.project([0, 0, 0]), v.project(v.axes().up.map((c) => 0.1 * c)), v.axes().up]);
+    const below = hint.y + 0.5 * hint.height - origin[1];
+    desk.gateway.tool.position = scaled(up, (-0.1 * below) / (origin[1] - above[1]));
+    const arrow = await until(desk.page, () => {
+      const { x, width, bottom } = document.querySelector('.tool-arrow').getBoundingClientRect();
+      return width > 0 && { x, bottom };
+    });
+    assert.ok(arrow.bottom < hint.y && arrow.x > hint.x, `${arrow.x}, ${arrow.bottom}`);
+    await desk.page.evaluate(() => { document.getElementById('hint').hidden = true; });
+    await until(desk.page, () => document.querySelector('.tool-arrow').getBoundingClientRect().width === 0);
+    desk.gateway.tool.position = clear;
+    await settle(desk.page, 3);
+  });
 });

@@ -15,7 +15,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     get gap() { return depth.gap?.length ?? null; },
     vr: () => ({
       lines: headset.panel.lines, panel: headset.panel.isShown, hovered: headset.panel.hovered, stopFrame: headset.signs.frame.visible, dark: headset.signs.dark.visible,
-      marker: headset.signs.arrow.visible, aiming: headset.teleport.group.visible, floor: headset.surroundings.group.visible,
+      marker: headset.signs.arrow.visible, pointsTo: headset.signs.arrow.position.toArray(), aiming: headset.teleport.group.visible, floor: headset.surroundings.group.visible,
       drawn: headset.hands.map(({ grip, joints, isTracked }) => (isTracked ? Object.values(joints.joints).filter((j) => j.children.length > 0) : grip.children).length),
       frameTime: headset.frames.mean,
     }),

@@ -11,7 +11,8 @@ const firstDelay = 250; // before another attempt. Unit: [ms].
 const longestDelay = 2000; // Unit: [ms].
 const checkPeriod = 500; // of whether anything is heard. Unit: [ms].
 const silenceLimit = 6; // diagnostics come every 50 ms; what is silent for so many checks is dead
-const answerLimit = 20000; // of a service. Unit: [ms].
+const beat = 1000; // Unit: [ms].
+const answerLimit = 20; // of a service. Unit: [beats], of which there is one however long the page stood still.
 
 /// What `error` says about itself, whatever it is: roslib hands on texts and objects.
 export const errorText = (error) => error?.message ?? (typeof error === 'string' && error ? error : 'no answer');
@@ -58,12 +59,13 @@ export class Connection {
     if (!this.connected) return Promise.reject(new Error('Not connected.'));
     const service = new Service({ ros: this.#ros, name: rosName(name), serviceType });
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => reject(new Error(`${name}: no answer`)), answerLimit);
       const settle = (finish) => (value) => {
-        clearTimeout(timer);
+        clearInterval(timer);
         this.#pending.delete(reject);
         finish(value);
       };
+      let left = answerLimit;
+      const timer = setInterval(() => { if (--left === 0) settle(reject)(new Error(`${name}: no answer`)); }, beat);
       this.#pending.add(reject);
       service.callService(request, settle(resolve), settle((error) => reject(new Error(errorText(error)))));
     });

@@ -1,19 +1,21 @@
 // The tool in the hand by mouse or touch: dragging it moves it in the plane of the screen, with Ctrl turns it; the wheel, the
-// right button or a second finger moves it along the line of sight.
+// right button or a second finger moves it along the line of sight. What hides the tool is clicked in its place, but with Shift.
 
-import { Quaternion, Raycaster } from 'three';
+import { Quaternion, Raycaster, Vector3 } from 'three';
 
 const wheelShare = 0.2; // of what the wheel scrolls
 const rightButton = 2;
 const turnPerPixel = 0.01; // Unit: [rad/px].
+const hiding = 0.5; // opacity before the tool, from which on it is what lies there that is clicked
+const sunk = 0.5; // what the tool rests on may lie before a part of it. In sizes of the tool.
 const reach = { mouse: 14, pen: 14, touch: 32 }; // around the handle, where the tool is caught. Unit: [px].
 
 export class Drag {
   #pointers = new Map(); // pointerId: last position on the page
   #first = null; // the pointer that holds
 
-  constructor(view, hold, felt) {
-    Object.assign(this, { view, hold, felt });
+  constructor(view, hold, felt, splats) {
+    Object.assign(this, { view, hold, felt, splats });
     const on = (name, react) => view.canvas.addEventListener(name, react, { capture: true, passive: false });
     on('pointerdown', (event) => this.#down(event));
     on('pointermove', (event) => this.#move(event));
@@ -35,7 +37,11 @@ export class Drag {
     if (event.shiftKey || this.hold.holds('keys')) return true;
     const caster = new Raycaster();
     caster.ray.copy(this.view.rayAt(event));
-    return caster.intersectObject(this.felt.tool).length > 0 || this.#isNear(event);
+    const [hit] = caster.intersectObject(this.felt.tool);
+    if (hit) return !this.#isHidden(caster.ray, hit.distance);
+    if (!this.#isNear(event)) return false;
+    const handle = new Vector3(...this.hold.live.tool.position);
+    return !this.#isHidden(caster.ray, handle.sub(caster.ray.origin).dot(caster.ray.direction));
   }
 
   // Small tools are caught around their handle, too.
@@ -43,6 +49,12 @@ export class Drag {
     const { live } = this.hold;
     const at = live.isFresh('measured_cp') && this.view.project(live.tool.position);
     return Boolean(at) && Math.hypot(at[0] - clientX, at[1] - clientY) < (reach[pointerType] ?? reach.mouse);
+  }
+
+  // Whether the scene hides the tool, which is `distance` away along a ray.
+  #isHidden({ origin, direction }, distance) {
+    const before = Math.max(0, distance - sunk * this.felt.size);
+    return this.splats.opacityBetween(origin, origin.clone().addScaledVector(direction, before)) > hiding;
   }
 
   #down(event) {

@@ -8,11 +8,13 @@ import { button, hint, numberField } from './fields.js';
 import { formatLength } from './format.js';
 
 const range = 30; // times smaller and larger than the proposal, that the slider reaches
+const mostTries = 4; // where a connection is lost before the answer comes
 const same = 1.05; // a proposal that is nearer to what is there changes nothing
 
 /// `propose` promises a setup as JSON, or null; `onSized` is called once a new size is there.
 export class FirstSize {
   #asked = null; // the scene, as it is called, that has been asked about
+  #unanswered = 0; // times that it has been asked in vain
   #proposal = null; // {scale, was}
   #shown = 0; // the scale that the view is framed for
 
@@ -39,6 +41,8 @@ export class FirstSize {
     if (!registration.assumed?.includes('scale') || demo === undefined || this.#asked === name) return;
     this.#asked = name;
     const text = await this.propose();
+    if (text === null) this.#asked = null;
+    this.#unanswered = text === null ? this.#unanswered + 1 : 0;
     if (text === null || JSON.stringify(this.parameters.current.scene) !== name) return;
     const { scale, frame } = JSON.parse(text);
     if (!this.parameters.current.registration.assumed?.includes('scale')) return; // somebody has said it meanwhile
@@ -61,6 +65,7 @@ export class FirstSize {
 
   /// To be called once the scene is where the parameters say.
   follow({ registration, busy }) {
+    if (this.#unanswered > 0 && this.#unanswered < mostTries) this.begin();
     if (!this.#proposal) return;
     this.scale.show(registration.scale);
     if (registration.scale === this.#shown || busy) return;

@@ -10,7 +10,7 @@ import { FrameTimes } from './frame_times.js';
 import { play } from './haptics.js';
 import { HeadsetHand } from './headset_hand.js';
 import { roomPanelContent, roomPanelButtons } from './room_panel_content.js';
-import { drawHand, drawnController, drawnRay } from './vr_hands.js';
+import { drawHand, drawnController, drawnRay, showHolding } from './vr_hands.js';
 import { RoomPanel } from './vr_panel.js';
 import { EyeSigns } from './vr_signs.js';
 import { Surroundings } from './vr_surroundings.js';
@@ -63,6 +63,7 @@ export class Headset {
       this.#letGo(hand);
       hand.squeezing = null;
       hand.source = null;
+      hand.controller = null;
       if (this.#aiming === hand) {
         this.#aiming = null;
         this.teleport.end();
@@ -79,7 +80,9 @@ export class Headset {
     hand.source = source;
     if (source.targetRayMode !== 'tracked-pointer') return;
     hand.ray.add(drawnRay());
-    if (!source.hand) hand.grip.add(drawnController());
+    if (source.hand) return;
+    hand.controller = drawnController();
+    hand.grip.add(hand.controller);
   }
 
   async enter(mode, overlay) {
@@ -195,7 +198,10 @@ export class Headset {
   }
 
   #showSigns(seconds, now) {
-    for (const { isTracked, joints } of this.hands) if (isTracked) drawHand(joints);
+    for (const hand of this.hands) {
+      if (hand.isTracked) drawHand(hand.joints);
+      else if (hand.controller) showHolding(hand.controller, hand === this.#holding);
+    }
     const left = this.hands.find(({ source }) => source?.handedness === 'left')?.anchor;
     if (left && this.panel.mesh.parent !== left) left.add(this.panel.mesh);
     this.panel.hovered = this.hands.map((hand) => hand.source && this.#pointedAt(hand)?.name).find(Boolean) ?? null;

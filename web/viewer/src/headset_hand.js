@@ -9,6 +9,7 @@ const stickOff = 0.3;
 
 export class HeadsetHand {
   source = null;
+  controller = null; // as it is drawn
   squeezing = null; // the point of the world that it holds
   #pressed = new Set();
   #stickUsed = false;

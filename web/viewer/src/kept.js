@@ -1,10 +1,10 @@
 // What the hand can feel: the Gaussians that the program has kept, as ellipsoids. In the frame of the capture.
 
+import { extentOf } from './extent.js';
 import { RayBlocks } from './ray_blocks.js';
 
 const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
 const boxSample = 50000; // Gaussians that say where the others are
-const reach = 0.4; // beyond the inner four fifths of a scene: what is even, or a ball, is not cut
 const cutoff = 3; // a ray that passes farther from a centre does not see it. Unit: [standard deviations].
 const rounding = 1.0001; // of single precision, that a box of what is seen has room for
 const leastSeen = 0.2; // opacity along a ray below which nothing is seen there
@@ -69,8 +69,7 @@ export class Kept {
     return firstOf(this.#rows, squares, most);
   }
 
-  /// The box that all but the outermost hundredth of the kept centres lie in along each axis, and no farther from the inner
-  /// four fifths than `reach` of their width: captures have Gaussians far away. {min, max}, or null if there are none.
+  /// The box that most of the kept centres lie in (extentOf()): {min, max}, or null if there are none.
   get box() {
     return this.#box;
   }
@@ -79,11 +78,7 @@ export class Kept {
     if (this.count === 0) return null;
     const step = Math.ceil(this.count / boxSample);
     const some = this.#rows.filter((_, i) => i % step === 0);
-    const sorted = [0, 1, 2].map((k) => Float32Array.from(some, (row) => this.#data[stride * row + k]).sort());
-    const at = (share) => sorted.map((values) => values[Math.round(share * (values.length - 1))]);
-    const [least, low, high, most] = [0.01, 0.1, 0.9, 0.99].map(at);
-    const room = low.map((c, k) => reach * (high[k] - c));
-    return { min: least.map((c, k) => Math.max(c, low[k] - room[k])), max: most.map((c, k) => Math.min(c, high[k] + room[k])) };
+    return extentOf(Float32Array.from({ length: 3 * some.length }, (_, i) => this.#data[stride * some[Math.floor(i / 3)] + (i % 3)]));
   }
 
   /// Where half of what is seen along a ray lies before, and half behind: {distance in units of `direction`, felt, opacity},
@@ -103,6 +98,12 @@ export class Kept {
       if (2 * sum >= 1 - left) return { distance, felt: 2 * kept >= sum, opacity: 1 - left };
     }
     return null;
+  }
+
+  /// How much is seen along a ray before a distance, in units of `direction`: an opacity.
+  opacityBefore(origin, direction, distance) {
+    const left = this.#along(origin, direction).reduce((share, one) => (one.distance < distance ? share * (1 - one.alpha) : share), 1);
+    return 1 - left;
   }
 
   /// Where the kept ellipsoids of `rows` are nearest to a point: {point, distance}, or null. Boxes stand in for them.

@@ -22,7 +22,7 @@ export class Overlay {
   }
 
   /// `tool` is {at: where it is on the page, towards: where it lies, radius: of it there, distant: text and where, or null, covered:
-  /// what the page takes of the view from above}; null hides all.
+  /// what the page takes of the view, {top, bottom}}; null hides all.
   show(tool) {
     const key = JSON.stringify(tool);
     if (key === this.#key) return;
@@ -30,9 +30,9 @@ export class Overlay {
     for (const part of this.node.children) part.classList.add('unseen');
     if (!tool) return;
     const seen = this.view.canvas.getBoundingClientRect();
-    const top = seen.top + tool.covered;
-    const inside = tool.at && tool.at[0] > seen.left && tool.at[1] > top && tool.at[0] < seen.right && tool.at[1] < seen.bottom;
-    if (!inside) this.#point(tool.towards, { left: seen.left, top, width: seen.width, height: seen.bottom - top });
+    const [top, bottom] = [seen.top + tool.covered.top, seen.bottom - tool.covered.bottom];
+    const inside = tool.at && tool.at[0] > seen.left && tool.at[1] > top && tool.at[0] < seen.right && tool.at[1] < bottom;
+    if (!inside) this.#point(tool.towards, { left: seen.left, top, width: seen.width, height: bottom - top });
     else if (tool.radius < large) this.#encircle(tool.at, tool.radius);
     if (inside && tool.distant) this.#tell(tool.distant);
   }

@@ -194,6 +194,12 @@ export class Splats {
     return seen && { ...seen, point: local.at(seen.distance, new Vector3()).applyMatrix4(this.group.matrix) };
   }
 
+  /// How much is seen between two points of the world: an opacity.
+  opacityBetween(from, to) {
+    const [start, end] = [this.#local(from), this.#local(to)];
+    return this.#kept?.opacityBefore(start.toArray(), end.sub(start).toArray(), 1) ?? 0;
+  }
+
   /// Where a ray of the world meets what is seen and can be felt, or null.
   pick(ray) {
     const seen = this.look(ray);

@@ -3,12 +3,16 @@
 import { byId } from '../../shared/dom.js';
 
 const levels = ['good', 'waiting', 'bad']; // of DiagnosticStatus
+const unexplained = 1000; // for which the force may be held back without a word. Unit: [ms].
+const lift = { text: 'waiting: lift the tool', level: 'waiting', advice: 'the force comes back once the tool touches nothing' };
 
 function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
 export class StatusBar {
+  #waitsSince = null; // for the tool to be lifted. Unit: [ms].
+
   constructor({ connection, live, parameters, hold }) {
     Object.assign(this, { connection, live, parameters, hold });
     this.state = byId('state');
@@ -30,8 +34,20 @@ export class StatusBar {
     if (!this.live.isFresh('diagnostics')) return { text: 'no data', level: 'waiting', advice: '' };
     const { level, values } = this.live.diagnostics;
     const fault = values.fault && values.fault !== 'none' ? values.fault : '';
+    if (this.#waitsLong) return lift;
     const text = fault ? `${values.state}: ${fault}` : String(values.state);
     return { text, level: levels[level] ?? 'bad', advice: fault ? String(values.advice) : '' };
+  }
+
+  get #waitsLong() {
+    return this.#waitsSince !== null && performance.now() - this.#waitsSince > unexplained;
+  }
+
+  // Whether there is no force although nothing is wrong: after a stop the tool may be deep in something.
+  #watch() {
+    const { fault, state } = (this.live.isFresh('diagnostics') && this.live.diagnostics.values) || {};
+    if (state !== 'waiting' || (fault && fault !== 'none')) this.#waitsSince = null;
+    else this.#waitsSince ??= performance.now();
   }
 
   get whoHolds() {
@@ -55,12 +71,14 @@ export class StatusBar {
   }
 
   update() {
+    this.#watch();
     const { text, level, advice } = this.said;
     setText(this.state, text);
     if (this.state.dataset.level !== level) this.state.dataset.level = level;
     const { stop } = this;
     setText(this.advice, [stop, advice && `${advice[0].toUpperCase()}${advice.slice(1)}.`].filter(Boolean).join(' '));
     this.stopped.hidden = advice === '' && stop === '';
+    this.stopped.dataset.level = stop === '' ? level : 'bad';
     byId('resume').hidden = stop === '';
     document.body.classList.toggle('stopped-force', stop !== '');
     this.#title(stop);

@@ -5,6 +5,7 @@ import { Vector3 } from 'three';
 import { byId } from '../../shared/dom.js';
 import { formatCount } from '../../shared/format.js';
 import { followClicks } from './clicks.js';
+import { Covered } from './covered.js';
 import { formatLength } from './format.js';
 import { notify } from './notices.js';
 import { Overlay } from './overlay.js';
@@ -19,7 +20,6 @@ const nearest = 8; // a double click goes no nearer. In sizes of the tool.
 const toolRoom = 1.2; // around the middle of the tool, that is kept in view. In sizes of the tool.
 const solid = 0.8; // opacity along a ray from which on it is no haze
 const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
-const markRoom = 30; // to both sides of the tool, that a mark takes. Unit: [px].
 const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
 
 // Points on rings about the middle, nearest first: [x, y] in pixels.
@@ -38,6 +38,7 @@ export class TakeHold {
   constructor({ view, splats, felt, live, hold, picker, approach, depth, parameters }) {
     Object.assign(this, { view, splats, felt, live, hold, picker, approach, depth, parameters });
     this.overlay = new Overlay(view);
+    this.covered = new Covered(view.canvas);
     followClicks(view.canvas, (event) => this.#click(view.rayAt(event)));
     view.canvas.addEventListener('dblclick', (event) => this.#focus(view.rayAt(event)));
     byId('frame-all').addEventListener('click', () => this.frameAll());
@@ -60,22 +61,7 @@ export class TakeHold {
   /// The whole object in the middle, and the tool if it is near.
   frameAll() {
     const { live, felt, splats, view } = this;
-    view.frameAll(splats.box, this.#covered(mostCovered), live.tool ? boxAround([live.tool.position], toolRoom * felt.size) : undefined);
-  }
-
-  // What the parts of the page that lie on the view take of it from above and from below, at most some shares of its height.
-  // Unit: [px]. Only what is near `x`, if that is given.
-  #covered(most, x = null) {
-    const view = this.view.canvas.getBoundingClientRect();
-    const covered = { top: 0, bottom: 0 };
-    for (const part of document.querySelectorAll('.bar > *, #stop, #hint, .panels.closed')) {
-      const { top, bottom, left, right } = part.getBoundingClientRect();
-      if (right <= view.left || left >= view.right || bottom <= top) continue;
-      if (x !== null && (x < left - markRoom || x > right + markRoom)) continue;
-      if (top + bottom < view.top + view.bottom) covered.top = Math.max(covered.top, Math.min(bottom - view.top, most.top * view.height));
-      else covered.bottom = Math.max(covered.bottom, Math.min(view.bottom - top, most.bottom * view.height));
-    }
-    return covered;
+    view.frameAll(splats.box, this.covered.rows(mostCovered), live.tool ? boxAround([live.tool.position], toolRoom * felt.size) : undefined);
   }
 
   findTool() {
@@ -153,7 +139,7 @@ export class TakeHold {
     const at = middle && view.project(middle);
     const seen = view.project(position);
     return {
-      covered: this.#covered({ top: 1, bottom: 1 }, seen && seen[0]).top, at: seen, towards: view.towards(position), radius: felt.size / view.pixelAt(position),
+      covered: this.covered.near(seen && seen[0]), at: seen, towards: view.towards(position), radius: felt.size / view.pixelAt(position),
       distant: at && { text: formatLength(depth.gap.length), at },
     };
   }

@@ -10,7 +10,8 @@ const outOfView = Math.cos((32 * Math.PI) / 180); // from the middle of the view
 const arrowAt = 0.16; // from the middle, at a distance of 0.5 m. Unit: [m].
 const ahead = new Vector3(0, 0, -1);
 const up = new Vector3(0, 1, 0);
-const textSize = [900, 130]; // Unit: [px].
+const textSize = [760, 170]; // Unit: [px].
+const [firstLine, lineHeight] = [70, 62]; // Unit: [px].
 
 function inFront(geometry, color, order, options = {}) {
   const mesh = new Mesh(geometry, new MeshBasicMaterial({ color, transparent: true, depthTest: false, depthWrite: false, ...options }));
@@ -34,7 +35,7 @@ export class EyeSigns {
     this.canvas = Object.assign(document.createElement('canvas'), { width: textSize[0], height: textSize[1] });
     this.texture = new CanvasTexture(this.canvas);
     this.texture.colorSpace = SRGBColorSpace;
-    this.words = inFront(new PlaneGeometry(0.36, (0.36 * textSize[1]) / textSize[0]), '#ffffff', 39, { map: this.texture });
+    this.words = inFront(new PlaneGeometry(0.32, (0.32 * textSize[1]) / textSize[0]), '#ffffff', 39, { map: this.texture });
     this.words.position.set(0, 0.16, -0.5);
     this.group.add(this.dark, this.frame, this.arrow, this.words);
   }
@@ -49,31 +50,32 @@ export class EyeSigns {
     this.dark.material.opacity = this.#fade;
     this.dark.visible = this.#fade > 0;
     this.frame.visible = this.words.visible = stop !== '';
-    if (stop) this.#say(`${stop} Resume is on the panel.`);
+    if (stop) this.#say([stop, 'Resume is on the panel.']);
     this.#point(tool);
   }
 
+  // By how much the head is to be turned and nodded: behind the head, to a side.
   #point(tool) {
     const direction = tool?.clone().normalize();
     this.arrow.visible = Boolean(direction) && direction.dot(ahead) < outOfView;
     if (!this.arrow.visible) return;
-    const aside = new Vector3(direction.x, direction.y, 0);
-    if (aside.lengthSq() < 1e-6) aside.set(1, 0, 0); // right behind
-    aside.normalize();
+    const { x, y, z } = direction;
+    const aside = new Vector3(Math.atan2(x, -z), Math.atan2(y, Math.hypot(x, z)), 0).normalize();
     this.arrow.quaternion.setFromUnitVectors(up, aside);
     this.arrow.position.copy(aside).multiplyScalar(arrowAt).setZ(-0.5);
   }
 
-  #say(text) {
+  #say(lines) {
+    const text = lines.join('\n');
     if (text === this.#text) return;
     this.#text = text;
     const context = this.canvas.getContext('2d');
     context.fillStyle = themeValue('--stop');
     context.fillRect(0, 0, ...textSize);
     context.fillStyle = '#ffffff';
-    context.font = '600 44px system-ui, sans-serif';
+    context.font = '600 46px system-ui, sans-serif';
     context.textAlign = 'center';
-    context.fillText(text, 0.5 * textSize[0], 82, textSize[0] - 40);
+    lines.forEach((line, i) => context.fillText(line, 0.5 * textSize[0], firstLine + i * lineHeight, textSize[0] - 40));
     this.texture.needsUpdate = true;
   }
 }

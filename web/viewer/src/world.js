@@ -28,7 +28,7 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
   const splats = new Splats(view.renderer, () => view.invalidate());
   const felt = new FeltObjects();
   const room = new Room();
-  const drag = new Drag(view, hold, felt);
+  const drag = new Drag(view, hold, felt, splats);
   const keys = new Keys(view, hold, felt);
   const picker = new Picker(view);
   const approach = new Approach({ hold, splats, felt });
