@@ -307,6 +307,8 @@ TEST(ProxyForce, IsZeroAndFollowsTheToolOutOfContact) {
   for (double z = 0.1; z > kRadius + 0.006; z -= 1e-3) {
     const ForceOutput felt = bench.at({0, 0, z});
     EXPECT_EQ(felt.wrench.force, Vector3d(0, 0, 0));
+    EXPECT_EQ(felt.confidence, 1.0);
+    EXPECT_EQ(felt.stiffness, 0.0);
     EXPECT_NEAR((felt.proxy.position - Vector3d(0, 0, z)).norm(), 0.0, 1e-12);
   }
 }
@@ -330,6 +332,7 @@ TEST(ProxyForce, BeginsAContactOnlyWhereTheToolTouches) {
         // A proxy that is still on its way back may pull with nothing for a tick.
         contact = touches || (contact && output.proxy.position != at);
         ASSERT_TRUE(contact || !felt) << shape << ", seed " << seed << ", tick " << k;
+        ASSERT_TRUE(felt || output.confidence == 1.0) << shape << ", seed " << seed << ", tick " << k;
         begun += contact && !was ? 1 : 0;
         ended += was && !contact ? 1 : 0;
       }
@@ -1104,6 +1107,53 @@ TEST(ProxyForce, MakesTheSpringLongerByNoMoreThanTheReserve) {
   }
   EXPECT_LE(most, ProxyForce::kReserve * (1.0 + 1e-9));
   EXPECT_GT(most, 0.95 * ProxyForce::kReserve) << "and it has come to that";
+}
+
+// On a floor in a corner, both walls of which have been touched: what pushes is first, and then what is
+// nearer, whichever of both has been met first.
+TEST(TheLocalSurface, HasWhatMattersMoreFirst) {
+  constexpr double kWall = 0.03, kDepth = 0.003;
+  std::vector<test::Splat> splats;
+  const Eigen::Quaterniond along_x = rotation_between(Vector3d::UnitZ(), Vector3d::UnitX()),
+                           along_y = rotation_between(Vector3d::UnitZ(), Vector3d::UnitY());
+  for (int i = -20; i <= 20; ++i)
+    for (int k = -20; k <= 20; ++k) {
+      const double a = 0.003 * i, b = 0.003 * k;
+      const Vector3d semi_axes(0.002, 0.002, 1e-4);
+      splats.push_back(test::splat({a, b, 0.0}, semi_axes, Eigen::Quaterniond::Identity(), 0.95));
+      splats.push_back(test::splat({kWall, b, a}, semi_axes, along_x, 0.95));
+      splats.push_back(test::splat({a, kWall, b}, semi_axes, along_y, 0.95));
+    }
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  const double touches = kWall - kRadius;
+  for (const bool x_first : {false, true}) {
+    for (const bool x_nearer : {false, true}) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+      ForceInput input;
+      input.dt = 1e-3;
+      input.tool.position = {touches - 0.01, touches - 0.01, kRadius + 0.01};
+      ForceOutput felt;
+      const auto go_to = [&](const Vector3d& place) {
+        while (input.tool.position != place) {
+          const Vector3d left = place - input.tool.position;
+          input.tool.position =
+              left.norm() > 1e-4 ? Vector3d(input.tool.position + 1e-4 * left.normalized()) : place;
+          felt = model.evaluate(input);
+        }
+      };
+      const double below = kRadius - kDepth, off = touches - 0.004, on = touches + 0.001;
+      go_to({off, off, below});
+      go_to(x_first ? Vector3d(on, off, below) : Vector3d(off, on, below));
+      go_to({on, on, below});
+      ASSERT_EQ(felt.local.count, 3U);
+      const double near = touches - 0.0005, far = touches - 0.0015;
+      go_to(x_nearer ? Vector3d(near, far, below) : Vector3d(far, near, below));
+      ASSERT_EQ(felt.local.count, 3U);
+      EXPECT_GT(felt.local.planes[0].normal.z(), 0.99) << "which alone pushes";
+      EXPECT_LT(felt.local.planes[1].normal[x_nearer ? 0 : 1], -0.99);
+      EXPECT_LT(felt.local.planes[2].normal[x_nearer ? 1 : 0], -0.99);
+    }
+  }
 }
 
 }  // namespace
