@@ -237,6 +237,23 @@ TEST(ImageFit, OfAQuadricHasItsBend) {
     EXPECT_NEAR(fit.depth(at), height(at.x(), at.y()), 3e-4);
 }
 
+// Depth, slope and bend are of one quadric, by Taylor's formula.
+TEST(ImageFit, IsTheQuadricOfItsSlopeAndBend) {
+  const Seen seen(
+      [](double x, double y) { return 0.03 + 0.1 * x + 4.0 * x * x - 3.0 * y * y + 5.0 * x * y; });
+  ImageFit fit;
+  ASSERT_TRUE(seen.fit(fit, 0.03));
+  const Matrix2d bend = fit.bend();
+  EXPECT_GT(bend(0, 0), 4.0);
+  EXPECT_LT(bend(1, 1), -3.0);
+  EXPECT_GT(bend(0, 1), 3.0);
+  EXPECT_EQ(bend(0, 1), bend(1, 0));
+  for (const Vector2d& d :
+       {Vector2d(0.0, 0.0), Vector2d(0.01, 0.0), Vector2d(0.0, -0.01), Vector2d(0.008, 0.009)})
+    EXPECT_NEAR(fit.depth(Seen::kCenter + d),
+                fit.depth(Seen::kCenter) + fit.slope().dot(d) + 0.5 * d.dot(bend * d), 1e-12);
+}
+
 TEST(ImageFit, IsLittleMovedByWhatStandsOut) {
   // A tenth of the window is 8 mm nearer: a plain fit would be moved by as much as 0.8 mm.
   const auto height = [](double x, double) { return x > 0.012 ? 0.022 : 0.03; };
