@@ -35,7 +35,7 @@ using testing::HasSubstr;
 constexpr double kLong = 60.0;
 
 struct Key {
-  Key() : key(EVP_EC_gen("P-256")) {}
+  explicit Key(EVP_PKEY* made = EVP_EC_gen("P-256")) : key(made) {}
   ~Key() { EVP_PKEY_free(key); }
   Key(const Key&) = delete;
   Key& operator=(const Key&) = delete;
@@ -350,6 +350,9 @@ TEST(TlsRelayFiles, AreTheTwoThatWereMadeTogether) {
   EXPECT_THAT(complaint(certificate.path(), locked.path()), HasSubstr("without a password"));
   EXPECT_THAT(complaint(certificate.path(), wrong.path()),
               AllOf(HasSubstr("is not the key of"), HasSubstr(certificate.path())));
+  const Key of_another_kind(EVP_RSA_gen(2048));
+  const test::TemporaryFile rsa(pem_of(of_another_kind));
+  EXPECT_THAT(complaint(certificate.path(), rsa.path()), HasSubstr("is not the key of"));
   for (const bool of_key : {false, true}) {
     const std::string gone = good.path() + "-gone";
     EXPECT_THAT(complaint(of_key ? certificate.path() : gone, of_key ? gone : good.path()), HasSubstr(gone));
