@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -266,6 +267,59 @@ TEST(SurfacePatches, ArePatchesToHalfADetailAboveThem) {
   EXPECT_NEAR(*clear, 0.004, 3e-4);
   ball.follow({0.001, 0.001, kRadius + 0.006});
   EXPECT_EQ(ball.patches.patches().size(), 0U);
+}
+
+// A tip that is under the surface by less than a detail, and so deep that its rays would begin beyond it,
+// sees it all the same; one that is deeper does not, and what it knows stays where it was.
+TEST(SurfacePatches, AreSeenByATipThatIsLittleBelowThem) {
+  constexpr double kTip = 0.002, kDetail = 0.004;
+  Feeler tip({test::splat({0, 0, 0}, {0.5, 0.5, 1e-6})}, Vector3d::Constant(kTip), kDetail);
+  tip.look_down({0, 0, kTip + 0.0005}, 0.002);
+  for (double depth = 0.0002; depth < 1.5 * kDetail; depth += 0.0003) {
+    const Vector3d at(0, 0, kTip - depth);
+    tip.follow(at);
+    ASSERT_EQ(tip.patches.patches().size(), 1U) << depth;
+    const SurfacePatch& patch = tip.patches.patches()[0];
+    EXPECT_NEAR(patch.gap, -depth, 1e-5);
+    EXPECT_EQ(patch.seen_by.center == at, depth < kDetail + 0.0003) << depth;  // by where it was before
+  }
+}
+
+// From a floor onto one that is rough: the felt surface goes from the fit to what is nearest to the tool by
+// and by. Every 8 mm, the rough one looks the same.
+TEST(SurfacePatches, TheOffsetGoesToWhatIsNearest) {
+  constexpr double kDetail = 0.01, kStep = 0.0005, kPeriod = 0.008, kAbove = 0.001;
+  const auto floor = [](double step) {
+    std::vector<test::Splat> splats;
+    for (int i = -35; i <= 110; ++i)
+      for (int k = -35; k <= 35; ++k) {
+        const double x = 0.001 * i + 1e-5, y = 0.001 * k + 1e-5;
+        const bool high = (std::sin(2.0 * std::numbers::pi * x / kPeriod) > 0.0) ==
+                          (std::sin(2.0 * std::numbers::pi * y / kPeriod) > 0.0);
+        splats.push_back(test::splat({x, y, high ? step : -step}, {8e-4, 8e-4, 1e-6},
+                                     Eigen::Quaterniond::Identity(), 0.95));
+      }
+    return splats;
+  };
+  const std::vector<test::Splat> even = floor(0.0), rough = floor(kStep);
+  // In the middle of what is high.
+  const auto at = [](int periods) { return Vector3d(periods * kPeriod + 0.002, 0.002, kRadius + kAbove); };
+  Feeler ball(even, Vector3d::Constant(kRadius), kDetail), later(rough, ball.axes, kDetail);
+  ball.look_down(at(0), 0.002);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  const SurfacePatch& patch = ball.patches.patches()[0];
+  EXPECT_NEAR(patch.offset, 0.0, 5e-5);
+  std::vector<double> offsets;
+  for (int periods = 1; periods <= 10; ++periods) {
+    ball.budget.refill();
+    ball.patches.follow(later.around(at(periods)), ball.solid(at(periods)));
+    ASSERT_EQ(ball.patches.patches().size(), 1U) << periods;
+    EXPECT_LE(std::abs(patch.offset), 3.0 * kStep) << periods;
+    offsets.push_back(patch.offset);
+  }
+  EXPECT_LT(offsets.front(), -0.05 * kStep) << "a first part of the way to what is nearest";
+  const double whole = std::accumulate(offsets.end() - 5, offsets.end(), 0.0) / 5.0;
+  EXPECT_LT(whole, 1.2 * offsets.front()) << "and no more than that";
 }
 
 // Over a globe, from its pole to its equator: where the rays are counted from stays under the solid and on
