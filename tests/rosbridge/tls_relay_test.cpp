@@ -75,7 +75,7 @@ std::string certificate_of(const Key& key) {
                              -1, 0);
   X509_set_issuer_name(x509, name);
   EXPECT_GT(X509_sign(x509, key.key, EVP_sha256()), 0);
-  const std::string result = pem([&](BIO* out) { return PEM_write_bio_X509(out, x509); });
+  std::string result = pem([&](BIO* out) { return PEM_write_bio_X509(out, x509); });
   X509_free(x509);
   return result;
 }
@@ -199,7 +199,6 @@ class TlsRelayTest : public testing::Test {
     EXPECT_EQ(::listen(listener_.descriptor(), 64), 0);
     relay_.start();
   }
-  ~TlsRelayTest() override { relay_.stop(); }
 
   /// A peer's end of a connection whose other one the relay has.
   int connect() {

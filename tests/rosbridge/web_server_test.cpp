@@ -57,19 +57,26 @@ class Connection {
  public:
   /// \param from which of this machine's own addresses, 127.x.y.z, it comes from
   explicit Connection(std::uint16_t port, const char* from = "127.0.0.1")
-      : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+      : Connection(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in own{};
     own.sin_family = AF_INET;
     ::inet_pton(AF_INET, from, &own.sin_addr);
     ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
-    timeval limit{static_cast<time_t>(kLong), 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     connected_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+  }
+  /// Over IPv6, from ::1 to ::1.
+  static std::unique_ptr<Connection> of_ipv6(std::uint16_t port) {
+    std::unique_ptr<Connection> made(new Connection(::socket(AF_INET6, SOCK_STREAM, 0)));
+    sockaddr_in6 to{};
+    to.sin6_family = AF_INET6;
+    to.sin6_port = htons(port);
+    to.sin6_addr = in6addr_loopback;
+    made->connected_ = ::connect(made->socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+    return made;
   }
   ~Connection() { ::close(socket_); }
   Connection(const Connection&) = delete;
@@ -130,6 +137,12 @@ class Connection {
   }
 
  private:
+  explicit Connection(int socket) : socket_(socket) {
+    timeval limit{static_cast<time_t>(kLong), 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  }
+
   bool receive() {
     char buffer[65536];
     const ssize_t n = ::recv(socket_, buffer, sizeof buffer, 0);
@@ -845,6 +858,30 @@ TEST_F(WebServerTest, CountsWrongTokensByTheAddressTheyComeFrom) {
   other.send(right);
   EXPECT_EQ(same.response().status, 429);
   EXPECT_EQ(other.response().status, 200);
+}
+
+TEST_F(WebServerTest, ListensOnIpv6) {
+  WebServerOptions options;
+  options.address = "::1";
+  options.token = "s3cret";
+  try {
+    start(options);
+  } catch (const Error&) {
+    GTEST_SKIP() << "this machine has no IPv6";
+  }
+  const std::string host = "[::1]:" + std::to_string(server->port());
+  EXPECT_EQ(server->url(), "http://" + host + "/?token=s3cret");
+  const auto ask_with = [&](const std::string& token) {
+    const auto connection = Connection::of_ipv6(server->port());
+    EXPECT_TRUE(connection->is_connected());
+    connection->send("GET / HTTP/1.1\r\nHost: " + host + "\r\nAuthorization: Bearer " + token + "\r\n\r\n");
+    return connection->response().status;
+  };
+  EXPECT_EQ(ask_with("s3cret"), 200);
+  int wrong = 0;
+  while (ask_with("wrong") == 401) ASSERT_LT(++wrong, 100);
+  EXPECT_EQ(wrong, 5);
+  EXPECT_EQ(ask_with("s3cret"), 429);
 }
 
 TEST_F(WebServerTest, SpeaksRosbridgeOverAWebSocket) {
