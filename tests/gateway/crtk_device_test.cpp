@@ -242,6 +242,18 @@ TEST(CrtkDevice, LossThatIsShortIsNotFeltAndASilenceRampsToZeroAndComesBack) {
   EXPECT_TRUE(leans(1000));
 }
 
+// However long it has been open.
+TEST(CrtkDevice, ATickWithoutAPoseIsNoFault) {
+  CrtkLink link;
+  bool stays = false;
+  for (int round = 0; round < 10 && !stays; ++round) {  // since a machine that stands still is one
+    link.ticks(100, 0.0);
+    EXPECT_FALSE(link.tick());
+    stays = link.device->status() == DeviceStatus::kEnabled;
+  }
+  EXPECT_TRUE(stays);
+}
+
 TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
   CrtkOptions o = crtk_options();
   o.extrapolation = 5e-3;
@@ -265,6 +277,24 @@ TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
   EXPECT_LE(link.reading.pose.position.x(), x + 5e-3 * 0.2 + 1e-9);
   o.extrapolation = 0.5;
   EXPECT_THROW(CrtkDevice(o, std::make_unique<CrtkPeer>()), Error);
+}
+
+// What was carried on looks newer than the pose that comes next, which was measured before.
+TEST(CrtkDevice, NoReadingIsOlderThanTheOneBefore) {
+  CrtkOptions o = crtk_options();
+  o.extrapolation = 5e-3;
+  CrtkLink link(o);
+  int came = 0;
+  for (int round = 1; round <= 30; ++round) {
+    link.ticks(5, 0.0);
+    if (!link.tick()) continue;  // carried on to now
+    const double told = link.reading.t;
+    link.pose(1e-3 * round, 4e-4);
+    if (!link.device->read(link.clock.now(), link.reading)) continue;
+    ASSERT_GT(link.reading.t, told);
+    came += link.reading.pose.position.x() == 1e-3 * round ? 1 : 0;
+  }
+  EXPECT_GT(came, 10);
 }
 
 TEST(CrtkDevice, MayBeOpenForLongBeforeTheLoopBegins) {
