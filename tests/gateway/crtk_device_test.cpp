@@ -254,6 +254,34 @@ TEST(CrtkDevice, ATickWithoutAPoseIsNoFault) {
   EXPECT_TRUE(stays);
 }
 
+// The force that was asked for meanwhile does not come all at once.
+TEST(CrtkDevice, ShowsNothingAfterAFaultUntilNothingIsAskedFor) {
+  CrtkLink link;
+  const auto shown = [&](double force) {
+    const std::uint64_t before = link.peer->sent();
+    link.device->write({{force, 0, 0}, {0, 0, 0}});
+    for (int k = 0; k < 5000 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
+    return link.peer->last().spatial.force.x();
+  };
+  const auto comes = [&] {
+    bool read = false;
+    for (int k = 0; k < 1000 && !read; ++k) {
+      link.pose(0.0);
+      read = link.tick();
+    }
+    return read && link.device->status() == DeviceStatus::kEnabled;
+  };
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(shown(1.0), 1.0);
+  for (int k = 0; k < 2000 && link.device->status() != DeviceStatus::kFault; ++k) link.tick();
+  ASSERT_EQ(link.device->status(), DeviceStatus::kFault);
+  EXPECT_EQ(shown(1.0), 0.0);
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(shown(1.0), 0.0) << "it has come back";
+  EXPECT_EQ(shown(0.0), 0.0);
+  EXPECT_EQ(shown(1.0), 1.0);
+}
+
 TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
   CrtkOptions o = crtk_options();
   o.extrapolation = 5e-3;
