@@ -439,6 +439,21 @@ TEST_F(LiveTopicsTest, AsksWhoHoldsItTenTimesASecondForItsTime) {
   EXPECT_THAT(all(*second), IsEmpty());
 }
 
+TEST_F(LiveTopicsTest, WhatIsNoEchoIsRefused) {
+  begin();
+  put(*first, {1, 0, 0}, "device");
+  const auto refused = [&](const Json& message) {
+    first->receive(Json{{"op", "publish"}, {"topic", "/palpate/client/echoed"}, {"msg", message}}.dump(),
+                   false);
+    return all(*first)["status"].size();
+  };
+  const Json stamp{{"secs", 7}, {"nsecs", 0}};
+  EXPECT_EQ(refused({{"seq", 1}, {"stamp", stamp}}), 0U);
+  EXPECT_EQ(refused({{"seq", -1}, {"stamp", stamp}}), 1U);
+  EXPECT_EQ(refused({{"seq", 1e16}, {"stamp", stamp}}), 1U);
+  EXPECT_EQ(refused({{"seq", 1}}), 1U);
+}
+
 TEST_F(LiveTopicsTest, ShowsWhatTheToolTouchesOfWhatIsFeltNow) {
   begin();
   subscribe(*first, {kContacts});

@@ -430,6 +430,15 @@ TEST_F(WebUploadTest, EndsTheConnectionOfWhatIsRefused) {
   }
 }
 
+TEST_F(WebUploadTest, TheAnswerReachesAPeerThatStillSends) {
+  start(taking());
+  Connection connection(server->port());
+  const std::string body(16 << 20, 'a');
+  EXPECT_TRUE(connection.send(
+      request("PUT /elsewhere", "Content-Length: " + std::to_string(body.size()) + "\r\n") + body));
+  EXPECT_EQ(connection.response().status, 405);
+}
+
 TEST_F(WebUploadTest, WantsTheToken) {
   start(taking("0123456789abcdef"));
   EXPECT_EQ(put("/up/a", "a").status, 401);
