@@ -1,155 +1,26 @@
-// A device whose driver speaks CRTK: the contract of drivers, and a network that does what networks do.
+// A device whose driver speaks CRTK, over a network that does what networks do.
 #include <palpate/gateway/crtk_device.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
-#include <palpate/device/testing/device_contract.h>
 #include <palpate/servo/servo_tick.h>
-#include <support/allocation_guard.h>
+#include <support/crtk_link.h>
 
 namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr double kMilli = 1e-3;
-constexpr double kOffset = 5000.0;  // of the driver's clock, s
-
-/// The other end, without a network.
-class Peer final : public CrtkTransport {
- public:
-  void start(CrtkDevice& device) override { device_ = &device; }
-  void stop() noexcept override {}
-  void send(const CrtkWrench& wrench) override {
-    const std::scoped_lock lock(mutex_);
-    last_ = wrench;
-    ++sent_;
-  }
-  bool wants_local_model() override { return wants; }
-  void send_local_model(const LocalModel& model, double stamp) override {
-    const std::scoped_lock lock(mutex_);
-    models_.emplace_back(model, stamp);
-  }
-  void send_echo(std::uint64_t number) override {
-    const std::scoped_lock lock(mutex_);
-    echo_ = number;
-  }
-  void say(const std::string& line) override { said.push_back(line); }
-
-  CrtkWrench last() const {
-    const std::scoped_lock lock(mutex_);
-    return last_;
-  }
-  std::uint64_t echo() const {
-    const std::scoped_lock lock(mutex_);
-    return echo_;
-  }
-  std::uint64_t sent() const {
-    const std::scoped_lock lock(mutex_);
-    return sent_;
-  }
-
-  std::vector<std::pair<LocalModel, double>> models() const {
-    const std::scoped_lock lock(mutex_);
-    return models_;
-  }
-
-  std::vector<std::string> said;
-  std::atomic<bool> wants = false;
-
- private:
-  CrtkDevice* device_ = nullptr;
-  mutable std::mutex mutex_;
-  CrtkWrench last_;
-  std::vector<std::pair<LocalModel, double>> models_;
-  std::uint64_t echo_ = 0, sent_ = 0;
-};
-
-CrtkOptions options() {
-  CrtkOptions o;
-  o.capabilities.name = "omni";
-  o.capabilities.force_max = 8.0;
-  return o;
-}
-
-double driver_now() { return monotonic_now() + kOffset; }
-
-/// A device that is enabled, and its peer.
-struct Link {
-  explicit Link(const CrtkOptions& with = options()) {
-    auto made = std::make_unique<Peer>();
-    peer = made.get();
-    device = std::make_unique<CrtkDevice>(with, std::move(made));
-    open_device(*device, {});
-    device->enable();
-  }
-  /// A tick a millisecond after the last. \returns whether it read something.
-  bool tick() {
-    clock.sleep_until(clock.now() + kMilli);
-    return device->read(clock.now(), reading);
-  }
-  void pose(double x, double age = 0.0, const char* frame = "base", const char* source = "/arm") const {
-    Pose p;
-    p.position.x() = x;
-    pose(p, driver_now() - age, frame, source);
-  }
-  void pose(const Pose& p, double stamp, const char* frame = "base", const char* source = "/arm") const {
-    device->take_pose({stamp, frame, source}, p);
-  }
-  void ticks(int count, double x) {
-    for (int k = 0; k < count; ++k) {
-      pose(x);
-      tick();
-    }
-  }
-
-  Peer* peer = nullptr;
-  std::unique_ptr<CrtkDevice> device;
-  LoopClock clock;
-  DeviceReading reading;
-};
-
-Peer* contract_peer = nullptr;
-CrtkDevice* contract_device = nullptr;
-
-std::unique_ptr<HapticDevice> contract() {
-  auto peer = std::make_unique<Peer>();
-  contract_peer = peer.get();
-  auto device = std::make_unique<CrtkDevice>(options(), std::move(peer));
-  contract_device = device.get();
-  return device;
-}
-
-void contract_feed(double t) {
-  Pose pose;
-  pose.position.x() = 0.1 * std::sin(t);
-  contract_device->take_pose({driver_now(), "base", "/arm"}, pose);
-}
-
-/// Once the device's own thread has sent what was written.
-Wrench contract_shown(const HapticDevice&) {
-  sleep_until(monotonic_now() + 0.03);
-  return contract_peer->last().spatial;
-}
-
-INSTANTIATE_TEST_SUITE_P(Crtk, HapticDeviceContract,
-                         ::testing::Values(DeviceUnderTest{"crtk",
-                                                           contract,
-                                                           {.real_time = true,
-                                                            .feed = contract_feed,
-                                                            .shown = contract_shown,
-                                                            .allocations = allocations_of_thread}}));
-
 TEST(CrtkDevice, AWrenchGoesOutAlongBothFramesWithTheStampThatItAnswers) {
-  Link link;
+  CrtkLink link;
   Pose turned;
   turned.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
   link.pose(turned, 77.25);
@@ -177,7 +48,7 @@ TickRecord pressed_tick() {
 }
 
 TEST(CrtkDevice, TheSurfaceGoesInTheDevicesFrameToWhoWantsItAndHasNoShareOnceItIsStopped) {
-  Link link;
+  CrtkLink link;
   link.pose(Pose(), 77.25);
   ASSERT_TRUE(link.tick());
   link.device->write({});
@@ -205,7 +76,7 @@ TEST(CrtkDevice, TheSurfaceGoesInTheDevicesFrameToWhoWantsItAndHasNoShareOnceItI
 }
 
 TEST(CrtkDevice, WhatComesOutOfOrderOrTwiceOrLateIsDroppedAndSaidOnce) {
-  Link link;
+  CrtkLink link;
   link.ticks(5, 0.0);
   const double stamp = driver_now();
   link.pose({{0.1, 0, 0}, Eigen::Quaterniond::Identity()}, stamp);
@@ -220,7 +91,7 @@ TEST(CrtkDevice, WhatComesOutOfOrderOrTwiceOrLateIsDroppedAndSaidOnce) {
 }
 
 TEST(CrtkDevice, AnAgeCountsTheJitterAndTheWayBack) {
-  Link link;
+  CrtkLink link;
   link.ticks(20, 0.0);
   for (int k = 0; k < 12; ++k) link.tick();  // nothing comes
   link.pose(0.01, 0.008);
@@ -234,7 +105,7 @@ TEST(CrtkDevice, AnAgeCountsTheJitterAndTheWayBack) {
 }
 
 TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
-  Link link;
+  CrtkLink link;
   link.ticks(5, 0.0);
   link.pose(0.1, -10.0);
   EXPECT_FALSE(link.tick());
@@ -252,7 +123,7 @@ TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
 }
 
 TEST(CrtkDevice, AnotherFrameIsDropped) {
-  Link link;
+  CrtkLink link;
   link.ticks(3, 0.0);
   for (int k = 0; k < 100; ++k) {
     link.pose(0.5, 0.0, "world");
@@ -270,7 +141,7 @@ TEST(CrtkDevice, AnotherFrameIsDropped) {
 }
 
 TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
-  Link link;
+  CrtkLink link;
   link.ticks(3, 0.1);
   const std::uint32_t hand = link.reading.hand;
   link.pose(0.9, 0.0, "base", "/other");
@@ -290,7 +161,7 @@ TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
 
 // A recording that is played stamps its poses with the time at which they were recorded.
 TEST(CrtkDevice, ANewPublisherMayHaveAnotherClock) {
-  Link link;
+  CrtkLink link;
   link.ticks(3, 0.1);
   sleep_until(monotonic_now() + 1.05 * CrtkDevice::kSilence);
   link.pose(0.9, 1000.0, "base", "/player");
@@ -308,7 +179,7 @@ TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {
                               {{0, 0, 0}, Eigen::Quaterniond(2, 0, 0, 0)},
                               {{0, 0, 0}, Eigen::Quaterniond(nan, 0, 0, 0)}};
   for (const Pose& pose : bad) {
-    Link link;
+    CrtkLink link;
     link.ticks(3, 0.0);
     const std::uint32_t hand = link.reading.hand;
     link.pose(pose, driver_now());
@@ -336,7 +207,7 @@ class Spring final : public ForceModel {
 };
 
 TEST(CrtkDevice, LossThatIsShortIsNotFeltAndASilenceRampsToZeroAndComesBack) {
-  Link link;
+  CrtkLink link;
   Spring spring;
   ToolTracker* none = nullptr;
   ServoTick tick(*link.device, {&spring, none, nullptr});
@@ -371,10 +242,50 @@ TEST(CrtkDevice, LossThatIsShortIsNotFeltAndASilenceRampsToZeroAndComesBack) {
   EXPECT_TRUE(leans(1000));
 }
 
+// However long it has been open.
+TEST(CrtkDevice, ATickWithoutAPoseIsNoFault) {
+  CrtkLink link;
+  bool stays = false;
+  for (int round = 0; round < 10 && !stays; ++round) {  // since a machine that stands still is one
+    link.ticks(100, 0.0);
+    EXPECT_FALSE(link.tick());
+    stays = link.device->status() == DeviceStatus::kEnabled;
+  }
+  EXPECT_TRUE(stays);
+}
+
+// The force that was asked for meanwhile does not come all at once.
+TEST(CrtkDevice, ShowsNothingAfterAFaultUntilNothingIsAskedFor) {
+  CrtkLink link;
+  const auto shown = [&](double force) {
+    const std::uint64_t before = link.peer->sent();
+    link.device->write({{force, 0, 0}, {0, 0, 0}});
+    for (int k = 0; k < 5000 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
+    return link.peer->last().spatial.force.x();
+  };
+  const auto comes = [&] {
+    bool read = false;
+    for (int k = 0; k < 1000 && !read; ++k) {
+      link.pose(0.0);
+      read = link.tick();
+    }
+    return read && link.device->status() == DeviceStatus::kEnabled;
+  };
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(shown(1.0), 1.0);
+  for (int k = 0; k < 2000 && link.device->status() != DeviceStatus::kFault; ++k) link.tick();
+  ASSERT_EQ(link.device->status(), DeviceStatus::kFault);
+  EXPECT_EQ(shown(1.0), 0.0);
+  ASSERT_TRUE(comes());
+  EXPECT_EQ(shown(1.0), 0.0) << "it has come back";
+  EXPECT_EQ(shown(0.0), 0.0);
+  EXPECT_EQ(shown(1.0), 1.0);
+}
+
 TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
-  CrtkOptions o = options();
+  CrtkOptions o = crtk_options();
   o.extrapolation = 5e-3;
-  Link link(o);
+  CrtkLink link(o);
   EXPECT_GE(link.device->capabilities().delay, 5e-3) << "it looks newer than it is by that";
   Twist twist;
   twist.linear.x() = 0.2;
@@ -393,12 +304,30 @@ TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
   EXPECT_GT(link.reading.pose.position.x(), x + 1e-4);
   EXPECT_LE(link.reading.pose.position.x(), x + 5e-3 * 0.2 + 1e-9);
   o.extrapolation = 0.5;
-  EXPECT_THROW(CrtkDevice(o, std::make_unique<Peer>()), Error);
+  EXPECT_THROW(CrtkDevice(o, std::make_unique<CrtkPeer>()), Error);
+}
+
+// What was carried on looks newer than the pose that comes next, which was measured before.
+TEST(CrtkDevice, NoReadingIsOlderThanTheOneBefore) {
+  CrtkOptions o = crtk_options();
+  o.extrapolation = 5e-3;
+  CrtkLink link(o);
+  int came = 0;
+  for (int round = 1; round <= 30; ++round) {
+    link.ticks(5, 0.0);
+    if (!link.tick()) continue;  // carried on to now
+    const double told = link.reading.t;
+    link.pose(1e-3 * round, 4e-4);
+    if (!link.device->read(link.clock.now(), link.reading)) continue;
+    ASSERT_GT(link.reading.t, told);
+    came += link.reading.pose.position.x() == 1e-3 * round ? 1 : 0;
+  }
+  EXPECT_GT(came, 10);
 }
 
 TEST(CrtkDevice, MayBeOpenForLongBeforeTheLoopBegins) {
-  auto made = std::make_unique<Peer>();
-  CrtkDevice device(options(), std::move(made));
+  auto made = std::make_unique<CrtkPeer>();
+  CrtkDevice device(crtk_options(), std::move(made));
   open_device(device, {});
   for (int k = 0; k < 100; ++k) {
     device.take_pose({driver_now(), "base", "/arm"}, {});

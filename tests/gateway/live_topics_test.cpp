@@ -204,6 +204,8 @@ TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
   live->publish();
   EXPECT_THAT(all(*first), IsEmpty()) << "who gets it a tick does not get it 60 times a second, too";
   EXPECT_EQ(all(*second)[kSpatial].size(), 1U);
+  live->publish();
+  EXPECT_EQ(all(*first)[kSpatial].size(), 1U) << "but where none of its poses was felt since, it does";
 }
 
 TEST_F(LiveTopicsTest, TheFallToZeroReachesAClientThatHasFallenSilent) {
@@ -422,6 +424,34 @@ TEST_F(LiveTopicsTest, PublishesAsOftenAsItSays) {
   EXPECT_EQ(told["/palpate/measured_cp"][0]["header"]["frame_id"], "world");
   ASSERT_EQ(told["/palpate/tool"][0]["markers"].size(), 1U);
   EXPECT_EQ(told["/palpate/tool"][0]["markers"][0]["ns"], "tool");
+}
+
+TEST_F(LiveTopicsTest, AsksWhoHoldsItTenTimesASecondForItsTime) {
+  constexpr const char* kEcho = "/palpate/client/echo";
+  begin();
+  for (Client* client : {first.get(), second.get()}) subscribe(*client, {kEcho});
+  for (int k = 0; k < 60; ++k) live->publish();
+  EXPECT_THAT(all(*first), IsEmpty()) << "nobody holds it";
+  put(*first, {1, 0, 0}, "device");
+  EXPECT_EQ(all(*first)[kEcho].size(), 1U) << "at once";
+  for (int k = 0; k < 60; ++k) live->publish();
+  EXPECT_EQ(all(*first)[kEcho].size(), 10U);
+  EXPECT_THAT(all(*second), IsEmpty());
+}
+
+TEST_F(LiveTopicsTest, WhatIsNoEchoIsRefused) {
+  begin();
+  put(*first, {1, 0, 0}, "device");
+  const auto refused = [&](const Json& message) {
+    first->receive(Json{{"op", "publish"}, {"topic", "/palpate/client/echoed"}, {"msg", message}}.dump(),
+                   false);
+    return all(*first)["status"].size();
+  };
+  const Json stamp{{"secs", 7}, {"nsecs", 0}};
+  EXPECT_EQ(refused({{"seq", 1}, {"stamp", stamp}}), 0U);
+  EXPECT_EQ(refused({{"seq", -1}, {"stamp", stamp}}), 1U);
+  EXPECT_EQ(refused({{"seq", 1e16}, {"stamp", stamp}}), 1U);
+  EXPECT_EQ(refused({{"seq", 1}}), 1U);
 }
 
 TEST_F(LiveTopicsTest, ShowsWhatTheToolTouchesOfWhatIsFeltNow) {

@@ -163,7 +163,10 @@ TEST(ToolSide, FindsWhereASurfaceIsNearest) {
 class Seen {
  public:
   template <class Height>
-  explicit Seen(const Height& height) : index_(test::scene_of(discs(height)), SceneFilter{}, Similarity{}) {
+  explicit Seen(const Height& height) : Seen(discs(height)) {}
+
+  explicit Seen(const std::vector<test::Splat>& splats)
+      : index_(test::scene_of(splats), SceneFilter{}, Similarity{}) {
     SplatTracker tracker(index_);
     Vector2d anchor = kCenter;
     RayLight light;
@@ -234,6 +237,23 @@ TEST(ImageFit, OfAQuadricHasItsBend) {
     EXPECT_NEAR(fit.depth(at), height(at.x(), at.y()), 3e-4);
 }
 
+// Depth, slope and bend are of one quadric, by Taylor's formula.
+TEST(ImageFit, IsTheQuadricOfItsSlopeAndBend) {
+  const Seen seen(
+      [](double x, double y) { return 0.03 + 0.1 * x + 4.0 * x * x - 3.0 * y * y + 5.0 * x * y; });
+  ImageFit fit;
+  ASSERT_TRUE(seen.fit(fit, 0.03));
+  const Matrix2d bend = fit.bend();
+  EXPECT_GT(bend(0, 0), 4.0);
+  EXPECT_LT(bend(1, 1), -3.0);
+  EXPECT_GT(bend(0, 1), 3.0);
+  EXPECT_EQ(bend(0, 1), bend(1, 0));
+  for (const Vector2d& d :
+       {Vector2d(0.0, 0.0), Vector2d(0.01, 0.0), Vector2d(0.0, -0.01), Vector2d(0.008, 0.009)})
+    EXPECT_NEAR(fit.depth(Seen::kCenter + d),
+                fit.depth(Seen::kCenter) + fit.slope().dot(d) + 0.5 * d.dot(bend * d), 1e-12);
+}
+
 TEST(ImageFit, IsLittleMovedByWhatStandsOut) {
   // A tenth of the window is 8 mm nearer: a plain fit would be moved by as much as 0.8 mm.
   const auto height = [](double x, double) { return x > 0.012 ? 0.022 : 0.03; };
@@ -257,7 +277,9 @@ TEST(ImageFit, SaysHowRoughItIs) {
     ASSERT_TRUE(seen.fit(fit, 0.03));
     EXPECT_GT(fit.roughness(), 0.6 * step);
     EXPECT_LT(fit.roughness(), step);
-    if (last > 0.0) EXPECT_NEAR(fit.roughness(), 2.0 * last, 0.1 * last);
+    if (last > 0.0) {
+      EXPECT_NEAR(fit.roughness(), 2.0 * last, 0.1 * last);
+    }
     last = fit.roughness();
   }
 }
@@ -266,6 +288,25 @@ TEST(ImageFit, IsNoneWhereNothingIsSeen) {
   const Seen seen([](double, double) { return 0.2; });
   ImageFit fit;
   EXPECT_FALSE(seen.fit(fit, 0.03));
+}
+
+// A speck that a single ray meets, whose light falls to 1 - h: of what it would lose of a wall, from 3/4 to
+// 1/4, that is 2 (h - 1/4), and a thousandth of what all rays would have is needed.
+TEST(ImageFit, IsNoneWhereNextToNothingIsSeen) {
+  const auto speck = [](double opacity) {
+    return std::vector{test::splat({Seen::kCenter.x(), -Seen::kCenter.y(), -0.03}, {5e-4, 5e-4, 1e-6},
+                                   Eigen::Quaterniond::Identity(), opacity)};
+  };
+  for (const bool enough : {false, true}) {
+    const Seen seen(speck(enough ? 0.27 : 0.2535));
+    ImageFit fit;
+    EXPECT_EQ(seen.fit(fit, 0.03), enough);
+    const double share = 2.0 * ((enough ? 0.27 : 0.2535) - 0.25), covered = fit.moments().covered();
+    EXPECT_NEAR(fit.moments().hit, share, 0.01 * share) << "of the ray in the middle, and no other";
+    EXPECT_EQ(covered > 1e-3, enough);
+    EXPECT_GT(covered, 2e-4);
+    EXPECT_LT(covered, 5e-3);
+  }
 }
 
 }  // namespace

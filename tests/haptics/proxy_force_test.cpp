@@ -250,7 +250,7 @@ INSTANTIATE_TEST_SUITE_P(Proxy, OnShapes, testing::Values("sphere", "cylinder", 
 
 // What a patch looks at is looked up, wherever the tool touches: at the tip of a rod, too.
 TEST(EnlargedPart, HoldsTheWindowThatATipTouchesWith) {
-  constexpr double kDetail = 0.004, kReach = 0.001;
+  constexpr double kDetail = 0.004, kReach = 0.001, kFar = 0.02;
   for (const Vector3d& axes : {Vector3d(0.1, 0.003, 0.003), Vector3d(0.1, 0.1, 0.01),
                                Vector3d(0.05, 0.02, 0.006), Vector3d(0.02, 0.02, 0.02)}) {
     const ToolPart part{"", axes};
@@ -264,10 +264,41 @@ TEST(EnlargedPart, HoldsTheWindowThatATipTouchesWith) {
       }
     }
     EXPECT_TRUE((larger.array() >= axes.array() + kReach).all());
+    EXPECT_TRUE((enlarged(part, kDetail, kFar).semi_axes.array() >= axes.array() + kFar).all());
     // Of a ball, no more than that.
     if (axes[0] == axes[2]) {
       EXPECT_NEAR(larger[0], std::hypot(axes[0], w), 1e-12);
     }
+  }
+}
+
+// Of semi-axes sqrt(p a^2 + q), which are searched here more finely: sixteen times as many p, and for each
+// the least q by bisection.
+TEST(EnlargedPart, IsNoLargerThanItMustBe) {
+  constexpr double kDetail = 0.004;
+  const double w2 = std::pow(0.88 * SurfacePatches::kWindow * kDetail, 2);
+  for (const Vector3d& axes : {Vector3d(0.1, 0.003, 0.003), Vector3d(0.1, 0.1, 0.01),
+                               Vector3d(0.05, 0.02, 0.006), Vector3d(0.02, 0.015, 0.012)}) {
+    const Eigen::Array3d squared = axes.array().square();
+    const double a = squared.maxCoeff(), b = squared.minCoeff();
+    double least = std::numeric_limits<double>::infinity();
+    constexpr int kTries = 512;
+    for (int k = 1; k <= kTries; ++k) {
+      const double p = 1.0 + k * w2 / (kTries * b);
+      const auto holds = [&](double q) {
+        return p * b + q >= b + w2 && a / (p * a + q) + w2 / (p * b + q) <= 1.0;
+      };
+      double low = -p * b, high = a + w2;
+      ASSERT_TRUE(holds(high));
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        (holds(middle) ? high : low) = middle;
+      }
+      least = std::min(least, (p * squared + high).sqrt().prod());
+    }
+    const double found = enlarged({"", axes}, kDetail, 0.0).semi_axes.prod();
+    EXPECT_GE(found, least * (1.0 - 1e-3)) << axes.transpose();
+    EXPECT_LE(found, 1.01 * least) << axes.transpose();
   }
 }
 
@@ -276,6 +307,8 @@ TEST(ProxyForce, IsZeroAndFollowsTheToolOutOfContact) {
   for (double z = 0.1; z > kRadius + 0.006; z -= 1e-3) {
     const ForceOutput felt = bench.at({0, 0, z});
     EXPECT_EQ(felt.wrench.force, Vector3d(0, 0, 0));
+    EXPECT_EQ(felt.confidence, 1.0);
+    EXPECT_EQ(felt.stiffness, 0.0);
     EXPECT_NEAR((felt.proxy.position - Vector3d(0, 0, z)).norm(), 0.0, 1e-12);
   }
 }
@@ -299,6 +332,7 @@ TEST(ProxyForce, BeginsAContactOnlyWhereTheToolTouches) {
         // A proxy that is still on its way back may pull with nothing for a tick.
         contact = touches || (contact && output.proxy.position != at);
         ASSERT_TRUE(contact || !felt) << shape << ", seed " << seed << ", tick " << k;
+        ASSERT_TRUE(felt || output.confidence == 1.0) << shape << ", seed " << seed << ", tick " << k;
         begun += contact && !was ? 1 : 0;
         ended += was && !contact ? 1 : 0;
       }
@@ -531,23 +565,26 @@ double below_the_plane(const ToolPart& part, const Pose& tool) {
   return solid.support(Vector3d::UnitZ()) - solid.center.z();
 }
 
-// Its centre does not move at all, and its ends go opposite ways.
+// Its centre does not move at all, and its ends go opposite ways: up to some 30 mm a tick, of which a look
+// sees a few.
 TEST(ProxyForce, ATurnAloneMeetsASurface) {
   const Tool rod({0.1, 0.005, 0.005});
   for (const double sense : {1.0, -1.0}) {
-    Bench bench("plane", even(0.004), {}, rod);
-    ForceInput input;
-    input.dt = 1e-3;
-    input.tool.position = {0, 0, 0.03};
-    ForceOutput felt;
-    for (double angle = 0.0; angle < 1.0; angle += 2e-3) {
-      input.tool.orientation = Eigen::AngleAxisd(sense * angle, Vector3d::UnitY());
-      felt = bench.model->evaluate(input);
-      ASSERT_LT(below_the_plane(rod.parts()[0], felt.proxy), 0.0005) << angle;
+    for (const double turn : {2e-3, 0.02, 0.33}) {
+      Bench bench("plane", even(0.004), {}, rod);
+      ForceInput input;
+      input.dt = 1e-3;
+      input.tool.position = {0, 0, 0.03};
+      ForceOutput felt;
+      for (double angle = 0.0; angle < 1.0; angle += turn) {
+        input.tool.orientation = Eigen::AngleAxisd(sense * angle, Vector3d::UnitY());
+        felt = bench.model->evaluate(input);
+        ASSERT_LT(below_the_plane(rod.parts()[0], felt.proxy), 0.0005) << angle << " by " << turn;
+      }
+      EXPECT_GT(below_the_plane(rod.parts()[0], input.tool), 0.05);
+      EXPECT_GT(felt.wrench.force.z(), 1.0);
+      EXPECT_LT(sense * felt.wrench.torque.y(), -0.05) << "it is turned back";
     }
-    EXPECT_GT(below_the_plane(rod.parts()[0], input.tool), 0.05);
-    EXPECT_GT(felt.wrench.force.z(), 1.0);
-    EXPECT_LT(sense * felt.wrench.torque.y(), -0.05) << "it is turned back";
   }
 }
 
@@ -666,8 +703,7 @@ TEST(ProxyForce, DoesNotEnterWhatItHasNotSeen) {
       input.dt = 1e-3;
       for (double z = 0.04; z > 0.0; z -= step) {
         input.tool.position = {0.0003, 0.0001, z};
-        ASSERT_GT(model.evaluate(input).proxy.position.z(), std::min(z, kRadius) - 2e-4)
-            << detail << " " << step;
+        ASSERT_GT(model.evaluate(input).proxy.position.z(), kRadius - 2e-4) << detail << " " << step;
       }
     }
   }
@@ -994,6 +1030,181 @@ TEST(ProxyForce, ALongRodOnADenseFloorIsFollowedAndLetGo) {
   const ForceOutput left = go(0.1);
   EXPECT_EQ(left.wrench.force.norm(), 0.0);
   EXPECT_EQ(left.proxy.position, input.tool.position);
+}
+
+// Past a floor, a millimetre above it, and then straight down: where it has been going to is not where it
+// goes.
+TEST(ProxyForce, LooksWhereItGoesAfterATurn) {
+  constexpr double kAbove = 0.001, kDepth = 0.005;
+  for (const double before : {0.0, 0.002, 0.1}) {
+    for (const double step : {1e-4, 1e-3, 5e-3}) {
+      Bench bench("plane", even(0.004));
+      for (double x = -before; x < 0.0; x += 1e-4) bench.at({x, 0.001, kRadius + kAbove});
+      for (double z = kRadius + kAbove; z > kRadius - kDepth; z -= step) {
+        const ForceOutput felt = bench.at({0.0, 0.001, z});
+        ASSERT_GT(felt.proxy.position.z(), kRadius - 1e-4) << before << " at " << z;
+      }
+      EXPECT_NEAR(bench.at({0.0, 0.001, kRadius - kDepth}).wrench.force.z(), kStiffness * kDepth,
+                  0.02 * kStiffness * kDepth)
+          << before;
+    }
+  }
+}
+
+// One Gaussian as a plane, so that nothing but the proxy may be where it should not: at the tick in which it
+// meets it, too, however that falls.
+TEST(ProxyForce, DoesNotEnterAPlaneInAnyTick) {
+  const SceneIndex index(
+      test::scene_of({test::splat({0, 0, 0}, {0.5, 0.5, 1e-6}, Eigen::Quaterniond::Identity(), 0.95)}),
+      SceneFilter{}, Similarity{});
+  for (const double step : {3e-5, 1e-4, 1e-3, 5e-3}) {
+    for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+      ForceInput input;
+      input.dt = 1e-3;
+      for (int tick = 0; kRadius + 0.01 - (tick + phase) * step > 0.01; ++tick) {
+        const double z = kRadius + 0.01 - (tick + phase) * step;
+        input.tool.position = {0.001, 0.002, z};
+        ASSERT_GT(model.evaluate(input).proxy.position.z(), kRadius - 1e-6) << step << " at " << z;
+      }
+    }
+  }
+}
+
+// Off the end of a sheet, 10 mm under it, at 1 m/s: what is not held any more comes after the tool twice as
+// fast as that moves.
+TEST(ProxyForce, ComesAfterTheToolTwiceAsFastWhereNothingHoldsIt) {
+  constexpr double kStep = 1e-3, kDepth = 0.010;
+  Bench bench("plane", even(0.004));
+  Vector3d at(0.15, 0.001, kRadius + 0.002);
+  for (; at.z() > kRadius - kDepth; at.z() -= kStep) bench.at(at);
+  Vector3d last = bench.at(at).proxy.position;
+  double most = 0.0;
+  for (; at.x() < 0.25; at.x() += kStep) {
+    const Vector3d proxy = bench.at(at).proxy.position;
+    most = std::max(most, (proxy - last).norm());
+    last = proxy;
+  }
+  EXPECT_NEAR(last.z(), kRadius - kDepth, 1e-3) << "it has left the sheet";
+  EXPECT_NEAR(most, 2.0 * kStep, 0.02 * kStep);
+}
+
+TEST(TheLocalSurface, IsMadeOfWhatTheToolIsHeldBy) {
+  ProxyParameters parameters;
+  parameters.friction = 0.2;
+  parameters.materials = everywhere({.stiffness = 800.0, .friction = 0.4, .damping = 30.0});
+  for (const double damping_max : {10.0, 100.0}) {
+    Bench bench("plane", even(0.004), parameters);
+    ForceInput input;
+    input.dt = 1e-3;
+    input.damping_max = damping_max;
+    ForceOutput felt;
+    for (int tick = 0; tick <= 60; ++tick) {
+      input.tool.position = {0.003, 0.001, kRadius + 0.005 - 1e-4 * tick};
+      felt = bench.model->evaluate(input);
+      if (felt.local.count > 0) continue;
+      EXPECT_EQ(felt.local.friction, 0.2) << "of no material where there is none";
+      EXPECT_EQ(felt.local.damping, 0.0);
+    }
+    ASSERT_GE(felt.local.count, 1U);
+    EXPECT_NEAR(felt.local.stiffness, 800.0, 1e-9);
+    EXPECT_NEAR(felt.local.friction, 0.4, 1e-9);
+    EXPECT_NEAR(felt.local.damping, std::min(30.0, damping_max), 1e-9) << "no more than the device shows";
+  }
+}
+
+// So fine a detail, of Gaussians so small, that what is seen ends a few tenths of a millimetre below the
+// ball: it goes on from there only once it has looked again, wherever it began.
+TEST(ProxyForce, GoesNoFartherThanItSees) {
+  std::vector<test::Splat> splats;
+  for (int i = -30; i <= 30; ++i)
+    for (int k = -30; k <= 30; ++k)
+      splats.push_back(test::splat({1.2e-4 * i, 1.2e-4 * k, 0.0}, {1e-4, 1e-4, 1e-6}));
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  for (const double step : {2e-5, 1e-4}) {
+    for (int k = 0; k < 10; ++k) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness, .detail = 0.001});
+      ForceInput input;
+      input.dt = 1e-3;
+      for (double z = kRadius + 0.001 + 5e-5 * k; z > kRadius - 0.001; z -= step) {
+        input.tool.position = {3e-5, 1e-5, z};
+        ASSERT_GT(model.evaluate(input).proxy.position.z(), kRadius - 5e-5) << k << " at " << z;
+      }
+    }
+  }
+}
+
+// What the proxy does by itself makes the spring longer by no more than the reserve, k (l^2 - l'^2) / 2: l'
+// for the tool where it is, before the proxy moves.
+TEST(ProxyForce, MakesTheSpringLongerByNoMoreThanTheReserve) {
+  Random random(946);
+  double most = 0.0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Bench bench("plane", noisy(seed));
+    bool held = false;
+    Vector3d at(0, 0, kRadius + 0.005), proxy = bench.at(at).proxy.position;
+    for (int leg = 0; leg < 20; ++leg) {
+      const Vector3d begin = at, end(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1),
+                                     kRadius + random.uniform(-0.003, 0.003));
+      constexpr int kTicks = 50;
+      for (int tick = 1; tick <= kTicks; ++tick) {
+        at = begin + static_cast<double>(tick) / kTicks * (end - begin);
+        const double before = (proxy - at).squaredNorm();
+        proxy = bench.at(at).proxy.position;
+        if (held) most = std::max(most, 0.5 * kStiffness * ((proxy - at).squaredNorm() - before));
+        held = proxy != at;
+      }
+    }
+  }
+  EXPECT_LE(most, ProxyForce::kReserve * (1.0 + 1e-9));
+  EXPECT_GT(most, 0.95 * ProxyForce::kReserve) << "and it has come to that";
+}
+
+// On a floor in a corner, both walls of which have been touched: what pushes is first, and then what is
+// nearer, whichever of both has been met first.
+TEST(TheLocalSurface, HasWhatMattersMoreFirst) {
+  constexpr double kWall = 0.03, kDepth = 0.003;
+  std::vector<test::Splat> splats;
+  const Eigen::Quaterniond along_x = rotation_between(Vector3d::UnitZ(), Vector3d::UnitX()),
+                           along_y = rotation_between(Vector3d::UnitZ(), Vector3d::UnitY());
+  for (int i = -20; i <= 20; ++i)
+    for (int k = -20; k <= 20; ++k) {
+      const double a = 0.003 * i, b = 0.003 * k;
+      const Vector3d semi_axes(0.002, 0.002, 1e-4);
+      splats.push_back(test::splat({a, b, 0.0}, semi_axes, Eigen::Quaterniond::Identity(), 0.95));
+      splats.push_back(test::splat({kWall, b, a}, semi_axes, along_x, 0.95));
+      splats.push_back(test::splat({a, kWall, b}, semi_axes, along_y, 0.95));
+    }
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  const double touches = kWall - kRadius;
+  for (const bool x_first : {false, true}) {
+    for (const bool x_nearer : {false, true}) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+      ForceInput input;
+      input.dt = 1e-3;
+      input.tool.position = {touches - 0.01, touches - 0.01, kRadius + 0.01};
+      ForceOutput felt;
+      const auto go_to = [&](const Vector3d& place) {
+        while (input.tool.position != place) {
+          const Vector3d left = place - input.tool.position;
+          input.tool.position =
+              left.norm() > 1e-4 ? Vector3d(input.tool.position + 1e-4 * left.normalized()) : place;
+          felt = model.evaluate(input);
+        }
+      };
+      const double below = kRadius - kDepth, off = touches - 0.004, on = touches + 0.001;
+      go_to({off, off, below});
+      go_to(x_first ? Vector3d(on, off, below) : Vector3d(off, on, below));
+      go_to({on, on, below});
+      ASSERT_EQ(felt.local.count, 3U);
+      const double near = touches - 0.0005, far = touches - 0.0015;
+      go_to(x_nearer ? Vector3d(near, far, below) : Vector3d(far, near, below));
+      ASSERT_EQ(felt.local.count, 3U);
+      EXPECT_GT(felt.local.planes[0].normal.z(), 0.99) << "which alone pushes";
+      EXPECT_LT(felt.local.planes[1].normal[x_nearer ? 0 : 1], -0.99);
+      EXPECT_LT(felt.local.planes[2].normal[x_nearer ? 1 : 0], -0.99);
+    }
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -266,6 +267,95 @@ TEST(SurfacePatches, ArePatchesToHalfADetailAboveThem) {
   EXPECT_NEAR(*clear, 0.004, 3e-4);
   ball.follow({0.001, 0.001, kRadius + 0.006});
   EXPECT_EQ(ball.patches.patches().size(), 0U);
+}
+
+// A tip that is under the surface by less than a detail, and so deep that its rays would begin beyond it,
+// sees it all the same; one that is deeper does not, and what it knows stays where it was.
+TEST(SurfacePatches, AreSeenByATipThatIsLittleBelowThem) {
+  constexpr double kTip = 0.002, kDetail = 0.004;
+  Feeler tip({test::splat({0, 0, 0}, {0.5, 0.5, 1e-6})}, Vector3d::Constant(kTip), kDetail);
+  tip.look_down({0, 0, kTip + 0.0005}, 0.002);
+  for (double depth = 0.0002; depth < 1.5 * kDetail; depth += 0.0003) {
+    const Vector3d at(0, 0, kTip - depth);
+    tip.follow(at);
+    ASSERT_EQ(tip.patches.patches().size(), 1U) << depth;
+    const SurfacePatch& patch = tip.patches.patches()[0];
+    EXPECT_NEAR(patch.gap, -depth, 1e-5);
+    EXPECT_EQ(patch.seen_by.center == at, depth < kDetail + 0.0003) << depth;  // by where it was before
+  }
+}
+
+// From a floor onto one that is rough: the felt surface goes from the fit to what is nearest to the tool by
+// and by. Every 8 mm, the rough one looks the same.
+TEST(SurfacePatches, TheOffsetGoesToWhatIsNearest) {
+  constexpr double kDetail = 0.01, kStep = 0.0005, kPeriod = 0.008, kAbove = 0.001;
+  const auto floor = [](double step) {
+    std::vector<test::Splat> splats;
+    for (int i = -35; i <= 110; ++i)
+      for (int k = -35; k <= 35; ++k) {
+        const double x = 0.001 * i + 1e-5, y = 0.001 * k + 1e-5;
+        const bool high = (std::sin(2.0 * std::numbers::pi * x / kPeriod) > 0.0) ==
+                          (std::sin(2.0 * std::numbers::pi * y / kPeriod) > 0.0);
+        splats.push_back(test::splat({x, y, high ? step : -step}, {8e-4, 8e-4, 1e-6},
+                                     Eigen::Quaterniond::Identity(), 0.95));
+      }
+    return splats;
+  };
+  const std::vector<test::Splat> even = floor(0.0), rough = floor(kStep);
+  // In the middle of what is high.
+  const auto at = [](int periods) { return Vector3d(periods * kPeriod + 0.002, 0.002, kRadius + kAbove); };
+  Feeler ball(even, Vector3d::Constant(kRadius), kDetail), later(rough, ball.axes, kDetail);
+  ball.look_down(at(0), 0.002);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  const SurfacePatch& patch = ball.patches.patches()[0];
+  EXPECT_NEAR(patch.offset, 0.0, 5e-5);
+  std::vector<double> offsets;
+  for (int periods = 1; periods <= 10; ++periods) {
+    ball.budget.refill();
+    ball.patches.follow(later.around(at(periods)), ball.solid(at(periods)));
+    ASSERT_EQ(ball.patches.patches().size(), 1U) << periods;
+    EXPECT_LE(std::abs(patch.offset), 3.0 * kStep) << periods;
+    offsets.push_back(patch.offset);
+  }
+  EXPECT_LT(offsets.front(), -0.05 * kStep) << "a first part of the way to what is nearest";
+  const double whole = std::accumulate(offsets.end() - 5, offsets.end(), 0.0) / 5.0;
+  EXPECT_LT(whole, 1.2 * offsets.front()) << "and no more than that";
+}
+
+// Over a globe, from its pole to its equator: where the rays are counted from stays under the solid and on
+// the surface, and what a patch remembers is of the last look.
+TEST(SurfacePatches, RememberTheLastLook) {
+  constexpr double kGlobe = 0.1, kDetail = 0.008, kAbove = 0.0005;
+  std::vector<test::Splat> globe;
+  constexpr int kCount = 20000;
+  for (int k = 0; k < kCount; ++k) {
+    const double z = 1.0 - 2.0 * (k + 0.5) / kCount, angle = 2.39996 * k, s = std::sqrt(1.0 - z * z);
+    const Vector3d n(s * std::cos(angle), s * std::sin(angle), z);
+    globe.push_back(test::splat(kGlobe * n, {0.0018, 0.0018, 1e-5},
+                                Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), n)));
+  }
+  Feeler ball(globe, Vector3d::Constant(kRadius), kDetail);
+  const auto at = [&](double angle) {
+    return Vector3d((kGlobe + kRadius + kAbove) * Vector3d(std::sin(angle), 0.0, std::cos(angle)));
+  };
+  ball.look_down(at(0.0), 0.002);
+  for (double angle = 0.0; angle < 0.5 * std::numbers::pi; angle += 0.005) {
+    ball.budget.refill();
+    ball.follow(at(angle));
+    ASSERT_EQ(ball.patches.patches().size(), 1U) << angle;
+    const SurfacePatch& patch = ball.patches.patches()[0];
+    const Vector3d under = at(angle).normalized();
+    EXPECT_GT(patch.normal.dot(under), std::cos(0.02)) << angle;
+    EXPECT_NEAR(patch.gap, kAbove, 2e-4) << angle;
+    EXPECT_NEAR(patch.anchor.norm(), kGlobe, 0.002) << angle;
+    EXPECT_LT((patch.anchor - kGlobe * under).norm(), 0.3 * SurfacePatches::kWindow * kDetail) << angle;
+    EXPECT_NEAR(patch.sight.norm(), kGlobe, 1e-3) << angle;
+    EXPECT_LT((patch.sight - kGlobe * under).norm(), 0.5 * SurfacePatches::kWindow * kDetail) << angle;
+    if (patch.looked_by.center != at(angle)) continue;
+    EXPECT_EQ(patch.seen_by.center, at(angle));
+    EXPECT_NEAR((patch.seen_at - patch.foot).norm(), 0.0, 1e-12) << angle;
+    EXPECT_NEAR((patch.foot - (at(angle) - kRadius * patch.normal)).norm(), 0.0, 2e-4) << angle;
+  }
 }
 
 // In a hollow that is smaller than the ball, it touches on all sides: no more patches than there is room for,
@@ -543,6 +633,34 @@ TEST(Haze, IsFeltByAHandThatTrembles) {
       EXPECT_EQ(felt.wrench.force.norm(), 0.0) << aside;
       to(-apart + kRadius - 0.005);
       EXPECT_GT(felt.wrench.force.z(), 0.4 * kStiffness * 0.005) << aside;
+    }
+  }
+}
+
+// What a veil has hidden of h of the light gives way, where there is none any more, over half a detail times
+// the square of how hazy it is, 2 (1 - confidence): what is seen behind it is felt from there on, but for
+// exp(-way / that).
+TEST(Haze, GivesWayAsTheToolMovesAlongIt) {
+  constexpr double kDetail = 0.01, kDrop = 0.002, kAbove = 0.0005;
+  const auto disc = [](double z, double opacity) {
+    return std::vector{test::splat({0, 0, z}, {0.5, 0.5, 1e-6}, Eigen::Quaterniond::Identity(), opacity)};
+  };
+  for (const double hidden : {0.48, 0.7, 0.9}) {
+    const double confidence = 0.5 + 0.5 * std::max(0.0, hidden - 0.5) / 0.4;
+    const double held = 0.5 * kDetail * std::pow(2.0 * (1.0 - confidence), 2);
+    for (const double way : {0.0005, 0.002, 0.005}) {
+      Feeler ball(disc(0.0, hidden), Vector3d::Constant(kRadius), kDetail),
+          behind(disc(-kDrop, 0.95), ball.axes, kDetail);
+      ball.look_down({0, 0, kRadius + kAbove}, 0.002);
+      ASSERT_EQ(ball.patches.patches().size(), 1U);
+      const SurfacePatch& patch = ball.patches.patches()[0];
+      EXPECT_NEAR(patch.confidence, confidence, 1e-3);
+      EXPECT_NEAR(patch.gap, kAbove, 1e-5);
+      const Vector3d at(way, 0, kRadius + kAbove);
+      ball.patches.follow(behind.around(at), ball.solid(at));
+      ASSERT_EQ(ball.patches.patches().size(), 1U);
+      EXPECT_NEAR(patch.gap, kAbove + kDrop * (1.0 - std::exp(-way / std::max(held, 1e-9))), 0.01 * kDrop)
+          << hidden << " " << way;
     }
   }
 }

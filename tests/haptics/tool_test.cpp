@@ -186,5 +186,51 @@ TEST(ToolTracker, FindsWhatAFreshQueryDoes) {
   EXPECT_GT(seen, 5000U);
 }
 
+// A bound on the pairs of all parts together: the parts that come first have all of theirs, the one that
+// meets the bound has some, and those after it none.
+TEST(ToolTracker, OfSoManyPairsFindsThoseThatComeFirst) {
+  constexpr std::size_t kBuffer = 256;  // by as many it may be exceeded
+  Random random(945);
+  const SceneIndex index(test::scene_of(test::sphere_of_splats(random, 20000)), SceneFilter{}, Similarity{});
+  std::vector<ToolPart> balls;
+  for (const double y : {-0.3, 0.0, 0.3})
+    balls.push_back({"ball", Vector3d::Constant(0.5), {{0, y, 0}, Eigen::Quaterniond::Identity()}});
+  const Tool tool(balls);
+  const Pose pose{{0.9, 0, 0}, Eigen::Quaterniond::Identity()};
+  ToolTracker tracker(index, tool);
+  ContactSet all, some;
+  tracker.query(pose, all);
+  ASSERT_TRUE(all.complete);
+  std::vector<std::size_t> of_part(balls.size()), pairs;
+  for (const Contact& contact : all.contacts) ++of_part[contact.part];
+  for (const ToolPart& ball : balls) {
+    ToolTracker(index, Tool({ball})).query(pose, some);
+    pairs.push_back(some.filtered);
+    ASSERT_GT(some.contacts.size(), 4 * kBuffer);
+  }
+  std::size_t pairs_before = 0, contacts_before = 0;
+  for (std::size_t last = 0; last < balls.size(); ++last) {
+    const std::size_t most = pairs_before + pairs[last] / 2;
+    tracker.query(pose, some, most);
+    EXPECT_FALSE(some.complete) << last;
+    EXPECT_GT(some.contacts.size(), contacts_before) << last;
+    EXPECT_LE(some.contacts.size(), contacts_before + pairs[last] / 2 + kBuffer) << last;
+    ASSERT_LT(some.contacts.size(), contacts_before + of_part[last]) << last;
+    for (std::size_t i = 0; i < some.contacts.size(); ++i) {
+      EXPECT_EQ(some.contacts[i].part, all.contacts[i].part) << last;
+      EXPECT_EQ(some.contacts[i].id, all.contacts[i].id) << last;
+    }
+    pairs_before += pairs[last];
+    contacts_before += of_part[last];
+    if (last + 1 == balls.size()) continue;
+    tracker.query(pose, some, pairs_before);
+    EXPECT_FALSE(some.complete) << last;
+    EXPECT_LE(some.contacts.size(), contacts_before) << "none of the next";
+  }
+  tracker.query(pose, some, 4 * all.filtered);
+  EXPECT_TRUE(some.complete);
+  EXPECT_EQ(some.contacts.size(), all.contacts.size());
+}
+
 }  // namespace
 }  // namespace palpate

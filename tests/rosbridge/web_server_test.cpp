@@ -55,15 +55,28 @@ struct Response {
 /// A client's end of a connection.
 class Connection {
  public:
-  explicit Connection(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    timeval limit{static_cast<time_t>(kLong), 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  /// \param from which of this machine's own addresses, 127.x.y.z, it comes from
+  explicit Connection(std::uint16_t port, const char* from = "127.0.0.1")
+      : Connection(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from, &own.sin_addr);
+    ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     connected_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+  }
+  /// Over IPv6, from ::1 to ::1.
+  static std::unique_ptr<Connection> of_ipv6(std::uint16_t port) {
+    std::unique_ptr<Connection> made(new Connection(::socket(AF_INET6, SOCK_STREAM, 0)));
+    sockaddr_in6 to{};
+    to.sin6_family = AF_INET6;
+    to.sin6_port = htons(port);
+    to.sin6_addr = in6addr_loopback;
+    made->connected_ = ::connect(made->socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+    return made;
   }
   ~Connection() { ::close(socket_); }
   Connection(const Connection&) = delete;
@@ -124,6 +137,12 @@ class Connection {
   }
 
  private:
+  explicit Connection(int socket) : socket_(socket) {
+    timeval limit{static_cast<time_t>(kLong), 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  }
+
   bool receive() {
     char buffer[65536];
     const ssize_t n = ::recv(socket_, buffer, sizeof buffer, 0);
@@ -393,6 +412,31 @@ TEST_F(WebUploadTest, RefusesWithAReasonBeforeAnythingIsRead) {
   server->stop();
   EXPECT_THAT(have, testing::ElementsAre("bad"));
   EXPECT_EQ(dropped, 1) << "the bad one";
+}
+
+// Else what is still to come of it would be taken for the next request.
+TEST_F(WebUploadTest, EndsTheConnectionOfWhatIsRefused) {
+  start(taking());
+  for (const char* path : {"/elsewhere", "/up/a"}) {
+    Connection connection(server->port());
+    const std::string body = request("GET /");
+    connection.send(request(std::string("PUT ") + path,
+                            "Content-Length: " + std::to_string((2 << 20) + body.size()) + "\r\n") +
+                    body);
+    const Response refused = connection.response();
+    EXPECT_GE(refused.status, 400);
+    EXPECT_EQ(refused["connection"], "close");
+    EXPECT_TRUE(connection.ends());
+  }
+}
+
+TEST_F(WebUploadTest, TheAnswerReachesAPeerThatStillSends) {
+  start(taking());
+  Connection connection(server->port());
+  const std::string body(16 << 20, 'a');
+  EXPECT_TRUE(connection.send(
+      request("PUT /elsewhere", "Content-Length: " + std::to_string(body.size()) + "\r\n") + body));
+  EXPECT_EQ(connection.response().status, 405);
 }
 
 TEST_F(WebUploadTest, WantsTheToken) {
@@ -814,6 +858,41 @@ TEST_F(WebServerTest, TakesNoTokenAfterTooManyWrongOnes) {
   EXPECT_EQ(by_cookie.response().status, 101);
 }
 
+TEST_F(WebServerTest, CountsWrongTokensByTheAddressTheyComeFrom) {
+  start("s3cret");
+  while (ask("GET /?token=wrong").status == 401) continue;
+  const std::string right = request("GET /", "Authorization: Bearer s3cret\r\n");
+  Connection same(server->port()), other(server->port(), "127.0.0.2");
+  same.send(right);
+  other.send(right);
+  EXPECT_EQ(same.response().status, 429);
+  EXPECT_EQ(other.response().status, 200);
+}
+
+TEST_F(WebServerTest, ListensOnIpv6) {
+  WebServerOptions options;
+  options.address = "::1";
+  options.token = "s3cret";
+  try {
+    start(options);
+  } catch (const Error&) {
+    GTEST_SKIP() << "this machine has no IPv6";
+  }
+  const std::string host = "[::1]:" + std::to_string(server->port());
+  EXPECT_EQ(server->url(), "http://" + host + "/?token=s3cret");
+  const auto ask_with = [&](const std::string& token) {
+    const auto connection = Connection::of_ipv6(server->port());
+    EXPECT_TRUE(connection->is_connected());
+    connection->send("GET / HTTP/1.1\r\nHost: " + host + "\r\nAuthorization: Bearer " + token + "\r\n\r\n");
+    return connection->response().status;
+  };
+  EXPECT_EQ(ask_with("s3cret"), 200);
+  int wrong = 0;
+  while (ask_with("wrong") == 401) ASSERT_LT(++wrong, 100);
+  EXPECT_EQ(wrong, 5);
+  EXPECT_EQ(ask_with("s3cret"), 429);
+}
+
 TEST_F(WebServerTest, SpeaksRosbridgeOverAWebSocket) {
   start();
   const auto socket = web_socket();
@@ -860,6 +939,24 @@ TEST_F(WebServerTest, PublishesToThoseThatSubscribe) {
   EXPECT_EQ(as_binary.opcode, kBinary);
   EXPECT_EQ(Json::from_cbor(as_binary.payload), wanted);
   EXPECT_TRUE(answers(*none)) << "and nothing before that";
+}
+
+// Two messages at once are held back until both are there, and not a fifth of a second, as long as the system
+// would hold them: a hundred times, that is twenty.
+TEST_F(WebServerTest, HoldsNothingBackForLong) {
+  start();
+  const auto socket = web_socket();
+  socket->send(frame(kText, R"({"op": "subscribe", "topic": "/a", "queue_length": 2})"));
+  EXPECT_TRUE(answers(*socket));
+  const double begin = monotonic_now();
+  for (int k = 0; k < 100; ++k) {
+    there([&] {
+      for (int message = 0; message < 2; ++message) topic.publish({{"data", "x"}});
+      return 0;
+    });
+    for (int message = 0; message < 2; ++message) ASSERT_EQ(read_frame(*socket).opcode, kText);
+  }
+  EXPECT_LT(monotonic_now() - begin, 15.0);
 }
 
 TEST_F(WebServerTest, AClientThatDoesNotReadGetsTheNewest) {
@@ -1038,6 +1135,40 @@ TEST_F(WebServerTest, WorksAtARateAndWhenItIsWoken) {
   server->stop();
   wake.set();  // its descriptor is still its own
   wake.clear();
+}
+
+// 50 beats are missed while one takes long, and not made up for: the next ten take as long as ten.
+TEST_F(WebServerTest, DoesNotMakeUpForWhatItMissed) {
+  constexpr double kRate = 200.0;
+  WebServerOptions options;
+  options.port = 0;
+  std::vector<double> beats;  // on the server's thread
+  std::atomic<bool> done = false;
+  server = std::make_unique<WebServer>(
+      hub, [](const std::string&) { return text_page(200, ""); }, options);
+  server->every(kRate, [&] {
+    if (beats.empty()) sleep_until(monotonic_now() + 50.0 / kRate);
+    if (!done) beats.push_back(monotonic_now());
+    done = beats.size() == 13;
+  });
+  server->start();
+  EXPECT_TRUE(in_time([&] { return done.load(); }));
+  server->stop();
+  ASSERT_EQ(beats.size(), 13U);
+  EXPECT_GE(beats[12] - beats[1], 10.0 / kRate);
+}
+
+// What it needed for that is gone by the time that it is told.
+TEST_F(WebServerTest, ForgetsSlowWorkOnceThatIsDone) {
+  start();
+  for (int k = 0; k < 200; ++k) {
+    auto needed = std::make_shared<int>(k);
+    const std::weak_ptr<int> seen = needed;
+    std::promise<bool> gone;
+    server->elsewhere([needed = std::move(needed)] { EXPECT_GE(*needed, 0); },
+                      [&] { gone.set_value(seen.expired()); });
+    ASSERT_TRUE(gone.get_future().get()) << k;
+  }
 }
 
 TEST_F(WebServerTest, SaysWhereItCannotListen) {
