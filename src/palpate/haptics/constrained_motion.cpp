@@ -77,7 +77,7 @@ class Solver {
   double inverse_inertia_;  ///< Unit: [1/m^2].
   double way_ = 0.0;        ///< that any point has been moved so far, at most. Unit: [m].
   std::size_t relaxed_ = 0;
-  double way_of_push_;      ///< how far a push moves any point, at most. Unit: [m/m].
+  double way_of_push_;  ///< how far a push moves any point, at most. Unit: [m/m].
 };
 
 }  // namespace
