@@ -34,6 +34,10 @@ test('what is kept is what the program says, in any order, and as large', () => 
   assert.deepEqual([...scene.nearest([1, 0, 0], 3)].sort(), [0, 2]);
   assert.deepEqual([...scene.at(2).semiAxes], [0.375, 0.75, 1.5]);
   assert.deepEqual(scene.hit([1, 0, -1], [0, 0, 1]), { distance: 1, felt: false, opacity: 1 });
+  assert.equal(scene.hitKept([1, 0, -1], [0, 0, 1]), null, 'nothing else is there');
+  assert.ok(Math.abs(scene.hitKept([-1, 0, 0], [1, 0, 0]).distance - scene.hit([-1, 0, 0], [1, 0, 0]).distance) < 1e-6, 'what is cut off is behind');
+  assert.ok(Math.abs(scene.hitKept([0.5, 0, 0], [1, 0, 0]).distance - 1.5) < 1e-6, 'and here before');
+  assert.ok(Math.abs(scene.hit([0.5, 0, 0], [1, 0, 0]).distance - 0.5) < 1e-6);
   scene.keep(listOf([[1, [1, 1, 1]], [3, [1, 1, 1]]])); // the scene has no row 3
   assert.deepEqual([...scene.nearest([0, 0, 0], 3)], [1]);
   scene.keep(new ArrayBuffer(0));

@@ -84,7 +84,15 @@ export class Kept {
   /// Where half of what is seen along a ray lies before, and half behind: {distance in units of `direction`, felt, opacity},
   /// or null where nothing is seen. `felt` says whether what is seen up to there is mostly kept, `opacity` how much is seen.
   hit(origin, direction) {
-    const seen = this.#along(origin, direction);
+    return this.#half(this.#along(origin, direction));
+  }
+
+  /// The same of the kept ones alone, as if there were no others.
+  hitKept(origin, direction) {
+    return this.#half(this.#along(origin, direction).filter(({ row }) => this.#isKept[row]));
+  }
+
+  #half(seen) {
     let left = 1;
     for (const one of seen) {
       one.weight = left * one.alpha;

@@ -188,9 +188,18 @@ export class Splats {
 
   /// What is seen along a ray of the world: {point, felt, opacity}, or null where it sees nothing. `felt` says whether it can be felt.
   look(ray) {
+    return this.#along(ray, (kept, ...line) => kept.hit(...line));
+  }
+
+  /// The same of what can be felt alone: it may lie behind what is cut off.
+  lookForFelt(ray) {
+    return this.#along(ray, (kept, ...line) => kept.hitKept(...line));
+  }
+
+  #along(ray, hit) {
     if (!this.#kept) return null;
     const local = new Ray().copy(ray).applyMatrix4(this.group.matrix.clone().invert());
-    const seen = this.#kept.hit(local.origin.toArray(), local.direction.toArray());
+    const seen = hit(this.#kept, local.origin.toArray(), local.direction.toArray());
     return seen && { ...seen, point: local.at(seen.distance, new Vector3()).applyMatrix4(this.group.matrix) };
   }
 

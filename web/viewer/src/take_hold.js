@@ -18,6 +18,7 @@ const patience = 1000; // with a program that has not said where the tool is. Un
 const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
 const nearest = 8; // a double click goes no nearer. In sizes of the tool.
 const toolRoom = 1.2; // around the middle of the tool, that is kept in view. In sizes of the tool.
+const mostBehind = 5; // what is cut off, that is clicked through. In sizes of the tool.
 const solid = 0.8; // opacity along a ray from which on it is no haze
 const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
 const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
@@ -97,13 +98,14 @@ export class TakeHold {
     if (!seen && told) notify('There is nothing to feel near the middle of the view.');
     if (this.picker.waits && seen?.felt) this.picker.give(seen.point);
     else if (this.picker.waits) notify('There is nothing to feel at that point.');
-    else if (seen) this.#touch(seen, ray.direction);
+    else if (seen) this.#touch(seen, ray);
   }
 
-  #touch({ point, felt }, direction) {
+  #touch(seen, ray) {
     if (this.parameters.current?.demo === undefined || this.view.renderer.xr.isPresenting) return; // a device has a hand of its own
-    if (!felt) notify('What is seen there is cut off by the filter: it cannot be felt.');
-    else this.#approach(point, direction);
+    const there = seen.felt ? seen : this.splats.lookForFelt(ray);
+    if (there && there.point.distanceTo(seen.point) < mostBehind * this.felt.size) this.#approach(there.point, ray.direction);
+    else notify('What is seen there is cut off by the filter: it cannot be felt.');
   }
 
   // A page that has just taken long to draw has not heard meanwhile where the tool is.
