@@ -135,7 +135,7 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   figures.pipeline = options.query.pipeline;
   figures.simd = options.simd;
   figures.model = to_string(options.query.model(options.live));
-  figures.tool_name = tool_text(options.live.tool);
+  figures.tool_name = tool_in_words(options.live.tool);
   figures.tool = options.live.tool;
   figures.open = std::move(opened.figures);
   figures.rounds = options.rounds;

@@ -87,19 +87,13 @@ std::vector<EvaluationRow> measure_all(const Options& options) {
   return rows;
 }
 
-std::string tool_text(const Tool& tool) {
-  if (tool.parts().size() > 1) return fmt::format("A tool of {} ellipsoids", tool.parts().size());
-  const Eigen::Vector3d mm = 1e3 * tool.parts().front().semi_axes;
-  return fmt::format("A tool of {:.3g} x {:.3g} x {:.3g} mm (semi-axes)", mm.x(), mm.y(), mm.z());
-}
-
 std::string setup_text(const Options& options) {
   return fmt::format(
-      "{} feels surfaces whose truth is known, made of "
-      "Gaussians that are displaced by {:.3g} mm and tilted by {:.3g} degrees (standard deviations). {} "
+      "A tool of {} feels surfaces whose truth is known, made of Gaussians that are displaced by {:.3g} mm "
+      "and tilted by {:.3g} degrees (standard deviations). {} "
       "scenes of each, seeds from {}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
-      tool_text(options.live.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes, options.seed,
-      options.places, options.pushes, options.live.force.proxy.stiffness);
+      tool_in_words(options.live.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes,
+      options.seed, options.places, options.pushes, options.live.force.proxy.stiffness);
 }
 
 void run(const Options& options) {

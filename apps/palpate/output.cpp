@@ -18,7 +18,7 @@ void notify(std::string_view message) { fmt::print(stderr, "{}", notice(message)
 
 void print_json(const Json& json) { fmt::print("{}\n", json_text(json, 2)); }
 
-std::string tool_text(const Tool& tool) {
+std::string tool_in_words(const Tool& tool) {
   if (tool.parts().size() > 1) return fmt::format("{} ellipsoids", tool.parts().size());
   const Eigen::Vector3d mm = 1e3 * tool.parts()[0].semi_axes;
   return fmt::format("{:g}/{:g}/{:g} mm", mm.x(), mm.y(), mm.z());

@@ -27,7 +27,7 @@ std::string notice(std::string_view message);
 void print_json(const Json& json);
 
 /// The tool in a few words: "20/20/40 mm", "24 ellipsoids".
-std::string tool_text(const Tool& tool);
+std::string tool_in_words(const Tool& tool);
 
 /// \throws Error if writing `out`, the value of `option`, would destroy one of `inputs` (empty names are
 /// skipped).

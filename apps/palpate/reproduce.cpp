@@ -87,7 +87,7 @@ std::string setup_text(const Options& options, const Ground& ground) {
       ground.name, ground.loaded.filtered.total, ground.loaded.kept.size(),
       options.live.scene.filter.opacity_min, placed.scale, placed.translation.x(), placed.translation.y(),
       placed.translation.z(), options.plant, options.live.device.hand.mass, options.live.device.hand.damping,
-      options.live.device.hand.stiffness, tool_text(options.live.tool), options.touches, options.seed,
+      options.live.device.hand.stiffness, tool_in_words(options.live.tool), options.touches, options.seed,
       machine());
 }
 

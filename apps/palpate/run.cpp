@@ -99,7 +99,7 @@ void introduce(const LiveHands::Hand& hand, const Notify& tell) {
   const std::string of = said_of(hand.name);
   for (const std::string& line : system.loop().refused()) tell(fmt::format("note: {}{}", of, line));
   tell(fmt::format("{}{} ({}), tool {}, model {}, contacts {}, scene {}", of, system.device().name,
-                   system.device_kind(), tool_text(settings.tool), to_string(settings.force.model),
+                   system.device_kind(), tool_in_words(settings.tool), to_string(settings.force.model),
                    to_string(system.contacts()), settings.scene.name()));
   if (system.device().watchdog == 0.0)
     tell(fmt::format(

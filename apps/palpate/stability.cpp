@@ -119,7 +119,7 @@ std::string setup_text(const Options& options, const Ground& ground) {
       "late.",
       ground.name, ground.places.size(), ground.places.size() == 1 ? "" : "s", 1e3 * StabilityTrial::kPress,
       StabilityTrial::kRest, StabilityTrial::kSlide, StabilityTrial::kSlideSpeed,
-      tool_text(options.live.tool), options.live.force.proxy.stiffness, options.live.force.proxy.friction,
+      tool_in_words(options.live.tool), options.live.force.proxy.stiffness, options.live.force.proxy.friction,
       1e3 * options.delay);
 }
 

@@ -16,11 +16,7 @@ ForceModelKind force_model_kind(std::string_view name) {
   return static_cast<ForceModelKind>(at - kForceModelNames.begin());
 }
 
-Similarity SceneConfig::world_from_scene() const {
-  Similarity result = registration;
-  result.rotation = registration.rotation * upright(frame);
-  return result;
-}
+Similarity SceneConfig::world_from_scene() const { return upright(frame, registration); }
 
 std::string SceneConfig::name() const {
   return path.empty() ? fmt::format("the built-in {}", kStillLife) : path;

@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include <palpate/geometry/similarity.h>
+
 namespace palpate {
 
 /// Captured axis that points up, and becomes world +z. No format of scenes declares it but glTF.
@@ -33,6 +35,12 @@ inline Eigen::Quaterniond upright(UpAxis axis) {
     case UpAxis::kZDown: return {0, 1, 0, 0};
     default: return Quaterniond::Identity();
   }
+}
+
+/// `registration` of a capture that is turned upright first.
+inline Similarity upright(UpAxis axis, Similarity registration) {
+  registration.rotation = registration.rotation * upright(axis);
+  return registration;
 }
 
 }  // namespace palpate

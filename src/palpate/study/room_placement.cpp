@@ -27,9 +27,8 @@ constexpr std::size_t kFilling = 1'150'000;
 /// \throws Error if it is nothing
 EllipsoidScene kept_of(const GaussianScene& scene, const RoomPlacement& placement) {
   FilterReport report;
-  Similarity registration = placement.registration;
-  registration.rotation = registration.rotation * upright(placement.frame);
-  EllipsoidScene kept = filter_scene(scene, placement.filter, registration, report);
+  EllipsoidScene kept =
+      filter_scene(scene, placement.filter, upright(placement.frame, placement.registration), report);
   if (kept.size() == 0) throw Error("{}: nothing is left to touch; lower --opacity-min", scene.source);
   return kept;
 }

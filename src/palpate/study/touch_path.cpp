@@ -364,9 +364,12 @@ double progress(double x) { return x * x * x * (10.0 + x * (6.0 * x - 15.0)); }
 Motion within(Motion motion, const TouchPathOptions& hand) {
   constexpr int kSteps = 2000;
   double most = 0.0;  // second difference of the way
+  const auto at = [&](int k) { return motion.pose(progress(static_cast<double>(k) / kSteps)).position; };
+  Eigen::Vector3d before = at(0), now = at(1);
   for (int i = 1; i < kSteps; ++i) {
-    const auto at = [&](int k) { return motion.pose(progress(static_cast<double>(k) / kSteps)).position; };
-    most = std::max(most, (at(i + 1) - 2.0 * at(i) + at(i - 1)).norm());
+    const Eigen::Vector3d next = at(i + 1);
+    most = std::max(most, (next - 2.0 * now + before).norm());
+    before = std::exchange(now, next);
   }
   const double acceleration = most * kSteps * kSteps / (motion.duration * motion.duration);
   motion.duration *= std::sqrt(std::max(1.0, acceleration / hand.acceleration));

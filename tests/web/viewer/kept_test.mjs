@@ -75,6 +75,20 @@ test('the box has what stands up from the rest, and not the haze above', () => {
   assert.ok(min.every((c) => Math.abs(c) < 0.03), `${min}`);
 });
 
+test('what is thin hides no more than its opacity, however far the eye is', () => {
+  for (const thickness of [1e-4, 1e-7, 0]) {
+    // Turned by 60 degrees about x: its face is at y = z / tan 60 degrees.
+    const scene = kept(gaussian([0, 0, 0], { deviations: [1, 1, thickness], turn: [0.5, 0, 0, Math.sqrt(0.75)], opacity: 0.75 }));
+    for (const [x, y] of [[0, 0], [0.25, 0.125], [-0.5, 0.0625]]) {
+      const seen = scene.hit([x, y, -300], [0, 0, 1]);
+      const z = y * Math.sqrt(3); // where the ray meets the face
+      const expected = 0.75 * Math.exp(-0.5 * (x * x + y * y + z * z));
+      assert.ok(Math.abs(seen.opacity - expected) < 1e-4, `${thickness}: ${seen.opacity} and ${expected}`);
+      assert.ok(Math.abs(seen.distance - 300 - z) < 1e-4, `${thickness}: ${seen.distance - 300} and ${z}`);
+    }
+  }
+});
+
 test('a ray sees the first solid Gaussian in its way', () => {
   const scene = kept(gaussian([0, 0, 5]), gaussian([0, 0, 2]), gaussian([0, 0, -1]));
   const seen = scene.hit([0, 0, 0], [0, 0, 1]);

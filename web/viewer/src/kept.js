@@ -6,6 +6,7 @@ import { RayBlocks } from './ray_blocks.js';
 const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
 const boxSample = 50000; // Gaussians that say where the others are
 const cutoff = 3; // a ray that passes farther from a centre does not see it. Unit: [standard deviations].
+const leastThickness = 1e-3; // of a Gaussian, as a share of its longest axis: some have none
 const rounding = 1.0001; // of single precision, that a box of what is seen has room for
 const leastSeen = 0.2; // opacity along a ray below which nothing is seen there
 
@@ -152,10 +153,11 @@ export class Kept {
     const along = dot(offset, direction) ** 2 / dot(direction, direction);
     if (dot(offset, offset) - along > reach * reach) return;
     const inverse = conjugate([d[at + 6], d[at + 7], d[at + 8], d[at + 9]]);
-    const round = (v) => rotate(inverse, v).map((c, k) => c / d[at + 3 + k]);
+    const round = (v) => rotate(inverse, v).map((c, k) => c / Math.max(d[at + 3 + k], (leastThickness * reach) / cutoff));
     const [o, u] = [round(offset), round(direction)];
     const distance = -dot(o, u) / dot(u, u);
-    const least = dot(o, o) - distance * distance * dot(u, u);
+    const nearest = o.map((c, k) => c + distance * u[k]); // the difference of squares would be anything for a thin one
+    const least = dot(nearest, nearest);
     if (distance >= 0 && least < cutoff * cutoff) met.push({ row, distance, alpha: d[at + 10] * Math.exp(-0.5 * least) });
   }
 }
