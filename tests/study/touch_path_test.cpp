@@ -225,6 +225,28 @@ TEST(TouchPathOnStillLife, SlidesNoFasterThanAHandFollows) {
   EXPECT_LE(most, 1.01 * options.acceleration);
 }
 
+// The bench of the still life is two thin layers, of which a small tool meets fewer Gaussians than make a
+// surface.
+TEST(TouchPathOnStillLife, PassesNothingOnItsWay) {
+  const Touchable still_life(make_still_life().scene, 1.9);
+  const Tool small(Vector3d::Constant(0.008));
+  for (const std::uint64_t seed : {5U, 23U}) {
+    const Trajectory path = touch_path(still_life.index, still_life.kept, small, {.seed = seed});
+    const std::vector<std::size_t> counts = contact_counts(still_life.index, small, path);
+    const std::vector<Episode> found = episodes(counts);
+    const auto is_near = [&](std::size_t i) {
+      return std::ranges::any_of(found, [&](const Episode& episode) {
+        const auto way = [&](std::size_t k) {
+          return (path[i].pose.position - path[k].pose.position).norm();
+        };
+        return (episode.begin <= i && i < episode.end) ||
+               std::min(way(episode.begin), way(episode.end)) < 2.0 * small.thinnest();
+      });
+    };
+    for (std::size_t i = 0; i < path.size(); ++i) ASSERT_TRUE(counts[i] == 0 || is_near(i)) << path[i].t;
+  }
+}
+
 bool same(const Trajectory& a, const Trajectory& b) {
   return std::ranges::equal(a, b, [](const TimedPose& p, const TimedPose& q) {
     return p.t == q.t && p.pose.position == q.pose.position &&

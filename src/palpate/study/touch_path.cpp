@@ -91,6 +91,7 @@ struct Touch {
   double slide_step = 0.0;                 ///< Unit: [m].
   std::vector<double> offsets = {0.0};     ///< of first contact along the approach, one each slide step
   std::array<std::uint8_t, 3> color = {};  ///< of the Gaussian aimed at
+  bool clear = false;                      ///< not even haze is on the way in
 
   double slide_length() const { return slide_step * static_cast<double>(offsets.size() - 1); }
 
@@ -131,6 +132,13 @@ class Prober {
   }
 
   bool solid(const Pose& pose) { return contacts(pose).size() >= kSolidContacts; }
+
+  /// True if the tool touches no Gaussian anywhere on the line, between `from` and `to`.
+  bool is_clear(const Approach& line, double from, double to) {
+    for (double s = from; s < to; s += kMarchStep * unit_)
+      if (!contacts(line.at(s)).empty()) return false;
+    return contacts(line.at(to)).empty();
+  }
 
   /// First contact on the line, between `from` and `to`; nothing if there is none. `from` itself if
   /// the tool is in contact there.
@@ -201,6 +209,7 @@ class Search {
         if (!scene_.color.empty()) found.back().color = scene_.color[i];
       }
     }
+    keep_clear(found);
     if (found.empty()) {
       throw Error(
           "touch path: no place in {} tries has a surface that this tool can press on from outside; "
@@ -210,6 +219,12 @@ class Search {
           kTriesPerTouch * wanted, bounds_.diagonal().norm(), 2.0 * prober_.tool().longest());
     }
     return found;
+  }
+
+  /// Drops places whose ways in lead through haze, if there are enough others.
+  void keep_clear(std::vector<Touch>& found) const {
+    if (std::ranges::count_if(found, &Touch::clear) >= options_.touches)
+      std::erase_if(found, [](const Touch& touch) { return !touch.clear; });
   }
 
   /// Against the flattest axis of `target`: inwards if that works, else outwards.
@@ -233,7 +248,9 @@ class Search {
     const auto contact = prober_.first_contact(line, expected - reach, expected + reach);
     if (!contact || *contact <= expected - reach) return std::nullopt;
     if (!presses_on_surface(line, *contact) || !is_free(line, expected - reach)) return std::nullopt;
-    return Touch{line.from(line.at(*contact).position)};
+    Touch touch{line.from(line.at(*contact).position)};
+    touch.clear = is_clear(touch.approach);
+    return touch;
   }
 
   /// True if the tool meets many Gaussians below `contact`, which face the approach on the whole.
@@ -249,6 +266,12 @@ class Search {
   /// True if nothing solid is on the line between the sphere and `to`.
   bool is_free(const Approach& line, double to) {
     return !prober_.first_contact(line, std::min(entry(line, sphere_), to), to);
+  }
+
+  /// True if nothing at all is on the line between the sphere and where the slow approach begins.
+  bool is_clear(const Approach& line) {
+    const double begin = -kStandoff * prober_.unit();
+    return prober_.is_clear(line, std::min(entry(line, sphere_), begin), begin);
   }
 
   /// How different two places are: by where they are, as a share of the scene, and by their colour,
@@ -326,7 +349,9 @@ class Search {
     }
   }
 
-  bool exit_is_free(const Touch& touch) { return is_free(touch.exit(), -kSlopeLimit * touch.slide_step); }
+  bool exit_is_free(const Touch& touch) {
+    return is_free(touch.exit(), -kSlopeLimit * touch.slide_step) && (!touch.clear || is_clear(touch.exit()));
+  }
 
   Prober& prober_;
   const EllipsoidScene& scene_;
