@@ -1,6 +1,7 @@
 // A hand that pushes far past the largest force of its device, and comes back: no fault, whether ticks come
 // evenly or not.
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,26 +20,37 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTick = 1e-3, kSpeed = 0.1, kBall = 0.15;
+constexpr double kTick = 1e-3, kSpeed = 0.1;
 const Vector3d kTool(0.02, 0.02, 0.04);  // the default one
 
-const SceneIndex& ball() {
-  static const SceneIndex index(make_scene(*make_surface("sphere"), ProceduralOptions{}), SceneFilter{},
-                                Similarity{});
-  return index;
+/// What is pressed from above, and how deep. Unit: [m].
+struct Thing {
+  explicit Thing(const std::string& surface, double height, double pressed)
+      : index(make_scene(*make_surface(surface), ProceduralOptions{}), SceneFilter{}, Similarity{}),
+        top(height),
+        depth(pressed) {}
+  SceneIndex index;
+  double top, depth;
+};
+
+/// The last is much deeper than the handle of a device goes, as a simulated one does that a mouse leads.
+const std::array<Thing, 3>& things() {
+  static const std::array<Thing, 3> all{Thing("sphere", 0.15, 0.12), Thing("sphere", 0.15, 0.16),
+                                        Thing("plane", 0.0, 0.35)};
+  return all;
 }
 
-/// From 3 cm above the ball down into it, `depth` deep, and back.
+/// From 3 cm above a thing down into it, and back.
 struct Press {
   static constexpr double kAbove = 0.03, kBegins = 0.8, kRests = 0.3;
-  double depth;
+  double top, depth;
 
   double way() const { return (kAbove + depth) / kSpeed; }  // Unit: [s].
   double seconds() const { return kBegins + 2.0 * way() + kRests + 0.5; }
   Pose at(double t) const {
     const double down = std::min(t - kBegins, kBegins + 2.0 * way() + kRests - t);
     Pose pose;
-    pose.position.z() = kBall + kTool.z() + kAbove - kSpeed * std::clamp(down, 0.0, way());
+    pose.position.z() = top + kTool.z() + kAbove - kSpeed * std::clamp(down, 0.0, way());
     return pose;
   }
 };
@@ -64,11 +76,11 @@ class DeepPress : public testing::TestWithParam<Trial> {};
 
 TEST_P(DeepPress, IsNoFault) {
   const DeviceProfile& omega = device_profile("omega");
-  for (const double depth : {0.12, 0.16}) {
+  for (const auto& [index, top, depth] : things()) {
     const Tool tool{kTool};
-    ProxyForce model(ball(), tool);
-    ToolTracker tracker(ball(), tool);
-    const Press press{depth};
+    ProxyForce model(index, tool);
+    ToolTracker tracker(index, tool);
+    const Press press{top, depth};
     SimulatedDevice device(omega.capabilities, omega.plant, HandProperties{},
                            [press](double t) { return press.at(t); });
     ServoTick loop(device, FeltModel{&model, &tracker});

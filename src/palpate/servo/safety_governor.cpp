@@ -58,6 +58,9 @@ int gravity(Fault fault) {
   return fault == Fault::kEmergencyStop ? 3 : 2;
 }
 
+/// Ways across the workspace, in energy_reserve.
+constexpr double kThereAndBack = 2.0;
+
 }  // namespace
 
 SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
@@ -68,9 +71,8 @@ SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
   limits.torque_sustained = device.torque_sustained;
   limits.force_slew = device.force_max / kSlewTime;
   limits.torque_slew = device.torque_max / kSlewTime;
-  constexpr double kThereAndBack = 4.0;  // radii, each way
-  limits.energy_reserve =
-      std::max(limits.energy_reserve, kThereAndBack * device.workspace * device.force_max);
+  const double width = 2.0 * device.workspace;
+  limits.energy_reserve = std::max(limits.energy_reserve, kThereAndBack * width * device.force_max);
   limits.tick = tick;
   limits.reading_period = 1.0 / device.rate;
   constexpr double kMissed = 3.0;  // readings or ticks in a row: then it is not just late
@@ -190,7 +192,9 @@ void SafetyGovernor::watch_energy(const DevicePose& from, const DevicePose& to, 
   energy_ = std::max(0.0, energy_ - limits_.energy_leak * dt) + std::min(0.0, energy_);
   energy_ += sent_.force.dot(to.position - from.position) +
              sent_.torque.dot(turn_between(from.orientation, to.orientation));
-  energy_ = std::max(energy_, -limits_.energy_reserve);
+  reach_.extend(to.position);  // a simulated hand goes on where no device would
+  const double width = reach_.diagonal().norm();
+  energy_ = std::max(energy_, -std::max(limits_.energy_reserve, kThereAndBack * width * limits_.force_max));
   if (energy_ > limits_.energy_max) {
     raise(Fault::kOverEnergy);
     energy_ = 0.0;

@@ -64,8 +64,8 @@ struct SafetyLimits {
   double energy_max = 0.05;           ///< put out beyond what was put in. Unit: [J].
   double energy_leak =
       0.1;  ///< of that forgiven: what a sampled spring gives away to a lively hand. Unit: [W].
-  /// Of what was put in, the most that is remembered: at least what a hand puts in that crosses the workspace
-  /// twice against all of the force. Unit: [J].
+  /// Of what was put in, the most that is remembered: at least what a hand puts in that crosses the
+  /// workspace, or where it has been, twice against all of the force. Unit: [J].
   double energy_reserve = 0.5;
 
   /// From nothing to force_max.
@@ -148,8 +148,8 @@ class SafetyGovernor {
   std::size_t transition_count() const { return transition_count_; }
   static constexpr std::size_t kRemembered = 64;
 
-  /// Net energy that the device has put into the hand: positive if it is active. Never below -energy_reserve.
-  /// Unit: [J].
+  /// Net energy that the device has put into the hand: positive if it is active. Of what the hand has put in,
+  /// no more is remembered than SafetyLimits::energy_reserve. Unit: [J].
   double energy() const { return energy_; }
 
  private:
@@ -201,6 +201,7 @@ class SafetyGovernor {
   bool presses_ = false;   ///< more is asked for than the gate lets pass
   double fresh_ = 1.0;     ///< share of the time that new readings speak for, filtered
   double energy_ = 0.0;
+  Eigen::AlignedBox3d reach_;  ///< where the handle has been, in D. Unit: [m].
   Wrench sent_;
   double let_through_ = 0.0;
   SustainedLimit force_, torque_;            ///< of what is sent
