@@ -179,17 +179,102 @@ TEST(LedHand, GoesBackExactlyToARestingPlace) {
   EXPECT_TRUE(same(drive.at, still(drive.t))) << distance(drive.at, still(drive.t));
 }
 
-// Its own way does not wait for it.
-TEST(LedHand, GoesBackExactlyToAWayThatGoesOn) {
-  Drive drive(round_and_round);
+TEST(LedHand, GoesOnWithItsOwnWayWhereItWasTaken) {
+  double asked = 0.0;
+  Drive drive([&](double t) { return round_and_round(asked = t); });
   drive.start();
+  drive.to(0.7, 1e-3);
   drive.lead = pose({0.3, 0.2, 0}, 2.0);
-  drive.to(1.0, 1e-3);
+  drive.to(1.7, 1e-3);
   drive.lead.reset();
+  drive.to(1.701, 1e-3);
+  EXPECT_NEAR(asked, 0.7, 1e-9);
   drive.to(6.0, 1e-3);
-  EXPECT_TRUE(same(drive.at, round_and_round(drive.t)))
-      << distance(drive.at, round_and_round(drive.t)) << " m, " << turn(drive.at, round_and_round(drive.t))
-      << " rad";
+  EXPECT_TRUE(same(drive.at, round_and_round(asked)));
+  EXPECT_GT(asked, 0.7 + 2.0);
+}
+
+/// Leads a hand along corners, at 0.5 m/s.
+void lead_along(Drive& drive, const std::vector<Vector3d>& corners) {
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    const double length = (corners[k] - corners[k - 1]).norm(), begin = drive.t;
+    while (drive.t < begin + length / 0.5) {
+      drive.lead = pose(corners[k - 1] + (drive.t - begin) * 0.5 / length * (corners[k] - corners[k - 1]));
+      drive.to(drive.t + 1e-3, 1e-3);
+    }
+  }
+  drive.lead = pose(corners.back());
+  drive.to(drive.t + 0.5, 1e-3);
+}
+
+/// How far the hand goes off straight ways between corners, until it is at the first of them; and how long
+/// that takes.
+struct WayBack {
+  double off = 0.0, seconds = 0.0;
+};
+WayBack let_go(Drive& drive, const std::vector<Vector3d>& corners) {
+  WayBack back;
+  drive.lead.reset();
+  while (drive.at.position != corners.front() && back.seconds < 60.0) {
+    drive.to(drive.t + 1e-3, 1e-3);
+    back.seconds += 1e-3;
+    double least = 1e9;
+    for (std::size_t k = 1; k < corners.size(); ++k) {
+      const Vector3d way = corners[k] - corners[k - 1], from = drive.at.position - corners[k - 1];
+      least = std::min(least, (from - std::clamp(from.dot(way) / way.squaredNorm(), 0.0, 1.0) * way).norm());
+    }
+    back.off = std::max(back.off, least);
+  }
+  return back;
+}
+
+// The straight way would lead through what it was led around.
+TEST(LedHand, GoesBackAsItWasLed) {
+  const std::vector<Vector3d> corners{{0, 0, 0}, {0, 0, 0.2}, {0.3, 0, 0.2}, {0.3, 0, 0}};
+  Drive drive([](double) { return Pose{}; });
+  drive.start();
+  lead_along(drive, corners);
+  const WayBack back = let_go(drive, corners);
+  EXPECT_LT(back.off, 0.012) << "it cuts corners while it follows";
+  EXPECT_NEAR(back.seconds, 0.7 / LedHand::kBackSpeed, 0.1);
+}
+
+TEST(LedHand, GoesBackWithoutTheRounds) {
+  const Vector3d begin(0, 0, 0), foot(0, 0, 0.1);
+  std::vector<Vector3d> led{begin, foot};
+  for (int round = 0; round < 5; ++round)
+    led.insert(led.end(), {{0.2, 0, 0.1}, {0.2, 0.2, 0.1}, {0, 0.2, 0.1}, foot});
+  Drive drive([](double) { return Pose{}; });
+  drive.start();
+  lead_along(drive, led);
+  const WayBack back = let_go(drive, led);
+  EXPECT_LT(back.off, 0.012);
+  EXPECT_LT(back.seconds, 1.1 / LedHand::kBackSpeed) << "one round at most";
+}
+
+// More places than it remembers.
+TEST(LedHand, GoesBackALongWay) {
+  std::vector<Vector3d> led{{0, 0, 0}};
+  for (int k = 1; k <= 16; ++k) led.emplace_back(k % 2 == 0 ? 0.0 : 0.5, 0.1 * k, 0.01 * k);
+  Drive drive([](double) { return Pose{}; });
+  drive.start();
+  lead_along(drive, led);
+  const WayBack back = let_go(drive, led);
+  EXPECT_LT(back.off, 0.02);
+  EXPECT_GT(back.seconds, 7.0 / LedHand::kBackSpeed);
+  EXPECT_LT(back.seconds, 60.0);
+}
+
+// What it was led around is not there any more.
+TEST(LedHand, GoesStraightToAnOwnWayThatIsElsewhere) {
+  Vector3d place = Vector3d::Zero();
+  Drive drive([&](double) { return pose(place); });
+  drive.start();
+  lead_along(drive, {{0, 0, 0}, {0, 0, 0.3}, {0.3, 0, 0.3}});
+  place = {0.3, 0, 0};
+  drive.lead.reset();
+  drive.to(drive.t + 0.6, 1e-3);
+  EXPECT_EQ(drive.at.position, place);
 }
 
 TEST(LedHand, MayBeLedAgainAtOnce) {

@@ -24,18 +24,65 @@ Vector3d rest_of(const Vector3d& way, double dt, double least_speed) {
 
 }  // namespace
 
+void LedHand::Trail::clear() {
+  size_ = 0;
+  stride_ = kStride;
+}
+
+void LedHand::Trail::add(const Pose& pose) {
+  const auto is_near = [&](const Pose& p) { return (p.position - pose.position).norm() < stride_; };
+  if (!empty() && is_near(last())) return;
+  const auto first = places_.begin(), end = first + static_cast<std::ptrdiff_t>(size_);
+  const auto met = std::find_if(first, end, is_near);
+  if (met != end) {
+    size_ = static_cast<std::size_t>(met - first) + 1;
+    return;
+  }
+  if (size_ == places_.size()) {  // every other one, and the first
+    for (std::size_t i = 0; 2 * i < size_; ++i) places_[i] = places_[2 * i];
+    size_ /= 2;
+    stride_ *= 2.0;
+  }
+  places_[size_++] = pose;
+}
+
+/// One step. \returns false once it is where it was taken
+bool LedHand::go_back(const Pose& own, double dt) {
+  const bool elsewhere = (own.position - own_before_.position).norm() > kStride;
+  if (elsewhere) trail_.clear();
+  for (double left = kBackSpeed * dt; !trail_.empty();) {
+    const Vector3d way = trail_.last().position - pose_.position;
+    const Vector3d turn = turn_between(pose_.orientation, trail_.last().orientation);
+    const double length = std::max(way.norm(), turn.norm() * kBackSpeed / kTurnSpeed);
+    if (length > left) {
+      const double share = left / length;
+      pose_.position += share * way;
+      pose_.orientation = (rotation_by(share * turn) * pose_.orientation).normalized();
+      return true;
+    }
+    pose_ = trail_.last();
+    left -= length;
+    trail_.drop_last();
+  }
+  return false;
+}
+
 Pose LedHand::operator()(double t) {
   const std::optional<Pose> led = lead_(t);
-  const Pose goal = led ? *led : own_(t);
   const double dt = started_ ? t - t_ : 0.0;
+  if (!started_) own_t_ = t;
+  if (!led && trail_.empty()) own_t_ += dt;
+  const Pose goal = led ? *led : own_(own_t_);
   t_ = t;
+  if (!led && !trail_.empty() && go_back(goal, dt)) return pose_;
+  if (led && started_ && trail_.empty()) trail_.add(pose_);
   // What leads comes in steps, which are followed smoothly; its own way is smooth, and joined while it goes
   // on.
   const Pose from = led || led_before_ ? goal : own_before_;
   const bool jumped = (goal.position - from.position).norm() > kJump * dt ||
                       turn_between(from.orientation, goal.orientation).norm() > kTurnJump * dt;
   led_before_ = led.has_value();
-  own_before_ = goal;
+  if (!led) own_before_ = goal;
   if (led || (started_ && jumped)) away_ = true;
   if (!started_ || !away_) {
     started_ = true;
@@ -55,6 +102,7 @@ Pose LedHand::operator()(double t) {
   }
   pose_.position += shortened(way, kSpeed * dt);
   pose_.orientation = (rotation_by(shortened(turn, kTurnSpeed * dt)) * pose_.orientation).normalized();
+  if (led) trail_.add(pose_);
   return pose_;
 }
 
