@@ -88,7 +88,7 @@ describe('several hands', () => {
     assert.deepEqual(transforms.map((t) => t.child_frame_id).sort(), ['palpate/device', 'palpate/flat/device', 'palpate/flat/proxy',
       'palpate/flat/tool', 'palpate/left/device', 'palpate/left/proxy', 'palpate/left/tool', 'palpate/proxy', 'palpate/scene', 'palpate/tool']);
     for (const of of ['', '/left', '/flat'])
-      for (const what of ['servo', 'device']) assert.ok(await status(`palpate${of}: ${what}`), of + what);
+      for (const what of ['servo', 'device', 'scene']) assert.ok(await status(`palpate${of}: ${what}`), of + what);
   });
 
   test('a local model is the surface about the handle', async () => {
