@@ -111,6 +111,7 @@ describe('several hands', () => {
 
   test('what befalls one hand leaves the others, and each has its stop', async () => {
     await feels('first', kDeep * kSoft, 0.01 * kDeep * kSoft);
+    await wait(300); // until it is at rest
     const before_ = await forceOf('first');
     drivers.left.bad(poseMessage('base', NaN));
     await drivers.left.noForce();
