@@ -5,6 +5,8 @@
 
 #include <palpate/haptics/tool_query.h>
 
+#include "node_scenes.h"
+
 namespace palpate::node {
 namespace {
 
@@ -40,25 +42,34 @@ std::vector<SinkMarker> markers_of(const std::vector<Marker>& markers) {
 
 }  // namespace
 
-LiveShow::LiveShow(const ShownHand& hand, std::shared_ptr<const EllipsoidLookup> lookup,
-                   const std::string& tf_prefix, NodeSink& sink)
+LiveShow::LiveShow(const ShownHand& hand, const std::string& tf_prefix, NodeSink& sink)
     : hand_(hand),
       frames_(tf_prefix + (is_first() ? "" : hand.settings.name + "/")),
       sink_(sink),
       felt_(hand.system.felt()),
-      ellipsoids_(std::move(lookup)),
       watch_(hand.system.loop().statistics()) {}
 
-/// Contacts are looked for here, so that the loop does nothing for those who look on.
-void LiveShow::update() {
+void LiveShow::update(const ShownScene* scene) {
   hand_.view.update();
-  felt_ = hand_.system.felt();  // whose tool may be another
-  const TickRecord& tick = hand_.view.newest();
-  if (sink_.wants_contacts(hand_.number)) {
-    query(*felt_->index(), felt_->tool(), tick.tool, found_);
-    sink_.publish_contacts(hand_.number, markers_of(contacts_.next(found_.contacts, *ellipsoids_)));
-  }
-  sink_.publish_tool(hand_.number, markers_of(tool_markers(felt_->tool(), tick.tool)));
+  felt_ = hand_.system.felt();  // which may be another, or with another tool
+  if (scene != nullptr && sink_.wants_contacts(hand_.number)) publish_contacts(*scene);
+  sink_.publish_tool(hand_.number, markers_of(tool_markers(felt_->tool(), hand_.view.newest().tool)));
+  say_failures();
+}
+
+/// Contacts are looked for here, so that the loop does nothing for those who look on.
+void LiveShow::publish_contacts(const ShownScene& scene) {
+  found_.contacts.clear();
+  if (scene.index == felt_->index()) query(*felt_->index(), felt_->tool(), hand_.view.newest().tool, found_);
+  sink_.publish_contacts(hand_.number, markers_of(contacts_.next(found_.contacts, scene.ellipsoids)));
+}
+
+void LiveShow::say_failures() {
+  if (const std::string ended = hand_.recording.look(); !ended.empty()) hand_.notices.say(ended);
+  const std::uint64_t version = hand_.system.version();
+  if (version == said_) return;
+  said_ = version;
+  if (const std::string failure = hand_.system.message(); !failure.empty()) hand_.notices.say(failure);
 }
 
 /// Scales, of the workspace and of the scene, have no place in tf.
@@ -77,6 +88,7 @@ void LiveShow::add_statuses(std::vector<SinkStatus>& all) {
   const std::string of = is_first() ? "palpate" : "palpate/" + hand_.settings.name;
   all.push_back(servo_status(of + ": servo"));
   all.push_back(device_status(of + ": device", now));
+  all.push_back(scene_status(of + ": scene"));
 }
 
 SinkStatus LiveShow::servo_status(std::string name) const {
@@ -110,20 +122,21 @@ SinkStatus LiveShow::device_status(std::string name, double now) {
   return status;
 }
 
-void publish_centers(const EllipsoidLookup& ellipsoids, int decimation, NodeSink& sink) {
-  std::vector<float> points;
-  const auto all = ellipsoids.all();
-  const auto step = static_cast<std::size_t>(decimation);
-  for (std::size_t i = 0; i < all.ellipsoids.size(); i += step)
-    for (const double c : numbers(all.ellipsoids[i].center)) points.push_back(static_cast<float>(c));
-  sink.publish_centers(points);
+SinkStatus LiveShow::scene_status(std::string name) const {
+  const std::string busy = hand_.system.busy();
+  const std::string failure = hand_.system.message();
+  SinkStatus status{0, std::move(name), "felt", hand_.device.capabilities().name, {}};
+  if (!failure.empty()) status = {1, status.name, failure, status.hardware_id, {}};
+  if (!busy.empty()) status.message = busy;
+  status.values = {{"scene", felt_name(hand_.system)}, {"recording", hand_.recording.path()}};
+  return status;
 }
 
-void publish(std::deque<LiveShow>& shows, NodeSink& sink, bool diagnostics) {
+void publish(std::deque<LiveShow>& shows, const ShownScene* scene, NodeSink& sink, bool diagnostics) {
   std::vector<SinkTransform> transforms;
   std::vector<SinkStatus> statuses;
   for (LiveShow& show : shows) {
-    show.update();
+    show.update(scene);
     show.add_transforms(transforms);
     if (diagnostics) show.add_statuses(statuses);
   }

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <palpate/collision/ellipsoid_lookup.h>
 #include <palpate/gateway/contact_markers.h>
 #include <palpate/gateway/crtk_device.h>
 #include <palpate/gateway/diagnostics.h>
@@ -16,8 +15,10 @@
 #include <palpate/servo/live_view.h>
 
 #include "node_notices.h"
+#include "node_recording.h"
 #include "node_settings.h"
 #include "node_sink.h"
+#include "scene_show.h"
 
 namespace palpate::node {
 
@@ -28,7 +29,8 @@ struct ShownHand {
   LiveSystem& system;
   const CrtkDevice& device;  ///< of `system`
   LiveView& view;
-  const NodeNotices& notices;
+  NodeNotices& notices;
+  NodeRecording& recording;
 };
 
 /// Publishes what a hand feels, at its newest tick. One thread.
@@ -37,16 +39,15 @@ class LiveShow {
   static constexpr double kRate = 30.0;        ///< of update(). Unit: [Hz].
   static constexpr int kDiagnosticsEvery = 3;  ///< of update(), how many to one of diagnostics
 
-  /// \param lookup of the scene's ellipsoids, which all hands share \param tf_prefix of names of frames
-  /// \param sink must outlive it
-  LiveShow(const ShownHand& hand, std::shared_ptr<const EllipsoidLookup> lookup, const std::string& tf_prefix,
-           NodeSink& sink);
+  /// \param tf_prefix of names of frames \param sink must outlive it
+  LiveShow(const ShownHand& hand, const std::string& tf_prefix, NodeSink& sink);
 
-  /// Has the newest tick, and publishes contacts and tool at it.
-  void update();
+  /// Has the newest tick, and publishes contacts and tool at it. Says what has failed. \param scene that is
+  /// shown, null for none: there are no contacts while the hand feels another
+  void update(const ShownScene* scene);
   /// Its frames go to `all`.
   void add_transforms(std::vector<SinkTransform>& all) const;
-  /// The states of its loop and its device go to `all`.
+  /// The states of its loop, its device and what it is doing go to `all`.
   void add_statuses(std::vector<SinkStatus>& all);
 
  private:
@@ -54,22 +55,23 @@ class LiveShow {
   bool is_first() const { return hand_.settings.name.empty(); }
   SinkStatus servo_status(std::string name) const;
   SinkStatus device_status(std::string name, double now);
+  SinkStatus scene_status(std::string name) const;
+  void publish_contacts(const ShownScene& scene);
+  void say_failures();
 
   ShownHand hand_;
   std::string frames_;  ///< before the names of the hand's own
   NodeSink& sink_;
   std::shared_ptr<const FeltScene> felt_;
-  std::shared_ptr<const EllipsoidLookup> ellipsoids_;
   ContactSet found_;
   ContactMarkers contacts_;
   RateWatch watch_;
   std::uint64_t dropped_ = 0;  ///< poses, when they were counted last
   double dropped_at_ = -1e9;   ///< when that last rose. Unit: [s].
+  std::uint64_t said_ = 0;     ///< LiveSystem::version() of the failure that was said last
 };
 
-/// The centres of what can be felt, in the world, every `decimation`th.
-void publish_centers(const EllipsoidLookup& ellipsoids, int decimation, NodeSink& sink);
 /// All hands, at their newest ticks. \param diagnostics these too
-void publish(std::deque<LiveShow>& shows, NodeSink& sink, bool diagnostics);
+void publish(std::deque<LiveShow>& shows, const ShownScene* scene, NodeSink& sink, bool diagnostics);
 
 }  // namespace palpate::node

@@ -1,9 +1,11 @@
 #include "node_settings.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <sstream>
+#include <system_error>
 
 #include <palpate/base/error.h>
 #include <palpate/live/config_fields.h>
@@ -73,6 +75,20 @@ int decimation_of(const std::string& text) {
   return static_cast<int>(number);
 }
 
+std::string folder_of(const std::string& text) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(text, ignored))
+    throw BadValue("'" + printable(text) + "' is no folder; make it first");
+  return text;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  return parts;
+}
+
 bool is_true(const std::string& text) {
   if (text != "true" && text != "false")
     throw BadValue("'" + printable(text) + "' is neither true nor false");
@@ -101,6 +117,10 @@ bool set_node(NodeSettings& settings, const NodeParameter& parameter) {
     settings.world_frame = frame_name(value);
   } else if (name == "tf_prefix") {
     settings.tf_prefix = value.empty() ? value : frame_name(value);
+  } else if (name == "scenes") {
+    settings.scenes = split(value);
+  } else if (name == "recordings") {
+    if (!value.empty()) settings.recordings = folder_of(value);
   } else if (name == "hands_touch") {
     settings.hands_touch = is_true(value);
   } else if (name != kConfig && name != kHands) {
@@ -130,13 +150,6 @@ CrtkArguments device_of(const std::string& kind, const std::vector<NodeParameter
   return parse_crtk_arguments(kind, parameter ? *parameter
                                     : in_file ? driver.substr(kind.size() + 1)
                                               : otherwise);
-}
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts;
-  std::stringstream stream(text);
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
-  return parts;
 }
 
 void add_hands(NodeSettings& settings, const std::string& kind,

@@ -27,6 +27,8 @@ struct NodeSettings {
   int decimation = 1;                  ///< of the centres, every how manieth is published
   std::string world_frame = "world";   ///< frame_id of what is in the world
   std::string tf_prefix = "palpate/";  ///< of the names of all other frames of tf
+  std::vector<std::string> scenes;     ///< folders whose scenes are offered, of a SceneLibrary
+  std::string recordings = ".";        ///< folder for them
 };
 
 /// From these parameters, all of which may be missing or empty:
@@ -36,7 +38,8 @@ struct NodeSettings {
 ///     device            text of parse_crtk_arguments() (that of `config`, else /omni)
 ///     cloud_decimation  NodeSettings::decimation
 ///     hands             text of read_hands(), with commas between
-///     world_frame, device_frame, tf_prefix, hands_touch
+///     scenes            folders, with commas between
+///     world_frame, device_frame, tf_prefix, hands_touch, recordings
 ///
 /// and the settings of scene, tool, force, loop and workspace under the names of config_fields(), `_` for
 /// `-`, which go before those of `config`. Those of a hand, but for the scene's, and its `device` (that of

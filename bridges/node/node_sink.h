@@ -6,8 +6,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -43,23 +45,33 @@ struct SinkStatus {
   std::vector<std::pair<std::string, std::string>> values;
 };
 
-/// What services do. Called by the sink's own thread; none blocks.
+/// What services do, each Pace on a thread of the sink's own. What they return is the answer's message; what
+/// they throw (std::exception) is why they refuse.
 struct NodeServices {
+  /// \name Pace::kQuick
+  /// @{
   std::function<void()> emergency_stop, resume;
   std::function<void(bool)> pause, clutch;
-  std::function<std::string()> get_parameters;  ///< the settings as JSON
+  std::function<std::string()> get_parameters;  ///< the settings, and what is felt, as JSON
   std::function<std::string()> config;          ///< a file for --config that starts a run as things are now
-  /// Of JSON, settings that are to be others; says what is wrong with it.
+  /// Of JSON, settings that are to be others; says what is wrong with it, and does not throw.
   std::function<void(const std::string& json)> set_parameters;
+  /// @}
+  /// \name Pace::kSlow
+  /// @{
+  /// True: begins a recording, false: ends it. Tells its file, once that is there, or whole.
+  std::function<std::string(bool)> record;
+  /// \name Of the first hand alone
+  /// @{
+  std::function<std::string()> list_scenes;  ///< those that open_scene knows, as JSON
+  /// Another scene is to be felt; says what is wrong, and does not throw.
+  std::function<void(const std::string& which)> open_scene;
+  /// @}
+  /// @}
 };
 
-/// For services that answer nothing.
-inline std::function<std::string()> then_nothing(std::function<void()> work) {
-  return [work = std::move(work)] {
-    work();
-    return std::string();
-  };
-}
+/// Whether a service may wait, for a disk, and others with it: never those that end the force.
+enum class Pace { kQuick, kSlow };
 
 /// A hand as the network sees it.
 struct SinkHand {
@@ -67,24 +79,68 @@ struct SinkHand {
   NodeServices services;
 };
 
-/// Makes the services of a hand, with `trigger(name, std::function<std::string()>)` and `set_bool(name,
-/// std::function<void(bool)>)`.
+/// std_srvs/Trigger and SetBool answer this.
+struct Answer {
+  bool success = true;
+  std::string message = {};
+};
+
+/// What `work` comes to.
+template <class Work>
+Answer answer_of(const Work& work) {
+  try {
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      return {};
+    } else {
+      return {true, work()};
+    }
+  } catch (const std::exception& error) {
+    return {false, error.what()};
+  }
+}
+
+/// `work`, as what answers a call of it.
+template <class Result>
+std::function<Answer()> answering(std::function<Result()> work) {
+  return [work = std::move(work)] { return answer_of(work); };
+}
+template <class Result>
+std::function<Answer(bool)> answering(std::function<Result(bool)> work) {
+  return [work = std::move(work)](bool data) { return answer_of([&] { return work(data); }); };
+}
+
+/// Makes the services of a hand that have this pace, with `trigger(name, std::function<Answer()>)` and
+/// `set_bool(name, std::function<Answer(bool)>)`.
 template <class Trigger, class SetBool>
-void make_services(const SinkHand& hand, const Trigger& trigger, const SetBool& set_bool) {
+void make_services(const SinkHand& hand, Pace pace, const Trigger& trigger, const SetBool& set_bool) {
   const auto& [prefix, services] = hand;
-  trigger(prefix + "/emergency_stop", then_nothing(services.emergency_stop));
-  trigger(prefix + "/resume", then_nothing(services.resume));
-  trigger(prefix + "/get_parameters", services.get_parameters);
-  trigger(prefix + "/config", services.config);
-  set_bool(prefix + "/pause", services.pause);
-  set_bool(prefix + "/clutch", services.clutch);
+  if (pace == Pace::kSlow) {
+    set_bool(prefix + "/record", answering(services.record));
+    if (services.list_scenes) trigger(prefix + "/list_scenes", answering(services.list_scenes));
+    return;
+  }
+  trigger(prefix + "/emergency_stop", answering(services.emergency_stop));
+  trigger(prefix + "/resume", answering(services.resume));
+  trigger(prefix + "/get_parameters", answering(services.get_parameters));
+  trigger(prefix + "/config", answering(services.config));
+  set_bool(prefix + "/pause", answering(services.pause));
+  set_bool(prefix + "/clutch", answering(services.clutch));
+}
+
+/// Has what a hand is told at this pace heard, with `listen(name, std::function<void(const std::string&)>)`.
+/// These are topics, for std_srvs has no service that takes text.
+template <class Listen>
+void make_listeners(const SinkHand& hand, Pace pace, const Listen& listen) {
+  const auto& [prefix, services] = hand;
+  if (pace == Pace::kQuick) listen(prefix + "/set_parameters", services.set_parameters);
+  if (pace == Pace::kSlow && services.open_scene) listen(prefix + "/open_scene", services.open_scene);
 }
 
 /// Publishes under the node's namespace contacts and tool (MarkerArray) of each hand, palpate/centers
-/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; serves emergency_stop, resume,
-/// get_parameters, config (Trigger), pause and clutch (SetBool), and listens to set_parameters (String), of
-/// each hand. Everything is stamped when it is published, in the frame `world`. Hands are told by their
-/// number. One thread.
+/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; has each hand's NodeServices as
+/// services and topics. Everything is stamped when it is published, in the frame `world`. Hands are told by
+/// their number. One thread.
 class NodeSink {
  public:
   NodeSink() = default;

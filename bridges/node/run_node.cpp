@@ -1,10 +1,11 @@
 #include "run_node.h"
 
 #include <algorithm>
-#include <array>
 #include <deque>
-#include <stdexcept>
-#include <string_view>
+#include <exception>
+#include <filesystem>
+
+#include <fmt/format.h>
 
 #include <palpate/base/error.h>
 #include <palpate/base/real_time.h>
@@ -15,6 +16,9 @@
 #include <palpate/servo/live_view.h>
 
 #include "live_show.h"
+#include "node_recording.h"
+#include "node_scenes.h"
+#include "scene_show.h"
 
 namespace palpate::node {
 namespace {
@@ -25,27 +29,61 @@ struct HandParts {
   NodeNotices& notices;
   const CrtkDevice* device;
   std::unique_ptr<LiveView> view = std::make_unique<LiveView>();
+  std::unique_ptr<NodeRecording> recording = {};
 };
 
-/// What may be changed while the node runs: the scene and where it is are as they were at the start.
-constexpr std::array<std::string_view, 5> kChangeable{"model", "stiffness", "friction", "detail", "tool"};
+/// What there is of the node besides its hands.
+struct NodeParts {
+  LiveHands& hands;
+  NodeScenes& scenes;
+  std::vector<HandParts>& of_hands;
 
-/// \throws Refusal for what cannot be.
-void change(LiveSystem& system, const std::string& json) {
-  const Json wanted = decode_json(json);
-  if (!wanted.is_object()) throw Refusal("takes a JSON object, as {\"stiffness\": 800}");
-  for (const auto& [name, value] : wanted.items())
-    if (std::find(kChangeable.begin(), kChangeable.end(), name) == kChangeable.end())
-      throw Refusal("'" + printable(name) +
-                    "' cannot be changed here; model, stiffness, friction, detail and tool can");
-  system.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+  bool is_recording() const {
+    return std::any_of(of_hands.begin(), of_hands.end(),
+                       [](const HandParts& hand) { return !hand.recording->path().empty(); });
+  }
+};
+
+/// Says in one line what `work` throws.
+void say_refusal(NodeNotices& notices, const char* what, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    notices.say(fmt::format("{}: {}", what, error.what()));
+  }
+}
+
+std::string parameters(const LiveSystem& system, const NodeRecording& recording) {
+  Json json = settings_json(system.settings());
+  json["scene"] = {{"name", std::filesystem::path(felt_name(system)).filename().string()},
+                   {"path", system.felt()->path()}};
+  json["recording"] = recording.path();
+  json["busy"] = system.busy();
+  json["message"] = system.message();
+  return encode_json(json);
+}
+
+/// The services that may wait: one after the other, on one thread.
+void add_slow_services(NodeServices& services, const NodeParts& node, const HandParts& hand, bool first) {
+  services.record = [&node, &recording = *hand.recording](bool on) {
+    if (on && node.scenes.is_opening()) throw Error("another scene is being opened: record once it is felt");
+    return recording.set(on);
+  };
+  if (!first) return;
+  services.list_scenes = [&node] { return node.scenes.list(); };
+  services.open_scene = [&node, &notices = hand.notices](const std::string& which) {
+    say_refusal(notices, "open_scene", [&] {
+      if (node.is_recording()) throw Error("a recording is of one scene: end it first");
+      node.scenes.open(which);
+    });
+  };
 }
 
 /// \param of the first hand: its emergency stop is that of all
-NodeServices services_of(LiveHands& hands, const LiveHands::Hand& of, NodeNotices& notices) {
+NodeServices services_of(const NodeParts& node, const LiveHands::Hand& of, const HandParts& hand) {
   LiveSystem& system = *of.system;
   NodeServices services;
-  services.emergency_stop = [&hands, &system, all = of.name.empty()] {
+  services.emergency_stop = [&hands = node.hands, &system, all = of.name.empty()] {
     all ? hands.stop_force() : system.stop_force();
   };
   services.resume = [&system] { system.resume(); };
@@ -53,18 +91,28 @@ NodeServices services_of(LiveHands& hands, const LiveHands::Hand& of, NodeNotice
     on ? system.stop_force(Fault::kPaused) : system.tick().governor().unpause();
   };
   services.clutch = [&system](bool on) { system.tick().press_clutch(on); };
-  services.get_parameters = [&system] { return encode_json(settings_json(system.settings())); };
+  services.get_parameters = [&system, &recording = *hand.recording] { return parameters(system, recording); };
   services.config = [&system, first = of.name.empty()] {
     return to_toml(system.settings(), first ? TomlFields::kSaved : TomlFields::kSavedOfHand);
   };
-  services.set_parameters = [&system, &notices](const std::string& json) {
-    try {
-      change(system, json);
-    } catch (const std::runtime_error& error) {
-      notices.say(std::string("set_parameters: ") + error.what());
-    }
+  services.set_parameters = [&system, &notices = hand.notices](const std::string& json) {
+    say_refusal(notices, "set_parameters", [&] {
+      const Json wanted = decode_json(json);
+      system.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+    });
   };
+  add_slow_services(services, node, hand, of.name.empty());
   return services;
+}
+
+std::vector<SinkHand> sink_hands(const NodeParts& node) {
+  std::vector<SinkHand> all(node.of_hands.size());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const LiveHands::Hand& hand = node.hands.all()[k];
+    all[k] = {hand.name.empty() ? "palpate" : "palpate/" + hand.name,
+              services_of(node, hand, node.of_hands[k])};
+  }
+  return all;
 }
 
 /// Ends the loops before what looks on is gone, whatever happens.
@@ -92,37 +140,41 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
     parts.push_back({hand, own, device.get()});
     setups.push_back({hand.name, hand.live, std::move(device)});
   }
-  std::vector<std::vector<TickObserver*>> observers;
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    observers.push_back({parts[k].view.get(), static_cast<CrtkDevice*>(setups[k].device.get())});
+  std::vector<TickObserver*> devices;
+  devices.reserve(setups.size());
+  for (const HandSetup& setup : setups) devices.push_back(static_cast<CrtkDevice*>(setup.device.get()));
   LiveHands hands(
       std::move(setups), [&](const std::string& line) { notices.say(line); }, {}, settings.hands_touch);
+  NodeScenes scenes(hands, settings.scenes);
+  const NodeParts node{hands, scenes, parts};
   if (const auto refused = lock_memory()) notices.say("note: " + *refused);
-  hands.start(observers);
+  std::vector<std::vector<TickObserver*>> observers;
   std::vector<LiveSystem*> systems;
-  std::vector<SinkHand> of_sink;
-  for (const LiveHands::Hand& hand : hands.all()) {
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const LiveHands::Hand& hand = hands.all()[k];
     systems.push_back(hand.system.get());
-    of_sink.push_back({hand.name.empty() ? "palpate" : "palpate/" + hand.name,
-                       services_of(hands, hand, parts[of_sink.size()].notices)});
+    parts[k].recording = std::make_unique<NodeRecording>(settings.recordings, hand.name, *hand.system);
+    observers.push_back({parts[k].view.get(), devices[k], &parts[k].recording->observer()});
   }
+  hands.start(observers);
   const RunSignals signals(systems);  // which still let the force fall where it falls already
   const LoopEnd end(hands);
   for (const std::string& line : systems.front()->loop().refused()) notices.say("note: " + line);
-  const auto sink = network.sink(settings, std::move(of_sink));
-  const auto lookup = std::make_shared<const EllipsoidLookup>(*systems.front()->felt()->index());
-  publish_centers(*lookup, settings.decimation, *sink);
+  const auto sink = network.sink(settings, sink_hands(node));
+  SceneShow scene(*systems.front(), settings.decimation, *sink, notices);
   std::deque<LiveShow> shows;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    shows.emplace_back(
-        ShownHand{k, parts[k].settings, *systems[k], *parts[k].device, *parts[k].view, parts[k].notices},
-        lookup, settings.tf_prefix, *sink);
+    shows.emplace_back(ShownHand{k, parts[k].settings, *systems[k], *parts[k].device, *parts[k].view,
+                                 parts[k].notices, *parts[k].recording},
+                       settings.tf_prefix, *sink);
   for (int count = 0; network.is_up() && !RunSignals::ended(); ++count) {
     const LoopClock& clock = systems.front()->clock();
     const double begin = clock.now();
-    publish(shows, *sink, count % LiveShow::kDiagnosticsEvery == 0);
+    scene.update();
+    publish(shows, scene.scene().get(), *sink, count % LiveShow::kDiagnosticsEvery == 0);
     clock.sleep_until(begin + 1.0 / LiveShow::kRate);
   }
+  for (LiveSystem* system : systems) system->begin_to_stop();  // while services end that wait for a disk
 }
 
 }  // namespace palpate::node

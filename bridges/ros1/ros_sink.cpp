@@ -18,6 +18,8 @@
 namespace palpate::ros1 {
 namespace {
 
+using node::Answer;
+using node::Pace;
 using node::SinkMarker;
 using node::SinkStatus;
 using node::SinkTransform;
@@ -112,24 +114,33 @@ sensor_msgs::PointCloud2 cloud_of(const std::vector<float>& points, const std::s
   return out;
 }
 
+template <class Response>
+bool respond(const Answer& answer, Response& response) {
+  response.success = answer.success ? 1 : 0;
+  response.message = answer.message;
+  return true;
+}
+
 class Ros1Sink final : public node::NodeSink {
  public:
   Ros1Sink(std::string world, std::vector<node::SinkHand> hands)
       : world_(std::move(world)), hands_(std::move(hands)) {
-    // Its own queue: the link answers for that of the device.
+    // Queues of its own: the link answers for that of the device.
     node_.setCallbackQueue(&queue_);
+    slow_node_.setCallbackQueue(&slow_queue_);
     for (const node::SinkHand& hand : hands_) {
       contacts_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/contacts", 2));
       tools_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/tool", 2));
-      const boost::function<void(const std_msgs::String::ConstPtr&)> set =
-          [&hand](const std_msgs::String::ConstPtr& message) { hand.services.set_parameters(message->data); };
-      changes_.push_back(node_.subscribe<std_msgs::String>(hand.prefix + "/set_parameters", 10, set));
+      for (const Pace pace : {Pace::kQuick, Pace::kSlow})
+        node::make_listeners(hand, pace,
+                             [&](const auto& name, const auto& work) { listen(node_of(pace), name, work); });
     }
     transforms_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 10);
     diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 2);
     centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
     serve();
     spinner_.start();
+    slow_spinner_.start();
   }
 
   bool wants_contacts(std::size_t hand) const override { return contacts_[hand].getNumSubscribers() > 0; }
@@ -164,43 +175,47 @@ class Ros1Sink final : public node::NodeSink {
   }
 
  private:
+  ros::NodeHandle& node_of(Pace pace) { return pace == Pace::kQuick ? node_ : slow_node_; }
   void serve() {
     servers_.clear();
     for (const node::SinkHand& hand : hands_)
-      node::make_services(
-          hand, [this](const auto& name, const auto& work) { trigger(name, work); },
-          [this](const auto& name, const auto& work) { set_bool(name, work); });
+      for (const Pace pace : {Pace::kQuick, Pace::kSlow})
+        node::make_services(
+            hand, pace, [&](const auto& name, const auto& work) { trigger(node_of(pace), name, work); },
+            [&](const auto& name, const auto& work) { set_bool(node_of(pace), name, work); });
   }
-  void trigger(const std::string& name, const std::function<std::string()>& work) {
+  void listen(ros::NodeHandle& node, const std::string& name,
+              const std::function<void(const std::string&)>& work) {
+    const boost::function<void(const std_msgs::String::ConstPtr&)> hear =
+        [work](const std_msgs::String::ConstPtr& message) { work(message->data); };
+    listeners_.push_back(node.subscribe<std_msgs::String>(name, 10, hear));
+  }
+  void trigger(ros::NodeHandle& node, const std::string& name, const std::function<Answer()>& work) {
     using Request = std_srvs::Trigger::Request;
     using Response = std_srvs::Trigger::Response;
     const boost::function<bool(Request&, Response&)> answer = [work](Request&, Response& response) {
-      response.message = work();
-      response.success = 1;
-      return true;
+      return respond(work(), response);
     };
-    servers_.push_back(node_.advertiseService<Request, Response>(name, answer));
+    servers_.push_back(node.advertiseService<Request, Response>(name, answer));
   }
-  void set_bool(const std::string& name, const std::function<void(bool)>& work) {
+  void set_bool(ros::NodeHandle& node, const std::string& name, const std::function<Answer(bool)>& work) {
     using Request = std_srvs::SetBool::Request;
     using Response = std_srvs::SetBool::Response;
-    const boost::function<bool(Request&, Response&)> answer = [&work](Request& request, Response& response) {
-      work(request.data != 0);
-      response.success = 1;
-      return true;
+    const boost::function<bool(Request&, Response&)> answer = [work](Request& request, Response& response) {
+      return respond(work(request.data != 0), response);
     };
-    servers_.push_back(node_.advertiseService<Request, Response>(name, answer));
+    servers_.push_back(node.advertiseService<Request, Response>(name, answer));
   }
 
   std::string world_;
   std::vector<node::SinkHand> hands_;
-  ros::CallbackQueue queue_;
-  ros::NodeHandle node_;
+  ros::CallbackQueue queue_, slow_queue_;
+  ros::NodeHandle node_, slow_node_;
   std::vector<ros::Publisher> contacts_, tools_;
   ros::Publisher transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
-  std::vector<ros::Subscriber> changes_;
-  ros::AsyncSpinner spinner_{1, &queue_};
+  std::vector<ros::Subscriber> listeners_;
+  ros::AsyncSpinner spinner_{1, &queue_}, slow_spinner_{1, &slow_queue_};
   /// Topics are the link's to register anew.
   MasterWatch watch_{[] {},
                      [this](bool another) {

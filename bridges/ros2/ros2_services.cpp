@@ -16,16 +16,17 @@ using SetBoolDone_ = std_srvs_srv_dds__SetBool_Response_;
 
 }  // namespace
 
-Services::Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands)
+Services::Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands,
+                   node::Pace pace)
     : participant_(participant), resolve_(resolve) {
   set_ = checked(dds_create_waitset(participant.id()), "wait for services");
   end_ = checked(dds_create_guardcondition(participant.id()), "wait for services");
   checked(dds_waitset_attach(set_, end_, end_), "wait for services");
   for (const node::SinkHand& hand : hands) {
     node::make_services(
-        hand, [this](const auto& name, const auto& work) { trigger(name, work); },
+        hand, pace, [this](const auto& name, const auto& work) { trigger(name, work); },
         [this](const auto& name, const auto& work) { set_bool(name, work); });
-    subscribe(hand.prefix + "/set_parameters", hand.services.set_parameters);
+    node::make_listeners(hand, pace, [this](const auto& name, const auto& work) { listen(name, work); });
   }
   thread_ = std::thread([this] { run(); });
 }
@@ -55,7 +56,7 @@ void Services::attach(Service service) {
   all_.push_back(std::move(service));
 }
 
-void Services::subscribe(const std::string& name, std::function<void(const std::string&)> work) {
+void Services::listen(const std::string& name, std::function<void(const std::string&)> work) {
   const dds_entity_t reader =
       participant_.make_reader("rt", resolve_(name), std_msgs_msg_dds__String__desc, kServices);
   attach({reader, 0, [work = std::move(work)](const Service& service) {
@@ -64,24 +65,23 @@ void Services::subscribe(const std::string& name, std::function<void(const std::
           }});
 }
 
-void Services::trigger(const std::string& name, std::function<std::string()> work) {
+void Services::trigger(const std::string& name, std::function<node::Answer()> work) {
   add(name, std_srvs_srv_dds__Trigger_Request__desc, std_srvs_srv_dds__Trigger_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<Trigger_>(service.reader, [&](const Trigger_& request, dds_instance_handle_t) {
-          std::string message = work();
-          const TriggerDone_ done{request.client, request.number, true, message.data()};
+          node::Answer answer = work();
+          const TriggerDone_ done{request.client, request.number, answer.success, answer.message.data()};
           dds_write(service.writer, &done);
         });
       });
 }
 
-void Services::set_bool(const std::string& name, std::function<void(bool)> work) {
+void Services::set_bool(const std::string& name, std::function<node::Answer(bool)> work) {
   add(name, std_srvs_srv_dds__SetBool_Request__desc, std_srvs_srv_dds__SetBool_Response__desc,
       [work = std::move(work)](const Service& service) {
         take_all<SetBool_>(service.reader, [&](const SetBool_& request, dds_instance_handle_t) {
-          work(request.data);
-          std::string message;
-          const SetBoolDone_ done{request.client, request.number, true, message.data()};
+          node::Answer answer = work(request.data);
+          const SetBoolDone_ done{request.client, request.number, answer.success, answer.message.data()};
           dds_write(service.writer, &done);
         });
       });

@@ -14,14 +14,14 @@
 
 namespace palpate::ros2 {
 
-/// Serves emergency_stop, resume, get_parameters, config (std_srvs/Trigger), pause and clutch (SetBool), and
-/// listens to set_parameters (std_msgs/String), of each hand, as long as it lives, on a thread of its own.
-/// DDS knows no services, and implementations of ROS 2 differ in how they make them: this is how
-/// rmw_cyclonedds_cpp does.
+/// Has those of each hand's NodeServices that have one pace as services (std_srvs/Trigger, SetBool) and
+/// topics (std_msgs/String), as long as it lives, on a thread of its own. DDS knows no services, and
+/// implementations of ROS 2 differ in how they make them: this is how rmw_cyclonedds_cpp does.
 class Services {
  public:
   /// \param participant must outlive it
-  Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands);
+  Services(Participant& participant, const Resolve& resolve, const std::vector<node::SinkHand>& hands,
+           node::Pace pace);
   ~Services();
   Services(const Services&) = delete;
   Services& operator=(const Services&) = delete;
@@ -32,9 +32,9 @@ class Services {
     std::function<void(const Service&)> answer;  ///< all that has been asked
   };
 
-  void trigger(const std::string& name, std::function<std::string()> work);
-  void set_bool(const std::string& name, std::function<void(bool)> work);
-  void subscribe(const std::string& name, std::function<void(const std::string&)> work);
+  void trigger(const std::string& name, std::function<node::Answer()> work);
+  void set_bool(const std::string& name, std::function<node::Answer(bool)> work);
+  void listen(const std::string& name, std::function<void(const std::string&)> work);
   void add(const std::string& name, const dds_topic_descriptor_t& request,
            const dds_topic_descriptor_t& response, std::function<void(const Service&)> answer);
   void attach(Service service);

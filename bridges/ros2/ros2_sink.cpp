@@ -80,7 +80,8 @@ class Ros2Sink final : public node::NodeSink {
     transforms_ = writer("/tf", tf2_msgs_msg_dds__TFMessage__desc, kTf);
     diagnostics_ = writer("/diagnostics", diagnostic_msgs_msg_dds__DiagnosticArray__desc, kShown);
     centers_ = writer("palpate/centers", sensor_msgs_msg_dds__PointCloud2__desc, kLatched);
-    services_.emplace(participant, resolve, hands);
+    services_.emplace(participant, resolve, hands, node::Pace::kQuick);
+    slow_services_.emplace(participant, resolve, hands, node::Pace::kSlow);
   }
   ~Ros2Sink() override {
     for (const Hand& hand : hands_) {
@@ -166,7 +167,7 @@ class Ros2Sink final : public node::NodeSink {
   std::string world_;
   std::vector<Hand> hands_;
   dds_entity_t transforms_ = 0, diagnostics_ = 0, centers_ = 0;
-  std::optional<Services> services_;
+  std::optional<Services> services_, slow_services_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 """The node palpate_ros1 with several hands, each with a driver of its own, and the local model rendered by a driver in C++."""
 
+import csv
 import math
 import os
 import re
@@ -11,9 +12,10 @@ import time
 import unittest
 
 import rospy
+import rosservice
 from diagnostic_msgs.msg import DiagnosticArray
-from std_msgs.msg import Float64MultiArray
-from std_srvs.srv import Trigger
+from std_msgs.msg import Float64MultiArray, String
+from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -50,7 +52,9 @@ class Hands(unittest.TestCase):
             cls.node = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={scene}", "_no_index_file:=true", "_tool:=0.02,0.02,0.02",
                                          "_device:=/omni,force_max=8,rate=20", f"_stiffness:={SOFT}", f"_hands:=left,flat={flat},far",
                                          f"_left/stiffness:={SOFT // 2}", "_left/device:=/left,force_max=8,rate=20",
-                                         "_left/device_frame:=left_base", "_far/device:=/far,force_max=8,rate=500", f"_far/stiffness:={STIFF}"], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+                                         "_left/device_frame:=left_base", "_far/device:=/far,force_max=8,rate=500", f"_far/stiffness:={STIFF}"], stdin=subprocess.DEVNULL, stdout=said, stderr=said,
+                                        cwd=folder.name)
+        cls.folder = os.path.realpath(folder.name)
         cls.drivers = {"": Driver("/omni", RATE), "left": Driver("/left", RATE), "flat": Driver("/wide", RATE)}
         cls.diagnostics = Ear("/diagnostics", DiagnosticArray)
 
@@ -133,7 +137,7 @@ class Hands(unittest.TestCase):
                          {"palpate/scene"} | {f"palpate/{of}{frame}" for of in ("", "left/", "flat/", "far/") for frame in ("tool", "proxy")}
                          | {"palpate/device", "left_base", "palpate/flat/device", "palpate/far/device"})
         self.wait(lambda: self.diagnostics.all)
-        self.assertEqual(set(self.statuses()), {f"palpate{of}: {what}" for of in ("", "/left", "/flat", "/far") for what in ("servo", "device")})
+        self.assertEqual(set(self.statuses()), {f"palpate{of}: {what}" for of in ("", "/left", "/flat", "/far") for what in ("servo", "device", "scene")})
 
     def keep_their_force(self, spoil):
         """Whether the other hands press as before while the poses of one are spoilt until its force is gone."""
@@ -175,6 +179,27 @@ class Hands(unittest.TestCase):
         for of in ("", "left/", "flat/", "far/"):
             call(f"/palpate/{of}resume")
         self.lean("", "left", "flat")
+
+    def test_5b_a_hand_is_recorded_by_itself(self):
+        def record(of, on):
+            answer = rospy.ServiceProxy(f"/palpate/{of}record", SetBool)(on)
+            return answer.success, answer.message
+        done, path = record("left/", True)
+        self.assertTrue(done, path)
+        self.assertEqual(os.path.dirname(os.path.realpath(path)), self.folder)  # where the node was started
+        self.assertTrue(os.path.basename(path).startswith("palpate-left-"), path)
+        self.lean("left")
+        self.assertEqual(record("", False), (False, "nothing is being recorded"))
+        open_scene = rospy.Publisher("/palpate/open_scene", String, queue_size=1)
+        self.wait(lambda: open_scene.get_num_connections() > 0)
+        open_scene.publish("built-in")
+        self.wait(lambda: "open_scene: a recording is of one scene: end it first" in self.text())
+        self.assertEqual(record("left/", False), (True, path))
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        force = max(float(row["sfz"]) for row in rows)
+        self.assertAlmostEqual(force, SOFT // 2 * DEEP, delta=0.1 * force)
+        self.assertNotIn("/palpate/left/list_scenes", rosservice.get_service_list())  # the scene is that of the first
 
     def test_6_a_local_model_is_the_surface_about_the_handle(self):
         with Ear("/left/palpate/local_model", Float64MultiArray) as models:

@@ -1,8 +1,10 @@
 """The node palpate_ros1 with a real roscore: what it publishes, its services and parameters, and what ends and does not end it."""
 
+import csv
 import json
 import math
 import os
+import resource
 import signal
 import struct
 import subprocess
@@ -23,12 +25,27 @@ from visualization_msgs.msg import Marker, MarkerArray
 from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
-from support import ply, wall_rows  # noqa: E402
+from support import PALPATE, ply, wall_rows  # noqa: E402
 
 NODE = os.environ["PALPATE_ROS1"]
 PACKAGES = os.environ["PALPATE_ROS1_PACKAGES"]
 OK, WARN, ERROR = 0, 1, 2
 DECIMATION = 7
+LOW = -0.1  # height of the other wall. Unit: [m]
+
+
+def low_rows():
+    return [(row[0], row[1], LOW, *row[3:]) for row in wall_rows()]
+
+
+def lost_rows():
+    """Which are nowhere: nobody can feel them."""
+    return [(math.nan, *row[1:]) for row in wall_rows()]
+
+
+def rows_of(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def is_unit(q):
@@ -47,6 +64,14 @@ class Node(unittest.TestCase):
         cls.scene = os.path.join(cls.folder.name, "wall.ply")
         with open(cls.scene, "wb") as file:
             file.write(ply(wall_rows()))
+        cls.scenes = os.path.join(cls.folder.name, "scenes")
+        cls.runs = os.path.join(cls.folder.name, "runs")
+        os.mkdir(cls.scenes)
+        os.mkdir(cls.runs)
+        with open(os.path.join(cls.scenes, "low.ply"), "wb") as file:
+            file.write(ply(low_rows()))
+        with open(os.path.join(cls.scenes, "lost.ply"), "wb") as file:
+            file.write(ply(lost_rows()))
         cls.said = os.path.join(cls.folder.name, "said")
         # Before there is a master: it waits, and says so.
         with open(cls.said, "ab") as said:
@@ -60,6 +85,7 @@ class Node(unittest.TestCase):
         with open(cls.said, "ab") as said:
             cls.run_ = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={cls.scene}", "_no_index_file:=true", "_tool:=0.02,0.02,0.02",
                                          "_device:=/arm,force_max=8,rate=20", f"_cloud_decimation:={DECIMATION}", "_device_frame:=base",
+                                         f"_scenes:={cls.scenes}", f"_recordings:={cls.runs}",
                                          "_workspace_offset:=0,0,0", "/arm/measured_cp:=/omni/measured_cp",
                                          "/arm/spatial/servo_cf:=/omni/spatial/servo_cf", "/arm/body/servo_cf:=/omni/body/servo_cf",
                                          "/arm/palpate/echo:=/omni/palpate/echo", "/arm/palpate/echoed:=/omni/palpate/echoed"],
@@ -125,7 +151,29 @@ class Node(unittest.TestCase):
 
     def call(self, name, *arguments):
         answer = rospy.ServiceProxy(name, SetBool if arguments else Trigger)(*arguments)
-        self.assertTrue(answer.success)
+        self.assertTrue(answer.success, answer.message)
+        return answer.message
+
+    def refuse(self, words, name, *arguments):
+        answer = rospy.ServiceProxy(name, SetBool if arguments else Trigger)(*arguments)
+        self.assertFalse(answer.success)
+        self.assertIn(words, answer.message)
+        self.assertNotIn("\n", answer.message)
+
+    def parameters(self):
+        return json.loads(self.call("/palpate/get_parameters"))
+
+    def publisher(self, topic):
+        publisher = rospy.Publisher(topic, String, queue_size=4)
+        self.wait(lambda: publisher.get_num_connections() > 0)
+        return publisher
+
+    def says(self, words, work):
+        """The line that `work` has the node say, and no other."""
+        before = len(self.text().splitlines())
+        work()
+        self.wait(lambda: words in "".join(self.text().splitlines(keepends=True)[before:]))
+        self.assertEqual([line for line in self.text().splitlines()[before:] if words not in line], [])
 
     def test_1_markers_are_valid(self):
         self.lean()
@@ -210,26 +258,110 @@ class Node(unittest.TestCase):
                 self.wait_status("palpate: servo", OK)
 
     def test_4b_settings_are_read_and_changed(self):
-        def told(name):
-            answer = rospy.ServiceProxy(name, Trigger)()
-            self.assertTrue(answer.success)
-            return answer.message
-        self.assertEqual(json.loads(told("/palpate/get_parameters"))["stiffness"], 500)
-        change = rospy.Publisher("/palpate/set_parameters", String, queue_size=4)
-        self.wait(lambda: change.get_num_connections() > 0)
+        self.assertEqual(self.parameters()["stiffness"], 500)
+        change = self.publisher("/palpate/set_parameters")
         change.publish('{"stiffness": 300, "tool": [{"semi_axes": [0.01, 0.01, 0.01]}]}')
-        self.wait(lambda: json.loads(told("/palpate/get_parameters"))["stiffness"] == 300)
-        self.assertIn("stiffness = 300", told("/palpate/config"))
+        self.wait(lambda: self.parameters()["stiffness"] == 300)
+        self.assertIn("stiffness = 300", self.call("/palpate/config"))
         with Ear("/palpate/tool", MarkerArray) as tool:
             self.wait(lambda: tool.all and abs(tool.all[-1].markers[0].scale.x - 0.02) < 1e-9)
-        for text, words in (('{"stiffness": -1}', "stiffness"), ('{"filter": {}}', "'filter' cannot be changed here"), ("[]", "takes a JSON object"),
+        for text, words in (('{"stiffness": -1}', "stiffness"), ('{"device": {}}', "parameters has no 'device'"), ("[]", "'parameters' must be an object"),
                             ("{", "set_parameters: ")):
             count = self.text().count("set_parameters: ")
             change.publish(text)
             self.wait_said("set_parameters: ", count + 1)
             self.assertIn(words, self.text().splitlines()[-1])
         change.publish('{"stiffness": 500, "tool": [{"semi_axes": [0.02, 0.02, 0.02]}]}')
-        self.wait(lambda: json.loads(told("/palpate/get_parameters"))["stiffness"] == 500)
+        self.wait(lambda: self.parameters()["stiffness"] == 500)
+
+    def test_4c_a_recording_is_begun_and_ended(self):
+        self.refuse("nothing is being recorded", "/palpate/record", False)
+        path = self.call("/palpate/record", True)
+        self.assertEqual(os.path.dirname(path), self.runs)
+        self.assertRegex(os.path.basename(path), r"^palpate-\d{4}(-\d\d){5}\.csv$")
+        self.refuse("a recording is under way", "/palpate/record", True)
+        self.assertEqual(self.parameters()["recording"], path)
+        self.wait(lambda: self.status("palpate: scene")[1]["recording"] == path)
+        self.lean()
+        open_scene = self.publisher("/palpate/open_scene")
+        self.says("open_scene: a recording is of one scene: end it first", lambda: open_scene.publish(""))
+        self.wait(lambda: len(rows_of(path)) > 100)  # while it is made
+        self.assertEqual(self.call("/palpate/record", False), path)
+        rows = rows_of(path)
+        self.assertEqual(self.parameters()["recording"], "")
+        times = [float(row["t"]) for row in rows]
+        self.assertEqual(times, sorted(times))
+        self.assertLess(min(float(row["z"]) for row in rows), PRESSED + 1e-3)
+        self.assertGreater(max(float(row["sfz"]) for row in rows), 0.5)
+        time.sleep(0.2)
+        self.assertEqual(len(rows_of(path)), len(rows))
+        again = os.path.join(self.runs, "again.csv")
+        replay = subprocess.run([PALPATE, "replay", "--from", path, "--out", again], capture_output=True, text=True, check=False, timeout=120)
+        self.assertEqual(replay.returncode, 0, replay.stderr)
+        pose = ("t", "x", "y", "z", "qw", "qx", "qy", "qz")
+        self.assertEqual([[row[name] for name in pose] for row in rows_of(again)], [[row[name] for name in pose] for row in rows])
+        second = self.call("/palpate/record", True)
+        self.assertNotEqual(second, path)
+        self.assertEqual(self.call("/palpate/record", False), second)
+
+    def test_4c_b_a_full_disk_ends_a_recording_and_nothing_else(self):
+        limit = resource.prlimit(self.run_.pid, resource.RLIMIT_FSIZE)
+        path = self.call("/palpate/record", True)
+        try:
+            resource.prlimit(self.run_.pid, resource.RLIMIT_FSIZE, (100_000, limit[1]))
+            self.wait_said("the recording has ended: ")
+        finally:
+            resource.prlimit(self.run_.pid, resource.RLIMIT_FSIZE, limit)
+        self.assertIn(f"what it has until then is in {path}", self.text())
+        self.refuse("nothing is being recorded", "/palpate/record", False)
+        self.assertEqual(self.parameters()["recording"], "")
+        self.assertGreater(len(rows_of(path)), 100)
+        self.lean()
+        self.assertNotEqual(self.call("/palpate/record", True), path)
+        self.call("/palpate/record", False)
+
+    def test_4d_another_scene_is_felt(self):
+        known = {entry["name"]: entry["id"] for entry in json.loads(self.call("/palpate/list_scenes"))}
+        self.assertEqual(set(known), {"The built-in still life", "wall.ply", "low.ply", "lost.ply"})
+        open_scene, change = self.publisher("/palpate/open_scene"), self.publisher("/palpate/set_parameters")
+        self.lean()
+        with Ear("/palpate/contacts", MarkerArray) as contacts, Ear("/palpate/centers", PointCloud2) as centers:
+            self.wait(lambda: centers.all and contacts.all and any(m.action == Marker.ADD for m in contacts.all[-1].markers))
+
+            def wait_centers(height):
+                self.wait(lambda: all(abs(p[2] - height) < 1e-6 for p in struct.iter_unpack("<3f", centers.all[-1].data)))
+            wait_centers(0.0)
+            self.says("low.ply is felt", lambda: open_scene.publish(known["low.ply"]))
+            self.assertEqual(self.parameters()["scene"], {"name": "low.ply", "path": os.path.join(self.scenes, "low.ply")})
+            self.wait(lambda: self.status("palpate: scene")[1]["scene"].endswith("low.ply"))
+            wait_centers(LOW)
+            self.wait(lambda: self.driver.force == 0.0)
+            self.wait(lambda: not any(m.action == Marker.ADD for m in contacts.all[-1].markers))
+            # Where it is, is as the file has it, until somebody says so.
+            change.publish(json.dumps({"registration": {"translation": [0, 0, -LOW]}}))
+            self.wait(lambda: self.parameters()["registration"]["translation"] == [0, 0, -LOW])
+            wait_centers(0.0)
+            self.lean()
+            self.wait(lambda: any(m.action == Marker.ADD for m in contacts.all[-1].markers))
+        self.says("wall.ply is felt", lambda: open_scene.publish(self.scene))  # by its path
+        self.assertEqual(self.parameters()["registration"]["translation"], [0, 0, 0])
+        self.lean()
+
+    def test_4e_what_is_no_scene_is_refused_and_the_old_one_stays(self):
+        open_scene = self.publisher("/palpate/open_scene")
+        for which, words in (("/nowhere/at/all.ply", "/nowhere/at/all.ply"), (self.said, self.said), (self.scenes, self.scenes),
+                             ("low", "there is no scene 'low'")):
+            with self.subTest(which=which):
+                self.says("open_scene: ", lambda which=which: open_scene.publish(which))
+                self.assertIn(words, self.text().splitlines()[-1])
+        # What is wrong with a scene is found while it is read.
+        refusal = "lost.ply: nothing of it can be touched; what was felt stays"
+        for count in (1, 2):
+            open_scene.publish(os.path.join(self.scenes, "lost.ply"))
+            self.wait_said(refusal, count)
+        self.wait_status("palpate: scene", WARN, refusal)
+        self.assertEqual(self.parameters()["scene"]["path"], self.scene)
+        self.lean()
 
     def test_5_what_is_wrong_with_poses_is_in_the_diagnostics(self):
         for level, message, notice, change in (
@@ -278,7 +410,7 @@ class Node(unittest.TestCase):
         self.wait(lambda: self.driver.wrenches > wrenches + 20 and len(self.diagnostics.all) > statuses + 3)  # connections stay
         self.master.start()
         self.wait_said("the ROS master is there")
-        self.wait(lambda: "/palpate/emergency_stop" in rosservice.get_service_list())
+        self.wait(lambda: {"/palpate/emergency_stop", "/palpate/record"} <= set(rosservice.get_service_list()))
         self.call("/palpate/pause", True)
         self.wait(lambda: self.driver.force == 0.0)
         self.call("/palpate/pause", False)
@@ -324,6 +456,8 @@ class Refusals(unittest.TestCase):
             "_cloud_decimation:=0": "parameter 'cloud_decimation': 0 is no whole number of 1 or more",
             "_device:=omni": "wants the prefix of the device's topics",
             "_device_frame:=/base": "parameter 'device_frame'",
+            "_recordings:=/nowhere": "parameter 'recordings': '/nowhere' is no folder",
+            "_scenes:=/nowhere": "parameter 'scenes': /nowhere",
             "_scene:=/nowhere.ply": "/nowhere.ply",
             "_config:=/nowhere.toml": "/nowhere.toml",
             "--help": "'--help' is no argument",

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 /// A folder with two scenes, one of them in a folder below, one of another format, and what is no scene.
 class SceneLibraryTest : public testing::Test {
@@ -75,6 +76,8 @@ TEST_F(SceneLibraryTest, RefusesFoldersThatAreNone) {
               HasSubstr("--scenes /nowhere/at/all"));
   EXPECT_THAT(message_of<Error>([&] { SceneLibrary({(folder() / "a.ply").string()}, ""); }),
               HasSubstr("is no folder"));
+  EXPECT_THAT(message_of<Error>([&] { SceneLibrary({"/nowhere/at/all"}, "", "parameter 'scenes':"); }),
+              StartsWith("parameter 'scenes': /nowhere/at/all: "));
 }
 
 TEST_F(SceneLibraryTest, KeepsWhatIsHandedOverInAFolderOfItsOwnUntilItEnds) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -612,6 +613,43 @@ TEST_F(RosapiTest, IsOneNode) {
   EXPECT_EQ(details["subscribing"], Json::array({"/in"}));
   EXPECT_EQ(details["services"], ask("services")["services"]);
   EXPECT_EQ(ask("action_servers")["action_servers"], Json::array());
+}
+
+TEST_F(RosapiTest, TellsWhoHasATopic) {
+  EXPECT_EQ(ask("publishers", {{"topic", "/a"}})["publishers"], Json::array({"/palpate"}));
+  EXPECT_EQ(ask("publishers", {{"topic", "/in"}})["publishers"], Json::array());
+  EXPECT_EQ(ask("subscribers", {{"topic", "/in"}})["subscribers"], Json::array({"/palpate"}));
+  EXPECT_EQ(ask("subscribers", {{"topic", "/nowhere"}})["subscribers"], Json::array());
+}
+
+TEST_F(RosapiTest, TellsWhatMessagesAndServicesAreMadeOf) {
+  const Json text = ask("message_details", {{"type", "std_msgs/msg/String"}})["typedefs"];
+  ASSERT_EQ(text.size(), 1U);
+  EXPECT_EQ(text[0]["type"], "std_msgs/String");
+  EXPECT_EQ(ask("service_request_details", {{"type", "std_srvs/SetBool"}})["typedefs"][0]["fieldnames"],
+            Json::array({"data"}));
+  EXPECT_EQ(ask("service_response_details", {{"type", "std_srvs/SetBool"}})["typedefs"][0]["fieldnames"],
+            (Json{"success", "message"}));
+  // All that it offers itself.
+  for (const auto& [name, offer] : hub.services()) {
+    if (!name.starts_with("/rosapi/")) continue;
+    for (const char* half : {"service_request_details", "service_response_details"})
+      EXPECT_GE(ask(half, {{"type", offer.type}})["typedefs"].size(), 1U) << name << " " << half;
+  }
+}
+
+TEST_F(RosapiTest, RefusesTypesThatThereAreNot) {
+  for (const auto& [service, type, words] :
+       {std::tuple{"message_details", "x/Y", "there is no type of messages 'x/Y' here"},
+        std::tuple{"message_details", "", "there is no type of messages '' here"},
+        std::tuple{"service_request_details", "std_msgs/String",
+                   "there is no type of services 'std_msgs/String' here"},
+        std::tuple{"service_response_details", "x/Y", "there is no type of services 'x/Y' here"}}) {
+    say({{"op", "call_service"}, {"service", std::string("/rosapi/") + service}, {"args", {{"type", type}}}});
+    const Json answer = one();
+    EXPECT_EQ(answer["result"], false);
+    EXPECT_EQ(answer["values"], words);
+  }
 }
 
 TEST_F(RosapiTest, TellsTheTime) {

@@ -18,12 +18,12 @@
 #include <palpate/live/hand_gateway.h>
 #include <palpate/live/scene_file.h>
 #include <palpate/live/scene_library.h>
+#include <palpate/live/scenes_json.h>
 #include <palpate/live/setup_json.h>
 #include <palpate/rosbridge/access.h>
 #include <palpate/rosbridge/web_server.h>
 #include <palpate/scene/load_scene.h>
 #include <palpate/scene/ply_writer.h>
-#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 namespace {
@@ -347,9 +347,7 @@ void LiveGateway::Implementation::serve(const FeltScene& felt) {
 
 std::string LiveGateway::Implementation::open_from_library(const std::string& id) {
   if (!pages_.one_scene.empty()) throw Refusal(pages_.one_scene);
-  const std::string path = library_.path_of(id);
-  if (!path.empty()) open_scene(path);  // throws for what is no scene, before the one that is felt goes
-  live_.open_scene(path);
+  live_.open_scene(library_.path_of(id));
   return {};
 }
 
@@ -363,13 +361,8 @@ void LiveGateway::Implementation::add_library() {
                                                [=] { reply.give(*answer); });
                           });
   };
-  add("/palpate/list_scenes", "std_srvs/Trigger", [this](const Json&) {
-    Json list = Json::array();
-    for (const SceneLibrary::Entry& entry : library_.list())
-      list.push_back(
-          {{"id", entry.id}, {"name", entry.name}, {"bytes", entry.bytes}, {"refusal", entry.refusal}});
-    return encode_json(list);
-  });
+  add("/palpate/list_scenes", "std_srvs/Trigger",
+      [this](const Json&) { return encode_json(scenes_json(library_.list())); });
   add("/palpate/open_scene", "palpate/SetString", [this](const Json& arguments) {
     if (is_recording()) throw Refusal("a recording is of one scene: end it first");
     return open_from_library(text_field(arguments, "data"));
@@ -386,7 +379,6 @@ WebUploads LiveGateway::Implementation::uploads() {
     return library_.place_for(std::string_view(path).substr(from), bytes);
   };
   uploads.have = [this](const std::string& file) {
-    open_scene(file);  // throws for what is no scene
     live_.open_scene(file);
     library_.have(file, served()->path);
     return text_page(200, "it is being opened");
@@ -403,7 +395,8 @@ void LiveGateway::Implementation::add_parameters() {
     for (const auto& hand : hands_) {
       const std::string folder = hand->name().empty() ? "" : hand->name() + "/";
       const Json all = hand->parameters();
-      for (const auto& [name, value] : all.items()) names.push_back(kFolder + folder + name);
+      for (const auto& [name, value] : all.items())
+        names.push_back(fmt::format("{}{}{}", kFolder, folder, name));
     }
     return Json{{"names", std::move(names)}};
   });

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include <palpate/base/error.h>
+#include <palpate/scene/load_scene.h>
+#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 namespace {
@@ -80,6 +82,7 @@ void LiveHands::open_scene(const std::string& path) {
     if (const auto why = hand.system->needs_its_scene(); !why.empty())
       throw Error("{}{}: start again with another", said_of(hand.name), why);
   }
+  if (!path.empty()) palpate::open_scene(path);  // throws for what is no scene, before what is felt goes
   first().open_scene(path);
 }
 

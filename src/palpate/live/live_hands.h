@@ -56,7 +56,8 @@ class LiveHands {
   /// @{
   /// LiveSystem::stop_force() of all.
   void stop_force(Fault why = Fault::kEmergencyStop);
-  /// LiveSystem::open_scene(), for all. \throws Error, with the name of the hand, where one needs its scene.
+  /// LiveSystem::open_scene(), for all. Reads the beginning of the file. \throws Error, with the name of the
+  /// hand, where one needs its scene, and for a file that cannot be read or is no scene.
   void open_scene(const std::string& path);
   /// @}
 

@@ -359,6 +359,7 @@ void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std:
     next.loop = settings_.loop;
     next.gateway = settings_.gateway;
     settings_ = std::move(next);
+    message_.clear();
     ++settings_version_;
     ++version_;
   }
@@ -374,6 +375,7 @@ void LiveSystem::follow(const SharedScene& scene) {
     }
     settings_.scene = scene.config;
     followed_ = scene;
+    message_.clear();
     ++settings_version_;
     ++version_;
   }

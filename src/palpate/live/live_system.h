@@ -108,7 +108,7 @@ class LiveSystem {
   Provenance provenance(std::string_view command) const;
   /// What is being made; empty if nothing is.
   std::string busy() const;
-  /// Why the last change failed; empty if it did not.
+  /// Why the last change failed; empty if it did not, or is still in the making.
   std::string message() const;
   /// Another number whenever one of these four changes.
   std::uint64_t version() const;

@@ -40,16 +40,21 @@ void RecordingSwitch::begin(std::function<std::string()> made, Done done) {
              });
 }
 
+/// Elsewhere.
+std::string RecordingSwitch::next_in_own_folder() {
+  if (folder_.empty()) {
+    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr)
+      throw Error("cannot make a folder for recordings in {}", pattern);
+    folder_ = pattern;
+  }
+  return fmt::format("{}/recording-{}.csv", folder_, ++count_);
+}
+
 /// Elsewhere: the recorder's own thread is then as ordinary as that one.
 void RecordingSwitch::make(Job& job) {
   try {
-    if (folder_.empty()) {
-      std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-      if (::mkdtemp(pattern.data()) == nullptr)
-        throw Error("cannot make a folder for recordings in {}", pattern);
-      folder_ = pattern;
-    }
-    job.path = fmt::format("{}/recording-{}.csv", folder_, ++count_);
+    job.path = place_ ? place_() : next_in_own_folder();
     RecorderOptions options = rows_;
     options.made = job.made();
     job.recorder = std::make_unique<Recorder>(job.path, options);

@@ -18,17 +18,23 @@
 
 namespace palpate {
 
-/// Records every tick between begin() and end() into a file of its own in the system's folder for such, which
-/// goes with this object, and has the report page of the last one made. Making and ending files is done
-/// elsewhere.
+/// Records every tick between begin() and end() into a file of its own, and has the report page of the last
+/// one made. Making and ending files is done elsewhere.
 class RecordingSwitch final : public TickObserver {
  public:
   /// Makes the report page of a recording from the path of its file; must not throw. On a thread of its own.
   using PageMaker = std::function<std::string(const std::string& csv)>;
 
-  /// \param page empty: there are no report pages \param rows what those of the loop have
-  RecordingSwitch(Elsewhere elsewhere, PageMaker page, RecorderOptions rows)
-      : elsewhere_(std::move(elsewhere)), page_(std::move(page)), rows_(rows) {}
+  /// Tells where the next recording goes, a file that is not there yet. Elsewhere; may throw Error.
+  using Place = std::function<std::string()>;
+
+  /// \param page empty: there are no report pages \param rows what those of the loop have \param place empty:
+  /// in a folder in the system's for such, which goes with this object
+  RecordingSwitch(Elsewhere elsewhere, PageMaker page, RecorderOptions rows, Place place = {})
+      : elsewhere_(std::move(elsewhere)),
+        page_(std::move(page)),
+        rows_(std::move(rows)),
+        place_(std::move(place)) {}
   /// Once the loop has stopped, and nothing more is done elsewhere.
   ~RecordingSwitch() override;
 
@@ -47,6 +53,8 @@ class RecordingSwitch final : public TickObserver {
   /// \throws Error if nothing is being recorded.
   void end(Done done);
   bool is_on() const { return state_ == State::kOn; }
+  /// The file of the recording that was begun last; empty before the first.
+  std::string path() const { return job_ ? job_->path : std::string(); }
   /// Why no more can be recorded, while it is on; nothing if all is well.
   std::optional<std::string> failure() const;
   /// @}
@@ -68,6 +76,7 @@ class RecordingSwitch final : public TickObserver {
     std::string path, failure;
   };
 
+  std::string next_in_own_folder();
   void make(Job& job);
   void finish(Job& job);
   void set(Recorded recorded);
@@ -75,6 +84,7 @@ class RecordingSwitch final : public TickObserver {
   Elsewhere elsewhere_;
   PageMaker page_;
   RecorderOptions rows_;
+  Place place_;
   State state_ = State::kOff;
   std::shared_ptr<Job> job_;               ///< of what is on, or about to be
   std::atomic<Recorder*> used_ = nullptr;  ///< by the servo thread from its next tick on

@@ -66,13 +66,14 @@ std::string refusal_of_format(std::string_view name) {
   return fmt::format("{} is no scene; give a 3DGS .ply or .splat file", tame(name));
 }
 
-SceneLibrary::SceneLibrary(const std::vector<std::string>& folders, std::string first)
+SceneLibrary::SceneLibrary(const std::vector<std::string>& folders, std::string first,
+                           std::string_view option)
     : first_(std::move(first)) {
   for (const std::string& folder : folders) {
     std::error_code error;
     const fs::path whole = fs::canonical(folder, error);
-    if (error) throw Error("--scenes {}: {}", folder, error.message());
-    if (!fs::is_directory(whole, error)) throw Error("--scenes {}: is no folder", folder);
+    if (error) throw Error("{} {}: {}", option, folder, error.message());
+    if (!fs::is_directory(whole, error)) throw Error("{} {}: is no folder", option, folder);
     folders_.push_back(whole);
   }
 }

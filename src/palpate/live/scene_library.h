@@ -16,8 +16,9 @@ namespace palpate {
 class SceneLibrary {
  public:
   /// \param folders looked through two levels deep \param first SceneConfig::path of the scene that is felt
-  /// first \throws Error for a folder that is none.
-  SceneLibrary(const std::vector<std::string>& folders, std::string first);
+  /// first \param option that named the folders, for messages \throws Error for a folder that is none.
+  SceneLibrary(const std::vector<std::string>& folders, std::string first,
+               std::string_view option = "--scenes");
   /// Takes away what was handed over.
   ~SceneLibrary();
   SceneLibrary(const SceneLibrary&) = delete;

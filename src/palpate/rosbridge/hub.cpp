@@ -8,6 +8,7 @@
 
 #include <palpate/rosbridge/ros_definition.h>
 #include <palpate/rosbridge/ros_message.h>
+#include <palpate/rosbridge/ros_type.h>
 
 namespace palpate {
 namespace {
@@ -16,14 +17,6 @@ constexpr double kMilli = 1e-3;
 /// By which a message may come before its throttle lets it: what is sent at 60 Hz is 16.67 ms apart only on
 /// average. Unit: [s].
 constexpr double kEarly = 2e-3;
-
-/// As ROS 1 writes it, of either notation.
-std::string plain_type(std::string type) {
-  for (const std::string_view part : {"/msg/", "/srv/"}) {
-    if (const auto at = type.find(part); at != std::string::npos) type.erase(at, part.size() - 1);
-  }
-  return type;
-}
 
 std::string full_name(const std::string& name) {
   return name.starts_with('/') ? name : fmt::format("/{}", name);

@@ -5,6 +5,7 @@
 
 #include <palpate/rosbridge/hub.h>
 #include <palpate/rosbridge/ros_definition.h>
+#include <palpate/rosbridge/type_details.h>
 
 namespace palpate {
 namespace {
@@ -44,6 +45,11 @@ std::string type_of(const std::map<std::string, std::string>& types, const std::
   return at == types.end() ? "" : at->second;
 }
 
+/// The one node there is, where it has that topic.
+Json nodes_of(const auto& topics, const std::string& topic) {
+  return topics.contains(topic) ? Json::array({"/palpate"}) : Json::array();
+}
+
 Json now() {
   const auto since = std::chrono::system_clock::now().time_since_epoch();
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since);
@@ -80,6 +86,12 @@ void add_rosapi(Hub& hub) {
   add("topic_type", "TopicType", [&hub](const Json& args) {
     return Json{{"type", type_of(all_topics(hub), text_field(args, "topic"))}};
   });
+  add("publishers", "Publishers", [&hub](const Json& args) {
+    return Json{{"publishers", nodes_of(hub.topics(), text_field(args, "topic"))}};
+  });
+  add("subscribers", "Subscribers", [&hub](const Json& args) {
+    return Json{{"subscribers", nodes_of(hub.inputs(), text_field(args, "topic"))}};
+  });
   add("services", "Services", [&hub](const Json&) { return Json{{"services", names_of(hub.services())}}; });
   add("services_for_type", "ServicesForType", [&hub](const Json& args) {
     return Json{{"services", names_of_type(all_services(hub), text_field(args, "type"))}};
@@ -96,6 +108,15 @@ void add_rosapi(Hub& hub) {
   });
   add("action_servers", "GetActionServers", [](const Json&) {
     return Json{{"action_servers", Json::array()}};
+  });
+  add("message_details", "MessageDetails", [](const Json& args) {
+    return Json{{"typedefs", message_details(text_field(args, "type"))}};
+  });
+  add("service_request_details", "ServiceRequestDetails", [](const Json& args) {
+    return Json{{"typedefs", service_request_details(text_field(args, "type"))}};
+  });
+  add("service_response_details", "ServiceResponseDetails", [](const Json& args) {
+    return Json{{"typedefs", service_response_details(text_field(args, "type"))}};
   });
   add("get_time", "GetTime", [](const Json&) { return Json{{"time", now()}}; });
 }

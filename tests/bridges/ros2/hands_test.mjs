@@ -88,7 +88,7 @@ describe('several hands', () => {
     assert.deepEqual(transforms.map((t) => t.child_frame_id).sort(), ['palpate/device', 'palpate/flat/device', 'palpate/flat/proxy',
       'palpate/flat/tool', 'palpate/left/device', 'palpate/left/proxy', 'palpate/left/tool', 'palpate/proxy', 'palpate/scene', 'palpate/tool']);
     for (const of of ['', '/left', '/flat'])
-      for (const what of ['servo', 'device']) assert.ok(await status(`palpate${of}: ${what}`), of + what);
+      for (const what of ['servo', 'device', 'scene']) assert.ok(await status(`palpate${of}: ${what}`), of + what);
   });
 
   test('a local model is the surface about the handle', async () => {
@@ -111,6 +111,7 @@ describe('several hands', () => {
 
   test('what befalls one hand leaves the others, and each has its stop', async () => {
     await feels('first', kDeep * kSoft, 0.01 * kDeep * kSoft);
+    await wait(300); // until it is at rest
     const before_ = await forceOf('first');
     drivers.left.bad(poseMessage('base', NaN));
     await drivers.left.noForce();

@@ -1,5 +1,8 @@
 // The node palpate_ros2: what it publishes, read by another implementation over another DDS, and its services and parameters.
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { basename, dirname, join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { ddsType, decode, encode } from './messages.mjs';
 import { Driver, FREE, PRESSED, Program, eventually, makeFolder, makeWall, poseMessage, wait } from './program.mjs';
@@ -8,25 +11,41 @@ const kMarkers = 'visualization_msgs/MarkerArray';
 const kAdd = 0;
 const kDelete = 2;
 const kDecimation = 7;
+const kLow = -0.1; // height of the other wall. Unit: [m]
 const near = (a, b, by = 1e-6) => assert.ok(Math.abs(a - b) <= by, `${a} is not ${b}`);
 const isUnit = (q) => near(Math.hypot(q.x, q.y, q.z, q.w), 1, 1e-9);
 
 /** As rmw_cyclonedds_cpp puts who asks, and the number of the question, before what is asked. */
 const kTrigger = 'uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member';
 const kSetBool = 'uint64 client\nint64 number\nbool data';
+/** Of a recording: name to text. */
+function rowsOf(path) {
+  const [head, ...lines] = readFileSync(path, 'utf8').split('\n').filter((line) => line && !line.startsWith('#'));
+  const names = head.split(',');
+  return lines.map((line) => Object.fromEntries(line.split(',').map((text, k) => [names[k], text])));
+}
+
 const kDone = 'uint64 client\nint64 number\nbool success\nstring message';
 
 describe('the node', () => {
   let node;
   let driver;
   let wall;
+  let low;
+  let runs;
   let asked = 0;
 
   before(async () => {
-    wall = makeWall(makeFolder());
+    const folder = makeFolder();
+    wall = makeWall(folder);
+    runs = join(folder, 'runs');
+    const scenes = join(folder, 'scenes');
+    mkdirSync(runs);
+    mkdirSync(scenes);
+    low = makeWall(scenes, kLow, 'low.ply');
     node = new Program(process.env.PALPATE_ROS2, '--ros-args', '-p', `scene:=${wall.path}`, '-p', 'no_index_file:=true',
       '-p', 'tool:=[0.02, 0.02, 0.02]', '-p', 'device:=/omni,force_max=8,rate=20', '-p', `cloud_decimation:=${kDecimation}`,
-      '-p', 'device_frame:=base', '-r', '__ns:=/left', '-r', '/omni/measured_cp:=/arm/measured_cp',
+      '-p', 'device_frame:=base', '-p', `scenes:=${scenes}`, '-p', `recordings:=${runs}`, '-r', '__ns:=/left', '-r', '/omni/measured_cp:=/arm/measured_cp',
       '-r', '/omni/spatial/servo_cf:=/arm/spatial/servo_cf', '-r', 'palpate/tool:=/shown');
     driver = new Driver('/omni', 'reliable', false);
     driver.tell(`writer moved rt/arm/measured_cp ${ddsType('geometry_msgs/PoseStamped')} reliable`);
@@ -36,13 +55,17 @@ describe('the node', () => {
     driver.tell(`reader tf rt/tf ${ddsType('tf2_msgs/TFMessage')} reliable`);
     driver.tell(`reader diagnostics rt/diagnostics ${ddsType('diagnostic_msgs/DiagnosticArray')} reliable`);
     driver.tell(`writer set rt/left/palpate/set_parameters ${ddsType('std_msgs/String')} reliable`);
-    for (const [name, type] of [['emergency_stop', 'Trigger'], ['resume', 'Trigger'], ['get_parameters', 'Trigger'], ['config', 'Trigger'], ['pause', 'SetBool'], ['clutch', 'SetBool']]) {
+    driver.tell(`writer open rt/left/palpate/open_scene ${ddsType('std_msgs/String')} reliable`);
+    for (const [name, type] of [['emergency_stop', 'Trigger'], ['resume', 'Trigger'], ['get_parameters', 'Trigger'], ['config', 'Trigger'], ['pause', 'SetBool'], ['clutch', 'SetBool'],
+      ['record', 'SetBool'], ['list_scenes', 'Trigger']]) {
       driver.tell(`writer ${name} rq/left/palpate/${name}Request std_srvs::srv::dds_::${type}_Request_ reliable`);
       driver.tell(`reader ${name}_done rr/left/palpate/${name}Reply std_srvs::srv::dds_::${type}_Response_ reliable`);
     }
     driver.walks('moved');
     driver.reader = 'force';
-    await eventually(async () => await driver.number('matched clutch') > 0 && await driver.number('matched clutch_done') > 0, 'services');
+    await eventually(async () => await driver.number('matched clutch') > 0 && await driver.number('matched clutch_done') > 0
+      && await driver.number('matched record') > 0 && await driver.number('matched record_done') > 0
+      && await driver.number('matched list_scenes') > 0 && await driver.number('matched list_scenes_done') > 0, 'services');
   });
   after(async () => {
     await driver.kill();
@@ -62,7 +85,7 @@ describe('the node', () => {
     }, () => `${level} ${words}, but ${JSON.stringify(last)}`);
     return last;
   }
-  async function call(name, data) {
+  async function call(name, data, success = true) {
     asked += 1;
     const head = { client: 0x1234567890abcdefn, number: BigInt(asked) };
     driver.tell(`clear ${name}_done`);
@@ -75,7 +98,7 @@ describe('the node', () => {
       return answer;
     }, `an answer of ${name}`);
     const { message, ...rest } = answer;
-    assert.deepEqual(rest, { ...head, success: true });
+    assert.deepEqual(rest, { ...head, success });
     return message;
   }
 
@@ -166,10 +189,53 @@ describe('the node', () => {
     set('{"stiffness": 300}');
     await eventually(async () => await stiffness() === 300, 'a change');
     assert.ok((await call('config')).includes('stiffness = 300'));
-    set('{"filter": {}}');
-    await node.says("set_parameters: 'filter' cannot be changed here");
+    set('{"device": {}}');
+    await node.says("set_parameters: parameters has no 'device'");
     set('{"stiffness": 500}');
     await eventually(async () => await stiffness() === 500, 'a change');
+  });
+
+  const open = (data) => driver.tell(`send open ${encode('std_msgs/String', { data })}`);
+
+  test('a recording is begun and ended', async () => {
+    assert.equal(await call('record', false, false), 'nothing is being recorded');
+    const path = await call('record', true);
+    assert.equal(dirname(path), runs);
+    assert.match(basename(path), /^palpate-\d{4}(-\d\d){5}\.csv$/);
+    assert.equal(await call('record', true, false), 'a recording is under way');
+    await driver.lean();
+    assert.equal((await status('palpate: scene')).recording, path);
+    await eventually(async () => await driver.number('matched open') > 0, 'a listener');
+    open(low.path);
+    await node.says('open_scene: a recording is of one scene: end it first');
+    await eventually(() => rowsOf(path).length > 100, 'rows, while it is made');
+    assert.equal(await call('record', false), path);
+    const rows = rowsOf(path);
+    assert.ok(Math.max(...rows.map((row) => Number(row.sfz))) > 0.5);
+    await wait(200);
+    assert.equal(rowsOf(path).length, rows.length);
+    const again = join(runs, 'again.csv');
+    const replay = spawnSync(process.env.PALPATE, ['replay', '--from', path, '--out', again], { encoding: 'utf8' });
+    assert.equal(replay.status, 0, replay.stderr);
+    const poses = (all) => all.map((row) => ['t', 'x', 'y', 'z', 'qw', 'qx', 'qy', 'qz'].map((name) => row[name]));
+    assert.deepEqual(poses(rowsOf(again)), poses(rows));
+  });
+
+  test('another scene is felt', async () => {
+    const list = JSON.parse(await call('list_scenes'));
+    const { id } = list.find(({ name }) => name === 'low.ply');
+    await driver.lean();
+    open(id);
+    await node.says('low.ply is felt');
+    assert.equal(JSON.parse(await call('get_parameters')).scene.path, low.path);
+    await driver.noForce();
+    await eventually(async () => (await status('palpate: scene')).scene === low.path, 'its name');
+    open('/nowhere/at/all.ply');
+    await node.says('open_scene: /nowhere/at/all.ply');
+    assert.equal(JSON.parse(await call('get_parameters')).scene.path, low.path);
+    open(wall.path);
+    await node.says('wall.ply is felt');
+    await driver.lean();
   });
 
   for (const [words, said, spoil, mend] of [

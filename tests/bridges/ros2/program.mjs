@@ -32,14 +32,14 @@ export const environment = {
     + '<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>',
 };
 
-/** A wall of Gaussians in the plane z = 0, as a .ply. */
-export function makeWall(folder) {
+/** A wall of Gaussians in the plane z = `height`, as a .ply. */
+export function makeWall(folder, height = 0, name = 'wall.ply') {
   const names = 'x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3'.split(' ');
   const rows = [];
   for (let i = -10; i <= 10; i += 1)
-    for (let j = -10; j <= 10; j += 1) rows.push([0.01 * i, 0.01 * j, 0, 0.5, 0, -0.5, 2, -4.8, -4.8, -9, 1, 0, 0, 0]);
+    for (let j = -10; j <= 10; j += 1) rows.push([0.01 * i, 0.01 * j, height, 0.5, 0, -0.5, 2, -4.8, -4.8, -9, 1, 0, 0, 0]);
   const head = `ply\nformat binary_little_endian 1.0\nelement vertex ${rows.length}\n${names.map((n) => `property float ${n}\n`).join('')}end_header\n`;
-  const path = join(folder, 'wall.ply');
+  const path = join(folder, name);
   writeFileSync(path, Buffer.concat([Buffer.from(head), Buffer.from(Float32Array.from(rows.flat()).buffer)]));
   return { path, rows };
 }

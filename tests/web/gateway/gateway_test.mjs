@@ -42,6 +42,33 @@ describe('a client that looks on', () => {
     assert.deepEqual(await new Promise((done, failed) => ros.getNodes(done, failed)), ['/palpate']);
   });
 
+  test('is told what every topic and service is made of', async () => {
+    const ask = (name, ...args) => new Promise((done, failed) => ros[name](...args, done, failed));
+    const defs = await ask('getMessageDetails', 'geometry_msgs/PoseStamped');
+    assert.deepEqual(defs.map(({ type }) => type), ['geometry_msgs/PoseStamped', 'std_msgs/Header', 'time', 'geometry_msgs/Pose',
+      'geometry_msgs/Point', 'geometry_msgs/Quaternion']);
+    assert.deepEqual(defs[4], { type: 'geometry_msgs/Point', fieldnames: ['x', 'y', 'z'], fieldtypes: ['float64', 'float64', 'float64'],
+      fieldarraylen: [-1, -1, -1], examples: ['0.0', '0.0', '0.0'], constnames: [], constvalues: [] });
+    const { header, pose } = ros.decodeTypeDefs(defs);
+    assert.deepEqual(header, { seq: 'uint32', stamp: 'time', frame_id: 'string' });
+    assert.deepEqual(Object.keys(pose.orientation), ['x', 'y', 'z', 'w']);
+    const array = ros.decodeTypeDefs(await ask('getMessageDetails', 'diagnostic_msgs/DiagnosticArray'));
+    assert.deepEqual(Object.keys(array.status[0]), ['level', 'name', 'message', 'hardware_id', 'values']);
+
+    const { types } = await ask('getTopics');
+    for (const type of types) assert.equal((await ask('getMessageDetails', type))[0].type, type);
+    const services = await ask('getServices');
+    for (const name of services) {
+      const type = await ask('getServiceType', name);
+      assert.equal((await ask('getServiceRequestDetails', type)).typedefs[0].type, `${type}Request`);
+      assert.equal((await ask('getServiceResponseDetails', type)).typedefs[0].type, `${type}Response`);
+    }
+    const { typedefs } = await ask('getServiceRequestDetails', 'std_srvs/SetBool');
+    assert.deepEqual(ros.decodeTypeDefs(typedefs), { data: 'bool' });
+    await assert.rejects(ask('getMessageDetails', 'no_msgs/Nothing'), (why) => why === "there is no type of messages 'no_msgs/Nothing' here");
+    await assert.rejects(ask('getServiceRequestDetails', 'std_msgs/String'), (why) => /no type of services/.test(why));
+  });
+
   for (const compression of ['none', 'cbor']) {
     test(`gets every topic (${compression})`, async () => {
       const options = { compression };

@@ -1,0 +1,84 @@
+#include "node_recording.h"
+
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <palpate/base/error.h>
+#include <palpate/live/config_toml.h>
+#include <palpate/live/provenance.h>
+
+namespace palpate::node {
+namespace {
+
+/// Whoever asks waits: that is not the thread of what ends the force.
+void at_once(const std::function<void()>& work, const std::function<void()>& then) {
+  work();
+  then();
+}
+
+}  // namespace
+
+NodeRecording::NodeRecording(const std::string& folder, std::string hand, const LiveSystem& system)
+    : folder_(std::filesystem::absolute(folder).lexically_normal().string()),
+      hand_(std::move(hand)),
+      system_(system),
+      switch_(at_once, {}, recorder_options(system.device()), [this] { return next(); }) {}
+
+/// As rosbag names its files: palpate-2026-11-26-17-34-05.csv, palpate-left-...
+std::string NodeRecording::next() const {
+  const std::string name =
+      fmt::format("palpate-{}{:%Y-%m-%d-%H-%M-%S}", hand_.empty() ? "" : hand_ + "-",
+                  fmt::localtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+  std::filesystem::path path = std::filesystem::path(folder_) / (name + ".csv");
+  for (int k = 2; std::filesystem::exists(path); ++k)
+    path.replace_filename(fmt::format("{}-{}.csv", name, k));
+  return path.string();
+}
+
+std::string NodeRecording::set(bool on) {
+  const std::scoped_lock lock(mutex_);
+  std::string failure;
+  if (on) {
+    switch_.begin([this] { return to_toml(system_.provenance("run")); },
+                  [&failure](const std::string& why) { failure = why; });
+    show();
+  } else {
+    failure = end();
+  }
+  if (!failure.empty()) throw Error("{}", failure);
+  return switch_.path();
+}
+
+/// \returns why it had failed before, and what is left.
+std::string NodeRecording::end() {
+  std::string said;
+  switch_.end([&](const std::string& failure) {
+    if (!failure.empty())
+      said = fmt::format("the recording has ended: {}; what it has until then is in {}", failure,
+                         switch_.path());
+  });
+  show();
+  return said;
+}
+
+std::string NodeRecording::look() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  return lock.owns_lock() && switch_.failure() ? end() : std::string();
+}
+
+std::string NodeRecording::path() const {
+  const std::scoped_lock lock(shown_mutex_);
+  return shown_;
+}
+
+void NodeRecording::show() {
+  std::string path = switch_.is_on() ? switch_.path() : std::string();
+  const std::scoped_lock lock(shown_mutex_);
+  shown_ = std::move(path);
+}
+
+}  // namespace palpate::node

@@ -1,0 +1,32 @@
+#include "node_scenes.h"
+
+#include <algorithm>
+
+#include <palpate/base/error.h>
+#include <palpate/live/scenes_json.h>
+
+namespace palpate::node {
+
+NodeScenes::NodeScenes(LiveHands& hands, const std::vector<std::string>& folders)
+    : hands_(hands), library_(folders, hands.first().settings().scene.path, "parameter 'scenes':") {}
+
+std::string NodeScenes::list() const { return encode_json(scenes_json(library_.list())); }
+
+void NodeScenes::open(const std::string& which) {
+  hands_.open_scene(which.starts_with('/') ? which : library_.path_of(which));
+}
+
+bool NodeScenes::is_opening() const {
+  const std::string wanted = hands_.first().settings().scene.path;
+  const auto all = hands_.all();
+  return std::any_of(all.begin(), all.end(),
+                     [&](const LiveHands::Hand& hand) { return hand.system->felt()->path() != wanted; });
+}
+
+std::string felt_name(const LiveSystem& system) {
+  SceneConfig scene;
+  scene.path = system.felt()->path();
+  return scene.name();
+}
+
+}  // namespace palpate::node
