@@ -1,7 +1,5 @@
 #include "node_scenes.h"
 
-#include <algorithm>
-
 #include <palpate/base/error.h>
 #include <palpate/live/scenes_json.h>
 
@@ -14,13 +12,6 @@ std::string NodeScenes::list() const { return encode_json(scenes_json(library_.l
 
 void NodeScenes::open(const std::string& which) {
   hands_.open_scene(which.starts_with('/') ? which : library_.path_of(which));
-}
-
-bool NodeScenes::is_opening() const {
-  const std::string wanted = hands_.first().settings().scene.path;
-  const auto all = hands_.all();
-  return std::any_of(all.begin(), all.end(),
-                     [&](const LiveHands::Hand& hand) { return hand.system->felt()->path() != wanted; });
 }
 
 std::string felt_name(const LiveSystem& system) {

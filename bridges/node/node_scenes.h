@@ -22,8 +22,6 @@ class NodeScenes {
   /// Has another scene be read, and felt once it is there. Reads the beginning of its file. \param which an
   /// id of list(), or a path from the root on \throws Error for one that there is not, or cannot be felt.
   void open(const std::string& which);
-  /// Whether any hand is still to feel the scene that was opened last.
-  bool is_opening() const;
 
  private:
   LiveHands& hands_;

@@ -66,7 +66,8 @@ std::string parameters(const LiveSystem& system, const NodeRecording& recording)
 /// The services that may wait: one after the other, on one thread.
 void add_slow_services(NodeServices& services, const NodeParts& node, const HandParts& hand, bool first) {
   services.record = [&node, &recording = *hand.recording](bool on) {
-    if (on && node.scenes.is_opening()) throw Error("another scene is being opened: record once it is felt");
+    if (on && node.hands.is_opening_scene())
+      throw Error("another scene is being opened: record once it is felt");
     return recording.set(on);
   };
   if (!first) return;

@@ -240,8 +240,13 @@ TEST(LiveHands, FollowTheFirstToAnotherScene) {
   LiveView view, other_view;
   hands.start({{&view}, {&other_view}});
 
+  EXPECT_FALSE(hands.is_opening_scene());
   hands.open_scene(sphere.path());
-  EXPECT_TRUE(comes_true([&] { return other.felt()->path() == sphere.path(); }));
+  const bool opening = hands.is_opening_scene();
+  EXPECT_TRUE(opening || other.felt()->path() == sphere.path());
+  EXPECT_TRUE(comes_true([&] { return !hands.is_opening_scene(); }));
+  EXPECT_EQ(first.felt()->path(), sphere.path());
+  EXPECT_EQ(other.felt()->path(), sphere.path());
   EXPECT_EQ(other.felt()->index(), first.felt()->index());
   EXPECT_EQ(other.settings().scene, first.settings().scene);
   EXPECT_EQ(other.felt()->tool(), ball());

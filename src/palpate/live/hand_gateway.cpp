@@ -177,6 +177,8 @@ void HandGateway::add_recording() {
         };
         const Json begun = answer_of([&] {
           if (flag_of(arguments)) {
+            if (around_.is_opening_scene())
+              throw Refusal("another scene is being opened: record once it is felt");
             recording_.begin([this] { return to_toml(system_.provenance("run")); }, done);
             around_.notices.tell(recording_notice_, "");
           } else {

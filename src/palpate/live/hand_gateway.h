@@ -34,6 +34,7 @@ class HandGateway {
     std::function<std::string(const std::string& csv)> report;  ///< GatewayPages::report
     std::function<void(Json& parameters)> describe;             ///< adds what is of all hands
     std::function<void()> stop;                                 ///< what its emergency stop does
+    std::function<bool()> is_opening_scene;                     ///< LiveHands::is_opening_scene()
   };
 
   /// \param name empty: the first `system` must outlive it.

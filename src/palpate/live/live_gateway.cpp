@@ -172,9 +172,10 @@ LiveGateway::Implementation::Implementation(LiveHands& hands, GatewayPages pages
 void LiveGateway::Implementation::add_hands() {
   for (const LiveHands::Hand& hand : live_.all()) {
     LiveSystem& system = *hand.system;
-    HandGateway::Surroundings around{hub_, notices_, elsewhere(), pages_.report, {}, {}};
+    HandGateway::Surroundings around{hub_, notices_, elsewhere(), pages_.report, {}, {}, {}};
     around.describe = [this](Json& parameters) { describe(parameters); };
     around.stop = [this, &system] { system.stop_force(); };
+    around.is_opening_scene = [this] { return live_.is_opening_scene(); };
     if (hand.name.empty()) around.stop = [this] { live_.stop_force(); };  // whose stop is for all
     hands_.push_back(std::make_unique<HandGateway>(hand.name, system, std::move(around)));
   }

@@ -1,5 +1,6 @@
 #include <palpate/live/live_hands.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -84,6 +85,12 @@ void LiveHands::open_scene(const std::string& path) {
   }
   if (!path.empty()) palpate::open_scene(path);  // throws for what is no scene, before what is felt goes
   first().open_scene(path);
+}
+
+bool LiveHands::is_opening_scene() const {
+  const std::string wanted = first().settings().scene.path;
+  return std::any_of(hands_.begin(), hands_.end(),
+                     [&](const Hand& hand) { return hand.system->felt()->path() != wanted; });
 }
 
 }  // namespace palpate

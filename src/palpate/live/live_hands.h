@@ -59,6 +59,8 @@ class LiveHands {
   /// LiveSystem::open_scene(), for all. Reads the beginning of the file. \throws Error, with the name of the
   /// hand, where one needs its scene, and for a file that cannot be read or is no scene.
   void open_scene(const std::string& path);
+  /// Whether any of them is still to feel the scene that was opened last.
+  bool is_opening_scene() const;
   /// @}
 
  private:
