@@ -51,7 +51,7 @@ void Lookahead::Line::finish() {
   if (known_in_ == index_.epoch() && way_between(known_, ahead) + needed < kNear * margin_) return;
   double margin = std::max(kLeastMargin, needed);
   Neighbourhood& found = found_.back();
-  for (int k = 0; k < kMostHalvings; ++k, margin *= 0.5) {
+  for (int k = 0; k < kMostHalvings; ++k) {
     const Ellipsoid solid = enlarged(ahead, margin);
     bool fits = true;
     if (precision_) {
@@ -60,6 +60,7 @@ void Lookahead::Line::finish() {
       found.search_drawn(index_, solid);
     }
     if (fits && (found.size() <= kEasy || margin <= needed)) break;
+    margin *= 0.5;
   }
   known_ = ahead;
   known_in_ = index_.epoch();
