@@ -4,7 +4,7 @@ set(palpate_public_headers
   geometry/ellipsoid.h geometry/pose.h geometry/rotation.h geometry/similarity.h
   kinematics/chain_file.h kinematics/inverse_kinematics.h kinematics/joint_motion.h
   scene/lint.h scene/load_scene.h scene/ply_writer.h scene/scene_filter.h scene/scene_setup.h
-  collision/batch_query.h collision/contact_tracker.h collision/ellipsoid_lookup.h collision/index_file.h collision/lookahead.h
+  collision/batch_query.h collision/contact_columns.h collision/contact_tracker.h collision/ellipsoid_lookup.h collision/index_file.h collision/lookahead.h
   collision/open_index.h collision/paper_pipeline.h collision/scene_index.h
   haptics/density_force.h haptics/field_force.h haptics/held_force.h haptics/material_file.h haptics/proxy_force.h haptics/tool_file.h
   haptics/tool_query.h

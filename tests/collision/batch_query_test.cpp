@@ -11,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include <palpate/collision/batch_query.h>
+#include <palpate/collision/contact_columns.h>
 #include <palpate/collision/scene_index.h>
 #include <support/parallel.h>
 #include <support/random_scenes.h>
@@ -120,6 +121,67 @@ TEST_F(BatchQuery, StaysInTheArenaOfTheCaller) {
   arena.execute([&] { query_batch(witness, tools_, results); });
   EXPECT_EQ(witness.asked, static_cast<int>(tools_.size()));
   EXPECT_EQ(witness.elsewhere, 0);
+}
+
+/// The contacts of tool `i`, as one query has them.
+ContactSet set_of(const ContactColumns& columns, std::size_t i) {
+  ContactSet set;
+  set.candidates = columns.candidates[i];
+  set.filtered = columns.filtered[i];
+  for (std::size_t k = columns.first[i]; k < columns.first[i + 1]; ++k)
+    set.contacts.push_back(columns.contact(k));
+  return set;
+}
+
+TEST_F(BatchQuery, ColumnsAreWhatOneQueryAtATimeAnswersOnAnyNumberOfThreads) {
+  const auto expected = one_by_one();
+  ContactColumns columns;  // that are filled again
+  for (const std::size_t threads : {1, 2, 4}) {
+    SCOPED_TRACE(threads);
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    index_.query_batch(tools_, columns);
+    ASSERT_EQ(columns.tools(), tools_.size());
+    for (std::size_t i = 0; i < tools_.size(); ++i) ASSERT_EQ(bits_of(set_of(columns, i)), expected[i]) << i;
+    EXPECT_EQ(columns.first.back(), columns.contacts());
+    EXPECT_GT(columns.contacts(), 1000U);
+  }
+}
+
+TEST_F(BatchQuery, ColumnsHaveARowEachForAllContacts) {
+  ContactColumns columns;
+  index_.query_batch(tools_, columns);
+  const std::size_t n = columns.contacts();
+  for (const std::size_t size :
+       {columns.k_min.size(), columns.lambda.size(), columns.opacity.size(), columns.center.size(),
+        columns.point.size(), columns.normal.size(), columns.depth.size(), columns.extent.size()})
+    EXPECT_EQ(size, n);
+  ContactSet set;
+  index_.query(tools_[0], set);
+  for (std::size_t k = 0; k < set.contacts.size(); ++k)
+    EXPECT_EQ(columns.contact(columns.first[0] + k).extent, set.contacts[k].extent);
+  index_.query_batch({}, columns);
+  EXPECT_EQ(columns.tools() + columns.contacts() + columns.candidates.size() + columns.depth.size(), 0U);
+  EXPECT_EQ(columns.first, std::vector<std::size_t>{0});
+}
+
+/// Answers batches by itself, and never a single tool.
+class Elsewhere final : public ContactQuery {
+ public:
+  void query(const Ellipsoid&, ContactSet&) const override { FAIL() << "one at a time"; }
+  void query_batch(std::span<const Ellipsoid> tools, ContactColumns& result) const override {
+    result.clear();
+    result.append(std::vector<ContactSet>(tools.size()));
+  }
+};
+
+TEST_F(BatchQuery, MayBeAnsweredElsewhere) {
+  const Elsewhere elsewhere;
+  const ContactQuery& query = elsewhere;
+  ContactColumns columns;
+  index_.query_batch(tools_, columns);
+  query.query_batch(tools_, columns);
+  EXPECT_EQ(columns.tools(), tools_.size());
+  EXPECT_EQ(columns.contacts(), 0U);
 }
 
 TEST_F(BatchQuery, OfNothingDoesNothing) { EXPECT_NO_THROW(query_batch(index_, {}, {})); }

@@ -51,8 +51,8 @@ int follow(double speed, int rounds) {
     torus().query(tool, fresh);
     EXPECT_EQ(ids(tracked), ids(fresh)) << "tick " << k;
     contacts += fresh.contacts.size();
-    same.want(tool);
-    known += same.newest().covers(tool) ? 1 : 0;
+    same.want(torus(), tool);
+    known += same.newest().covers(torus(), tool) ? 1 : 0;
     if (k % rounds != 0) continue;
     if (k > 0) lookahead.finish();
     lookahead.take();
@@ -77,15 +77,15 @@ TEST(Lookahead, DoesNothingWhileNothingMoves) {
   Lookahead lookahead;
   Lookahead::Line& line = lookahead.add(torus(), Precision::kDouble);
   const Ellipsoid tool = tool_at(0.0, 0.0);
-  line.want(tool);
+  line.want(torus(), tool);
   lookahead.take();
   lookahead.finish();
-  line.want(tool);
+  line.want(torus(), tool);
   const Neighbourhood* const first = &line.newest();
   for (int k = 0; k < 3; ++k) {
     lookahead.take();
     lookahead.finish();
-    line.want(tool);
+    line.want(torus(), tool);
     EXPECT_EQ(&line.newest(), first);
   }
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <palpate/haptics/field_force.h>
+#include <palpate/haptics/proxy_force.h>
 #include <palpate/study/procedural.h>
 
 #include "support/allocation_guard.h"
@@ -484,6 +485,43 @@ TEST_F(ServoTickTest, ContactsAreThoseOfTheToolWhateverTheModelWants) {
   EXPECT_GT(fresh.contacts.size(), 0U);
   EXPECT_EQ(loop->look().contacts, fresh.contacts.size());
   EXPECT_NEAR(loop->look().k_max, fresh.k_max(), 1e-9);
+}
+
+// The scene goes away in between, so that another search would find nothing.
+TEST_F(ServoTickTest, ContactsThatAModelWasToldAreNotLookedForAgain) {
+  FieldForce field(Tool{});
+  loop = std::make_unique<ServoTick>(device, FeltModel{&field, &contacts});
+  device.pose.position = {0.15, 0, 0};  // on the sphere
+  const SceneIndex there = index;
+  const SceneIndex gone = index.registered({1.0, Eigen::Quaterniond::Identity(), {9, 9, 9}});
+  run(0.1);
+  ContactSet fresh;
+  query(there, Tool{}, loop->look().tool, fresh);
+  ASSERT_GT(fresh.contacts.size(), 0U);
+  index = gone;
+  EXPECT_EQ(loop->look().contacts, fresh.contacts.size());
+  EXPECT_EQ(run(kTick).felt.wrench.force, Vector3d(Vector3d::Zero()));
+  EXPECT_EQ(loop->look().contacts, 0U) << "and in the next tick they are those of the next tick";
+}
+
+// A sphere of 0.15 m comes at 1 m/s until the tool is 15 mm deep in it.
+TEST_F(ServoTickTest, AThingThatComesToAStillToolIsFeltWithinTheLimitsOfTheDevice) {
+  ProxyForce proxy(index, Tool{Vector3d::Constant(0.02)}, {.stiffness = 1000.0});
+  loop = std::make_unique<ServoTick>(device, FeltModel{&proxy, &contacts});
+  const SafetyLimits limits = SafetyLimits::of(device.can, kTick);
+  device.pose.position = {0.3, 0, 0};
+  ASSERT_EQ(run(1.0).state, GovernorState::kActive);
+  Vector3d before = device.shown.force;
+  for (int k = 0; k < 145; ++k) {
+    index = index.registered({1.0, Eigen::Quaterniond::Identity(), {1e-3 * k, 0, 0}});
+    const TickRecord& record = run(kTick);
+    EXPECT_EQ(record.fault, Fault::kNone);
+    EXPECT_LE(device.shown.force.norm(), limits.force_max * (1.0 + 1e-9));
+    EXPECT_LE((device.shown.force - before).norm(), 2.0 * kTick * limits.force_slew * (1.0 + 1e-9)) << k;
+    EXPECT_GE(device.shown.force.x(), 0.0) << "out of it, at " << k;
+    before = device.shown.force;
+  }
+  EXPECT_GT(device.shown.force.x(), 5.0);
 }
 
 // Ten thousand splats in a tool, for a model that wants them all: no force, a reason, and no memory taken.

@@ -1,6 +1,7 @@
 #include <palpate/collision/contact.h>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 namespace palpate {
@@ -30,7 +31,14 @@ Eigen::Vector3d thinnest_direction(const Ellipsoid& tool, const Ellipsoid& gauss
   return best;
 }
 
+std::uint64_t next_epoch() {
+  static std::atomic<std::uint64_t> last = 0;
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
 }  // namespace
+
+ContactQuery::ContactQuery() : epoch_(next_epoch()) {}
 
 double ContactSet::k_max() const {
   double largest = 0.0;

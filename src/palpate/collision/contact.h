@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -74,15 +75,32 @@ enum class Precision {
             ///< thirds of the time
 };
 
-/// Answers which Gaussians a tool touches. Immutable after construction: any number of threads may
-/// query at once, each with a ContactSet of its own.
+struct ContactColumns;
+
+/// Answers which Gaussians a tool touches. Any number of threads may query at once, each with a result of its
+/// own; not while another is assigned to it.
 class ContactQuery {
  public:
+  ContactQuery();
   virtual ~ContactQuery() = default;
 
   /// Replaces the contents of `result` by the contacts of `tool`.
   /// \pre the semi-axes of `tool` are positive and all of it is finite.
   virtual void query(const Ellipsoid& tool, ContactSet& result) const = 0;
+
+  /// Replaces the contents of `result` by the contacts of all `tools`, tool by tool, each as query() has
+  /// them. Asks query() in parallel on the calling thread's oneTBB arena; a pipeline that answers many tools
+  /// at once by other means does so here. The result does not depend on the number of threads. \pre as
+  /// query() for every tool.
+  virtual void query_batch(std::span<const Ellipsoid> tools, ContactColumns& result) const;
+
+  /// Tells answers apart: what was found in one epoch holds in that alone. A number above 0 that no other
+  /// query of this process has, but copies, which answer the same. Whoever keeps answers keeps this with
+  /// them, and sees by it that another query has been assigned to the object they came from.
+  virtual std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  std::uint64_t epoch_;
 };
 
 }  // namespace palpate

@@ -12,10 +12,10 @@ ContactTracker::ContactTracker(const SceneIndex& index, Precision precision, Loo
 void ContactTracker::query(const Ellipsoid& tool, ContactSet& result, std::size_t most) {
   Neighbourhood* known = &near_;
   if (ahead_ != nullptr) {
-    ahead_->want(tool);
-    if (ahead_->newest().covers(tool)) known = &ahead_->newest();
+    ahead_->want(index_, tool);
+    if (ahead_->newest().covers(index_, tool)) known = &ahead_->newest();
   }
-  if (!known->covers(tool) &&
+  if (!known->covers(index_, tool) &&
       !known->search(index_, {tool.center, (1.0 + Neighbourhood::kMargin) * tool.axes}, precision_)) {
     index_.query(tool, precision_, result, most);  // too crowded to keep
     return;

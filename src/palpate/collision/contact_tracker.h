@@ -16,6 +16,11 @@ namespace palpate {
 /// shows where its search began. What is not near enough to be known costs the time of such
 /// a query, never its truth.
 ///
+/// Another index may be assigned to the one that it refers to, between two calls on its thread: it answers
+/// for that from the next call on, which looks anew. Of one that is assigned in every tick, every tick costs
+/// a fresh query and a little. Whoever assigns drops their reference to the memory before, and with the last
+/// one all of it: see docs/architecture.md, A scene that changes.
+///
 /// Belongs to one thread; the index must outlive it. Takes nothing from the heap after construction, but for
 /// a `result` that is too small.
 class ContactTracker {

@@ -13,7 +13,7 @@ namespace palpate {
 /// a Gaussian, sorted once. Immutable.
 class EllipsoidLookup {
  public:
-  /// `index` must outlive it.
+  /// `index` must outlive it, and be of that memory: registered() anew it may be.
   explicit EllipsoidLookup(const SceneIndex& index);
 
   /// In the world. \pre the index has a Gaussian of that id

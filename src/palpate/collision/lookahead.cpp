@@ -1,6 +1,7 @@
 #include <palpate/collision/lookahead.h>
 
 #include <algorithm>
+#include <utility>
 
 #include <palpate/geometry/solids.h>
 
@@ -17,13 +18,24 @@ constexpr double kNear = 0.25;
 
 }  // namespace
 
-void Lookahead::Line::want(const Ellipsoid& tool) {
+/// One index at a time is on its way, so that what is overwritten here is empty.
+void Lookahead::Line::want(const SceneIndex& index, const Ellipsoid& tool) {
+  if (index.epoch() != told_ && taken_.load(std::memory_order_relaxed) == told_) {
+    next_.back() = index;
+    next_.publish();
+    told_ = index.epoch();
+  }
   wanted_.back() = tool;
   wanted_.publish();
   found_.update();
 }
 
 void Lookahead::Line::take() {
+  if (next_.update()) {
+    index_ = *std::move(next_.front());
+    next_.front().reset();
+    taken_.store(index_.epoch(), std::memory_order_relaxed);
+  }
   if (!wanted_.update()) return;
   const Ellipsoid& now = wanted_.front();
   way_ = started_ ? Eigen::Vector3d(now.center - tool_.center) : Eigen::Vector3d::Zero();
@@ -36,10 +48,10 @@ void Lookahead::Line::finish() {
   if (!started_) return;
   const double needed = kRounds * farthest_;
   const Ellipsoid ahead{tool_.center + way_, tool_.axes};
-  if (way_between(known_, ahead) + needed < kNear * margin_) return;
+  if (known_in_ == index_.epoch() && way_between(known_, ahead) + needed < kNear * margin_) return;
   double margin = std::max(kLeastMargin, needed);
   Neighbourhood& found = found_.back();
-  for (int k = 0; k < kMostHalvings; ++k, margin *= 0.5) {
+  for (int k = 0; k < kMostHalvings; ++k) {
     const Ellipsoid solid = enlarged(ahead, margin);
     bool fits = true;
     if (precision_) {
@@ -48,8 +60,10 @@ void Lookahead::Line::finish() {
       found.search_drawn(index_, solid);
     }
     if (fits && (found.size() <= kEasy || margin <= needed)) break;
+    margin *= 0.5;
   }
   known_ = ahead;
+  known_in_ = index_.epoch();
   margin_ = margin;
   found_.publish();
 }

@@ -2,6 +2,8 @@
 /// Looking for contacts before the tool is there, on another thread.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <deque>
 #include <optional>
 
@@ -18,6 +20,12 @@ namespace palpate {
 /// and at least kLeastMargin on all sides; less where that is too much to go through in a tick.
 ///
 /// add() before the threads begin. One thread calls take() and finish(); one calls want() and newest().
+///
+/// The index of a line may become another. The thread that looks ahead never reads the object that trackers
+/// refer to: it has a copy, which shares the memory. A tracker that finds another epoch hands over the next
+/// copy, one at a time: once the one before has been taken. What is found is of the epoch of a copy, and
+/// covers nothing of another (Neighbourhood::covers()). Copies are let go of by the thread that looks ahead,
+/// never by that of the trackers, however much memory goes with the last one.
 class Lookahead final : public BackgroundWork {
  public:
   /// Between a tracker and the thread that looks ahead for it.
@@ -26,11 +34,12 @@ class Lookahead final : public BackgroundWork {
     /// Of contacts in that precision; none: of what is drawn, see Neighbourhood::search_drawn().
     /// \param capacity see Neighbourhood
     Line(const SceneIndex& index, std::optional<Precision> precision, std::size_t capacity)
-        : index_(index), precision_(precision), found_(capacity) {}
+        : told_(index.epoch()), index_(index), taken_(told_), precision_(precision), found_(capacity) {}
 
-    /// \name The servo thread's. Neither waits nor takes memory.
+    /// \name The servo thread's. Neither waits, nor takes memory or gives it back.
     /// @{
-    void want(const Ellipsoid& tool);
+    /// What is near `tool` in `index`, which is read no longer than the call takes.
+    void want(const SceneIndex& index, const Ellipsoid& tool);
     /// What was found last; the same until the next call of want().
     Neighbourhood& newest() { return found_.front(); }
     /// @}
@@ -40,7 +49,12 @@ class Lookahead final : public BackgroundWork {
     void take();
     void finish();
 
-    const SceneIndex& index_;
+    /// On its way to the thread that looks ahead; empty where there is none.
+    LatestValue<std::optional<SceneIndex>> next_;
+    std::uint64_t told_;                ///< epoch of the last index that was handed over; the servo thread's
+    SceneIndex index_;                  ///< the last that was taken
+    std::atomic<std::uint64_t> taken_;  ///< its epoch
+    std::uint64_t known_in_ = 0;        ///< epoch of the last search
     std::optional<Precision> precision_;
     LatestValue<Ellipsoid> wanted_;
     LatestValue<Neighbourhood> found_;
@@ -52,7 +66,7 @@ class Lookahead final : public BackgroundWork {
     double margin_ = 0.0;  ///< of that search; 0 if there was none. Unit: [m].
   };
 
-  /// A line for tools in `index`, which must outlive it.
+  /// A line for tools in `index`, of which it has a copy.
   Line& add(const SceneIndex& index, Precision precision, std::size_t capacity = Neighbourhood::kCapacity) {
     return lines_.emplace_back(index, precision, capacity);
   }

@@ -26,26 +26,27 @@ std::size_t Neighbourhood::capacity_for(std::size_t solids) {
 Neighbourhood::~Neighbourhood() = default;
 
 bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Precision precision) {
-  remember(solid, find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_));
-  return valid_;
+  const bool fits = find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_);
+  remember(index, solid, fits);
+  return fits;
 }
 
 void Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid) {
   find_magnified(index.view(), ToolFrame(solid, index.frame()), kDrawn, *candidates_);
-  remember(solid, true);
+  remember(index, solid, true);
 }
 
-void Neighbourhood::remember(const Ellipsoid& solid, bool fits) {
+void Neighbourhood::remember(const SceneIndex& index, const Ellipsoid& solid, bool fits) {
   ++searches_;
-  valid_ = fits;
+  epoch_ = fits ? index.epoch() : 0;
   center_ = solid.center;
   W_ = WhitenedTool(solid).W;
 }
 
 /// Seen from where the solid is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the
 /// sphere of radius |c| + ||M||_2; ||M||_2^2 is the largest eigenvalue of M^T M, at most its largest row sum.
-bool Neighbourhood::covers(const Ellipsoid& tool) const {
-  if (!valid_) return false;
+bool Neighbourhood::covers(const SceneIndex& index, const Ellipsoid& tool) const {
+  if (epoch_ != index.epoch()) return false;
   const Eigen::Vector3d c = W_ * (tool.center - center_);
   const Eigen::Matrix3d M = W_ * tool.axes;
   const double largest = (M.transpose() * M).cwiseAbs().rowwise().sum().maxCoeff();

@@ -42,15 +42,16 @@ class Neighbourhood {
   /// What is drawn of an ellipsoid of one standard deviation ends here: 0.99 exp(-3^2 / 2) is 0.011.
   static constexpr float kDrawn = 3.0F;
 
-  /// True if contacts() of `tool` are complete. May be false though they would be.
-  bool covers(const Ellipsoid& tool) const;
+  /// True if contacts() of `tool` in `index` are complete: never if `index` is of another epoch than that
+  /// which was searched. May be false though they would be.
+  bool covers(const SceneIndex& index, const Ellipsoid& tool) const;
 
   /// Those contacts of `tool` that are among it, by rounding the same as of a fresh query. The arguments are
-  /// those of search(). \param most as of SceneIndex::query
+  /// those of search(). \param most as of SceneIndex::query \pre `index` is of the epoch that was searched
   void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, std::size_t most,
                 ContactSet& result);
 
-  /// What is kept, as splatting draws it. \pre search_drawn() has been called last
+  /// What is kept, as splatting draws it. \pre search_drawn() has been called last, of that epoch
   void splats(const SceneIndex& index, LocalSplats& result) const;
 
   /// How often it was searched for: what is kept is the same while this is.
@@ -62,10 +63,10 @@ class Neighbourhood {
   std::size_t walked() const;
 
  private:
-  void remember(const Ellipsoid& solid, bool fits);
+  void remember(const SceneIndex& index, const Ellipsoid& solid, bool fits);
 
   std::unique_ptr<CandidateSet> candidates_;
-  bool valid_ = false;
+  std::uint64_t epoch_ = 0;  ///< of the index that was searched; 0: it covers nothing
   std::uint64_t searches_ = 0;
   Eigen::Vector3d center_;  ///< of the solid
   Eigen::Matrix3d W_;       ///< world to where the solid is the unit sphere

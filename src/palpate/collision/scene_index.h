@@ -25,7 +25,8 @@ class IndexStorage {
 /// A wide bounding volume hierarchy over the *ellipsoids*, not their centres, so that no Gaussian is missed
 /// whatever its size, and a SIMD narrow phase whose verdicts do not depend on the instruction set (see
 /// contact_kernel.h). It is laid out in the captured frame, and the tool brought there, so that registering
-/// the scene anew costs nothing. Copies share the memory.
+/// the scene anew costs nothing. Copies share the memory, and the epoch; every other construction is one of
+/// its own, registered() too.
 ///
 /// ContactSet::candidates counts the Gaussians in the blocks that the tool's box meets, and depends on the
 /// tree; ContactSet::filtered those that their bounding spheres do not separate from the tool.

@@ -11,13 +11,13 @@ SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead, std::s
 const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
   const Neighbourhood* known = &near_;
   if (ahead_ != nullptr) {
-    ahead_->want(solid);
-    if (ahead_->newest().covers(solid)) known = &ahead_->newest();
+    ahead_->want(index_, solid);
+    if (ahead_->newest().covers(index_, solid)) known = &ahead_->newest();
   }
   has_searched_ = false;
-  if (!known->covers(solid)) {
+  if (!known->covers(index_, solid)) {
     known = &near_;
-    has_searched_ = !known->covers(solid);
+    has_searched_ = !known->covers(index_, solid);
     if (has_searched_)
       near_.search_drawn(index_, {solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes});
   }

@@ -13,8 +13,8 @@
 namespace palpate {
 
 /// Keeps the LocalSplats of a slightly larger solid, and looks no further while the solid stays inside that.
-/// With a Lookahead, another thread looks further. Belongs to one thread; the index must outlive it. Takes
-/// nothing from the heap after construction.
+/// With a Lookahead, another thread looks further. Belongs to one thread; the index must outlive it, and may
+/// become another as that of a ContactTracker may. Takes nothing from the heap after construction.
 class SplatTracker {
  public:
   /// `lookahead` must outlive it; null: it looks for itself. \param capacity see Neighbourhood
@@ -25,7 +25,7 @@ class SplatTracker {
   /// besides; the same until the next call. Where they are more than LocalSplats has room for, a sample that
   /// hides as much; see find_magnified(). \pre as ContactQuery::query.
   const LocalSplats& around(const Ellipsoid& solid);
-  /// What around() gave last. \pre it has been called
+  /// What around() gave last, of the index that there was then. \pre it has been called
   const LocalSplats& newest() const { return *splats_; }
   /// How many Gaussians around() took up anew in its last call; none if what it had was enough.
   std::size_t taken_up() const { return taken_up_; }

@@ -107,7 +107,9 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
 
 ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters,
                        Lookahead* lookahead)
-    : parameters_(parameters),
+    : index_(index),
+      epoch_(index.epoch()),
+      parameters_(parameters),
       gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
       step_(std::numeric_limits<double>::infinity()),
@@ -132,20 +134,31 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
 }
 
 void ProxyForce::reset() {
-  started_ = held_ = trails_ = waits_ = false;
+  started_ = held_ = trails_ = replaced_ = false;
   hold_ = {};
-  obstacles_.planes.clear();
-  obstacles_.properties.clear();
   spring_ = {};
   spring_.reserve = most_reserve();
   velocity_.setZero();
   direction_.setZero();
+  forget_surface();
+  for (Part& part : parts_) part.heading.setZero();
+}
+
+void ProxyForce::forget_surface() {
+  epoch_ = index_.epoch();
+  waits_ = false;
+  obstacles_.planes.clear();
+  obstacles_.properties.clear();
   for (Part& part : parts_) {
     part.patches.clear();
-    part.heading.setZero();
     part.ahead = part.aside = part.one_end = part.other_end = {};
     part.ready = false;
   }
+}
+
+void ProxyForce::start_at_proxy() {
+  starting_ = 0;
+  steps_out_ = kMostFreeSteps;
 }
 
 bool ProxyForce::touches(Part& part, const Ellipsoid& solid) {
@@ -156,7 +169,8 @@ bool ProxyForce::touches(Part& part, const Ellipsoid& solid) {
 
 bool ProxyForce::start() {
   for (; starting_ < parts_.size(); ++starting_) {
-    if (budget_.is_half_spent()) return false;
+    const bool at_once = replaced_ && parts_.size() <= kFewParts;
+    if (!at_once && budget_.is_half_spent()) return false;
     start_patches(parts_[starting_]);
   }
   return true;
@@ -170,8 +184,10 @@ void ProxyForce::start_patches(Part& part) {
   budget_.spend_on_start(tracker.taken_up());
   // The deepest first.
   std::ranges::sort(contacts_.contacts, [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
-  for (const Contact& contact : contacts_.contacts)
+  for (const Contact& contact : contacts_.contacts) {
+    if (replaced_ && budget_.is_half_spent()) break;  // and the rest, to come out of it in this tick
     part.patches.add_at(splats, solid, contact.normal, contact.point);
+  }
 }
 
 bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look,
@@ -504,8 +520,11 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     reset();
     proxy_ = tool_ = input.tool;
     started_ = true;
-    starting_ = 0;
-    steps_out_ = kMostFreeSteps;
+    start_at_proxy();
+  } else if (epoch_ != index_.epoch()) {
+    forget_surface();
+    start_at_proxy();
+    replaced_ = true;
   }
   if (!start()) {
     tool_ = input.tool;
@@ -519,7 +538,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // What has never been held is with the tool, or on its way there; what is not held any more comes after it.
   const double in_contact = of_tool + catch_up() * input.dt;
   double way = held_ ? in_contact : std::max(in_contact, 2.0 * of_tool);
-  if (!trails_) way = std::numeric_limits<double>::infinity();
+  if (!trails_ || replaced_) way = std::numeric_limits<double>::infinity();
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
@@ -537,6 +556,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     if (gone < kSettled * step_) break;
   }
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
+  replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);
   // On its way through free space, nothing is felt.
   if (!trails_) {

@@ -2,6 +2,7 @@
 /// The constraint-based force: a proxy of the tool that stays on the surface.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -82,6 +83,13 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 ///
 /// Stiffness, friction and damping are those of what holds the proxy: means over the Gaussians that the
 /// surface is made of there, and over the patches, by how hard they are pushed.
+///
+/// Where another index is assigned to the one that it refers to (ContactQuery::epoch()), it forgets the
+/// surface and starts anew where the proxy is, which comes out of what is there then, at once. A ball is
+/// pushed by what moves towards it and not passed, at 1 mm from one epoch to the next and less (tested); what
+/// moves by more than the tool's thinnest semi-axis may pass it. Friction starts anew, too: what moves drags
+/// nothing along. Each epoch costs a start, 1 ms in the mean on a capture (decision 29). The reach is that of
+/// the index it was made with.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
 /// its memory: an object serves one tool on one thread. Where a tool of many parts starts, some ticks pass
@@ -229,6 +237,10 @@ class ProxyForce final : public ForceModel {
   void search(Group& group);
   /// The patches of all parts as obstacles.
   void find_obstacles();
+  /// Forgets what is known of the scene, which may be another now; not where the proxy is, nor what it did.
+  void forget_surface();
+  /// What the proxy is in where it stands lets it out, as far as it takes.
+  void start_at_proxy();
   /// Looks where `part` goes with that motion. \returns as look_ahead()
   bool look_aside(Part& part, const Motion& motion, const Goal& goal);
   /// Looks where `part` is about to go. \returns false if the budget was spent before.
@@ -261,6 +273,8 @@ class ProxyForce final : public ForceModel {
   /// What the push is multiplied with so that it damps the motion, too.
   double damped(const Eigen::Vector3d& push) const;
 
+  const SceneIndex& index_;
+  std::uint64_t epoch_;  ///< of what is known of it
   ProxyParameters parameters_;
   double gyration_;  ///< Unit: [m].
   double radius_;    ///< of the tool about its handle. Unit: [m].
@@ -279,6 +293,7 @@ class ProxyForce final : public ForceModel {
   int steps_out_ = 0;         ///< that the proxy may yet make out of what it has started in
   bool held_ = false;         ///< by something, in the last step
   bool trails_ = false;       ///< has been held since it was last with the tool
+  bool replaced_ = false;     ///< the scene was, and the proxy is not out yet of what is there now
   bool waits_ = false;        ///< for the time to look where it goes
   Goal goal_;                 ///< of the last step
   Hold hold_;                 ///< of the last step in which it was held

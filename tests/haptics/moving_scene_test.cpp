@@ -1,0 +1,272 @@
+// The proxy in a scene that is replaced under it: one that moves, and one that is fitted anew.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/tool_file.h>
+#include <palpate/study/procedural.h>
+#include <support/allocation_guard.h>
+#include <support/example_tools.h>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRadius = 0.02, kStiffness = 1000.0;
+
+/// Noise as captures have it, relative to the spacing.
+ProceduralOptions noisy(std::uint64_t seed) {
+  ProceduralOptions options;
+  options.seed = seed;
+  options.spacing = 0.006;
+  options.noise = 0.0015;
+  options.tilt = 10.0 * std::numbers::pi / 180.0;
+  return options;
+}
+
+Tool ball() { return Tool{Vector3d::Constant(kRadius)}; }
+
+/// A thing that moves, and a tool that stands still in its way.
+class MovingThing {
+ public:
+  MovingThing(const std::string& shape, std::uint64_t seed, const Tool& tool = ball(),
+              Lookahead* lookahead = nullptr)
+      : surface(make_surface(shape)),
+        index_(make_scene(*surface, noisy(seed)), SceneFilter{}, Similarity{}),
+        model_(index_, tool, {.stiffness = kStiffness}, lookahead) {
+    input.dt = 1e-3;
+    input.contacts = &none_;
+  }
+
+  /// A tick in which the thing goes to `world_from_thing`; a copy that is registered anew.
+  const ForceOutput& go_to(const Similarity& world_from_thing) {
+    return become(index_.registered(world_from_thing), world_from_thing);
+  }
+  const ForceOutput& become(const SceneIndex& index, const Similarity& world_from_thing) {
+    index_ = index;
+    where_ = world_from_thing;
+    return stay();
+  }
+  const ForceOutput& stay() { return felt_ = model_.evaluate(input); }
+  /// The tool is at `position`, and was nowhere before.
+  void put_tool(const Vector3d& position) {
+    model_.reset();
+    input.tool.position = position;
+  }
+
+  /// Of a point of the world, where it is to the thing.
+  Vector3d in_thing(const Vector3d& point) const { return where_.inverse() * point; }
+  /// From the true surface to the proxy, negative inside a solid.
+  double distance() const { return surface->distance(in_thing(felt_.proxy.position)); }
+  /// The way out of the true surface where the proxy is, in the world.
+  Vector3d outwards() const {
+    return where_.rotation * surface->project(in_thing(felt_.proxy.position)).normal;
+  }
+  const ForceOutput& felt() const { return felt_; }
+
+  std::unique_ptr<AnalyticSurface> surface;
+  ForceInput input;
+
+ private:
+  SceneIndex index_;
+  ProxyForce model_;
+  ContactSet none_;
+  Similarity where_;
+  ForceOutput felt_;
+};
+
+/// Samples of the surface away from its borders and edges.
+std::vector<SurfaceSample> places(const AnalyticSurface& surface, const std::string& shape, std::size_t count,
+                                  std::uint64_t seed) {
+  Random random(seed);
+  const auto samples = surface.samples(0.01, random);
+  std::vector<SurfaceSample> chosen;
+  while (chosen.size() < count) {
+    const SurfaceSample& s = samples[random.index(samples.size())].sample;
+    const Vector3d& p = s.point;
+    if (shape == "plane" && p.cwiseAbs().maxCoeff() > 0.13) continue;
+    if (shape == "cylinder" && std::abs(p.z()) > 0.1) continue;
+    if (shape == "shell" && p.z() < 0.05) continue;
+    if (shape == "torus" && p.head<2>().norm() < 0.105) continue;  // the ball does not fit into the hole
+    chosen.push_back(s);
+  }
+  return chosen;
+}
+
+Similarity moved(const Vector3d& by) { return {1.0, Eigen::Quaterniond::Identity(), by}; }
+
+void expect_finite(const ForceOutput& felt) {
+  ASSERT_TRUE(felt.wrench.force.allFinite() && felt.wrench.torque.allFinite());
+  ASSERT_TRUE(felt.proxy.position.allFinite() && std::isfinite(felt.stored));
+}
+
+class OnMovingShapes : public testing::TestWithParam<const char*> {};
+
+// At 1 m/s and slower, until the tool's centre is as deep below the surface as the ball is thick.
+TEST_P(OnMovingShapes, AThingThatMovesTowardsAStillToolPushesItAndIsNotPassed) {
+  MovingThing thing(GetParam(), 41);
+  Random random(42);
+  for (const double step : {1e-3, 3e-4, 5e-5}) {
+    for (const SurfaceSample& s : places(*thing.surface, GetParam(), 12, 43)) {
+      const Vector3d aside(random.normal(), random.normal(), random.normal());
+      const Vector3d along = (s.normal + 0.4 * aside.normalized()).normalized();
+      thing.put_tool(s.point + 0.04 * along);
+      const auto at = [&](double way) { return moved(way * along); };
+      thing.go_to(at(0.0));
+      for (double way = 0.0; way < 0.04 + 2.0 * kRadius; way += step) {
+        const ForceOutput& felt = thing.go_to(at(way));
+        expect_finite(felt);
+        const double depth = way - 0.04 + kRadius;
+        if (depth < -0.01) {
+          ASSERT_EQ(felt.wrench.force.norm(), 0.0) << "ahead of it, at " << way;
+        }
+        ASSERT_GE(thing.distance(), 0.75 * kRadius) << "step " << step << " at " << way;
+        const Vector3d proxy = thing.in_thing(felt.proxy.position);
+        const NearestPoint nearest = thing.surface->project(proxy);
+        const bool is_near = (nearest.point - s.point).norm() < 0.05;
+        if (!thing.surface->closed() && is_near) {
+          ASSERT_GT((proxy - nearest.point).dot(s.normal), 0.0) << "on the other side";
+        }
+        if (depth > 0.006 && is_near) {
+          ASSERT_GT(felt.wrench.force.dot(thing.outwards()), 0.8 * felt.wrench.force.norm()) << way;
+          ASSERT_GT(felt.wrench.force.norm(), 0.5 * kStiffness * (depth - 0.006)) << way;
+        }
+      }
+    }
+  }
+}
+
+// What is felt at the end is what a still thing has for a tool that has come to it, to within what a patch
+// may be off the fit: two deviations of the noise.
+TEST_P(OnMovingShapes, OnceItStandsItIsFeltAsOneThatNeverMoved) {
+  constexpr double kDepth = 0.008, kStart = 0.01;
+  for (const SurfaceSample& s : places(*make_surface(GetParam()), GetParam(), 12, 44)) {
+    MovingThing moves(GetParam(), 45), stands(GetParam(), 45);
+    const Vector3d end = s.point + (kRadius - kDepth) * s.normal;
+    moves.input.tool.position = end;
+    for (double way = kStart + kDepth; way > 0.0; way -= 2e-4) {
+      stands.input.tool.position = end + way * s.normal;
+      stands.stay();
+      moves.go_to(moved(-way * s.normal));
+    }
+    stands.input.tool.position = end;
+    moves.go_to({});
+    for (int k = 0; k < 300; ++k) {
+      stands.stay();
+      moves.stay();
+    }
+    const Vector3d expected = stands.felt().wrench.force;
+    EXPECT_GT(expected.norm(), 0.3 * kStiffness * kDepth);
+    EXPECT_LE((moves.felt().wrench.force - expected).norm(), kStiffness * 2.0 * 0.0015);
+  }
+}
+
+TEST_P(OnMovingShapes, AThingThatGoesAwayAgainNeverPulls) {
+  MovingThing thing(GetParam(), 46);
+  for (const SurfaceSample& s : places(*thing.surface, GetParam(), 12, 47)) {
+    thing.put_tool(s.point + 0.03 * s.normal);
+    const auto go = [&](double way) -> const ForceOutput& { return thing.go_to(moved(way * s.normal)); };
+    for (double way = 0.0; way < 0.02; way += 5e-4) go(way);
+    EXPECT_GT(thing.felt().wrench.force.dot(s.normal), 1.0);
+    for (double way = 0.02; way > 0.0; way -= 5e-4) {
+      const ForceOutput& felt = go(way);
+      expect_finite(felt);
+      EXPECT_GE(felt.wrench.force.dot(thing.outwards()), -1e-9);
+    }
+    EXPECT_EQ(thing.felt().wrench.force.norm(), 0.0);
+    EXPECT_EQ(thing.felt().proxy.position, thing.input.tool.position);
+  }
+}
+
+// Another memory a tick, with noise of its own: what is known of the one before would not fit.
+TEST_P(OnMovingShapes, AThingThatIsFittedAnewKeepsTheToolOut) {
+  constexpr double kDepth = 0.01;
+  std::vector<SceneIndex> fits;
+  const auto surface = make_surface(GetParam());
+  for (std::uint64_t seed = 0; seed < 8; ++seed)
+    fits.emplace_back(make_scene(*surface, noisy(100 + seed)), SceneFilter{}, Similarity{});
+  MovingThing thing(GetParam(), 48);
+  for (const SurfaceSample& s : places(*surface, GetParam(), 8, 49)) {
+    thing.put_tool(s.point + 0.1 * s.normal);
+    for (int k = 0; k < 200; ++k) {
+      const double depth = std::min(kDepth, -0.01 + 2e-4 * k);
+      thing.input.tool.position = s.point + (kRadius - depth) * s.normal;
+      const ForceOutput& felt = thing.become(fits[static_cast<std::size_t>(k) % fits.size()], {});
+      expect_finite(felt);
+      ASSERT_GE(thing.distance(), 0.75 * kRadius) << k;
+      if (depth < 0.006) continue;
+      ASSERT_GT(felt.wrench.force.dot(s.normal), 0.8 * felt.wrench.force.norm()) << k;
+      ASSERT_GT(felt.wrench.force.norm(), 0.2 * kStiffness * depth) << k;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Proxy, OnMovingShapes,
+                         testing::Values("sphere", "cylinder", "torus", "plane", "shell"));
+
+// A thing that turns past the tool, with another thread that is late.
+TEST(ProxyInAMovingScene, IsNotPassedWhereAnotherThreadLooksAhead) {
+  for (const int rounds : {1, 7, 50}) {
+    Lookahead lookahead;
+    MovingThing thing("box", 51, ball(), &lookahead);
+    thing.input.tool.position = {0.15 + kRadius - 0.003, 0.0, 0.0};
+    double most = 0.0;
+    for (int k = -300; k <= 300; ++k) {
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(1e-3 * k, Vector3d::UnitZ()));
+      const ForceOutput& felt = thing.go_to({1.0, turn, Vector3d::Zero()});
+      expect_finite(felt);
+      if (k > -300) {
+        ASSERT_GE(thing.distance(), 0.75 * kRadius) << k;
+      }
+      most = std::max(most, felt.wrench.force.norm());
+      if (k % rounds == 0) {
+        lookahead.take();
+        lookahead.finish();
+      }
+    }
+    EXPECT_GT(most, 0.5 * kStiffness * 0.003);
+  }
+}
+
+TEST(ProxyInAMovingScene, AToolOfSeveralPartsIsPushed) {
+  for (const std::string name : {"fingertip", "gripper"}) {
+    const Tool tool = read_tool(test::example_tool(name));
+    MovingThing thing("plane", 52, tool);
+    const double reach = tool.radius();
+    for (const double step : {1e-3, 2e-4}) {
+      thing.input.tool.position = {0.0, 0.0, reach + 0.02};
+      thing.input.tool.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3d::UnitX()));
+      thing.go_to({});
+      for (int k = 0; k < 10; ++k) thing.stay();
+      double last = 0.0;
+      for (double way = 0.0; way < reach + 0.03; way += step) {
+        const ForceOutput& felt = thing.go_to(moved({0.0, 0.0, way}));
+        expect_finite(felt);
+        last = felt.wrench.force.z();
+        ASSERT_GE(last, -1e-9) << name << " at " << way;
+      }
+      EXPECT_GT(last, 0.5 * kStiffness * 0.01) << name << ", step " << step;
+      for (double way = reach + 0.03; way > -0.1; way -= 1e-3) thing.go_to(moved({0.0, 0.0, way}));
+    }
+  }
+}
+
+TEST(ProxyInAMovingScene, TakesNothingFromTheHeap) {
+  MovingThing thing("sphere", 53);
+  thing.input.tool.position = {0.0, 0.0, 0.15 + kRadius + 0.005};
+  const test::AllocationGuard guard;
+  for (int k = 0; k < 40; ++k) thing.go_to(moved({0.0, 0.0, 5e-4 * k}));
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(thing.felt().wrench.force.z(), 1.0);
+}
+
+}  // namespace
+}  // namespace palpate
