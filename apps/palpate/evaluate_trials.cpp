@@ -26,8 +26,6 @@ namespace {
 constexpr double kToMm = 1e3;
 constexpr const char* kEven = "even";  // a scene without defects
 
-double number(std::size_t n) { return static_cast<double>(n); }
-
 std::string in_mm(const std::optional<double>& value) {
   return value ? fmt::format("{:.2f} mm", kToMm * *value) : "-";
 }
