@@ -21,7 +21,7 @@ struct Handle final : HapticDevice {
   bool read(double t, DeviceReading& reading) override {
     ++reads;
     if (slow_every != 0 && reads % slow_every == 0) sleep_until(monotonic_now() + slow);
-    reading = {t, DevicePose{}, Twist{}};
+    reading = {t - age, DevicePose{}, Twist{}};
     reading.pose.position.x() = 0.5 + 1e-6 * std::sin(100.0 * t);
     return true;
   }
@@ -34,6 +34,7 @@ struct Handle final : HapticDevice {
   DeviceCapabilities can;
   int reads = 0, slow_every = 0;
   double slow = 0.0;
+  double age = 0.0;  ///< of its readings. Unit: [s].
   std::atomic<double> last = 0.0, last_after_stop = 0.0;
   std::atomic<int> stops = 0;
 };
@@ -48,8 +49,10 @@ struct Push final : ForceModel {
     ForceOutput out;
     out.proxy = input.tool;
     out.wrench.force.x() = age > 0.8 ? 1.0 : 0.0;
+    out.stiffness = kStiffness;
     return out;
   }
+  static constexpr double kStiffness = 500.0;
   double age = 0.0;
   std::atomic<bool> stands_still = false;
 };
@@ -63,8 +66,10 @@ struct Watcher final : TickObserver {
     overruns = times.overruns;
     state = record.state;
     fault = record.fault;
+    if (record.margin > 0.0) margin = record.margin;
   }
   int count = 0;
+  double margin = 0.0;  ///< the last that was known
   double last = 0.0;
   bool backwards = false;
   std::uint64_t overruns = 0;
@@ -122,6 +127,19 @@ TEST_F(ServoLoopTest, ATickThatTakesTooLongIsCountedAndSurvived) {
   EXPECT_GE(watcher.overruns, 4U * 5U);
   EXPECT_LE(watcher.overruns, loop.statistics().overruns);
   EXPECT_GE(loop.statistics().whole.max(), 5.5e-3);
+}
+
+// A busy machine makes it later, never earlier.
+TEST_F(ServoLoopTest, TheAgeOfReadingsCountsAsDelay) {
+  constexpr double kPeriod = 1e-3, kAge = 5e-3;
+  device.age = kAge;
+  ServoTick tick(device, {&push, &contacts});
+  ServoLoop loop(tick, clock, {&watcher}, at(1.0 / kPeriod));
+  while (loop.statistics().ticks < 500) clock.sleep_until(clock.now() + 1e-2);
+  loop.stop();
+  const double bound = passive_stiffness(device.can.damping + ServoTick::kHandDamping, 0.0, kPeriod, kAge);
+  EXPECT_GT(watcher.margin, 0.0);
+  EXPECT_LT(watcher.margin, 1.05 * bound / Push::kStiffness);
 }
 
 // A model that does not come back: the device is stopped meanwhile, and what is written afterwards is of no
