@@ -105,9 +105,7 @@ bool AdmittanceLoop::read(double t, DeviceReading& reading) {
 
 /// What MotionGovernor has stopped for, or what holds the device.
 void AdmittanceLoop::tell_status() noexcept {
-  const GovernorState state = governor_.state();
-  const bool stopped = state == GovernorState::kFalling || state == GovernorState::kStopped;
-  if (stopped && governor_.fault() != Fault::kNone) {
+  if (governor_.fault() != Fault::kNone) {
     set_status(DeviceStatus::kFault, traits(governor_.fault()).name.data());
   } else if (status() == DeviceStatus::kFault || status() == DeviceStatus::kEnabled) {
     set_status(DeviceStatus::kEnabled, held_by());
