@@ -524,6 +524,22 @@ TEST_F(ServoTickTest, AThingThatComesToAStillToolIsFeltWithinTheLimitsOfTheDevic
   EXPECT_GT(device.shown.force.x(), 5.0);
 }
 
+TEST_F(ServoTickTest, LooksAtTheContactsOfTheTool) {
+  begin();
+  device.pose.position = {0.14, 0, 0};
+  const TickRecord& record = run(kTick);
+  ContactSet found;
+  ToolTracker(index, Tool{}).query(record.tool, found, ToolTracker::kMost);
+  ASSERT_GT(found.contacts.size(), 0U);
+  ASSERT_GT(found.filtered, found.contacts.size());
+  ASSERT_GT(found.candidates, found.filtered);
+  loop->look();
+  EXPECT_EQ(record.contacts, found.contacts.size());
+  EXPECT_EQ(record.filtered, found.filtered);
+  EXPECT_EQ(record.candidates, found.candidates);
+  EXPECT_EQ(record.k_max, found.k_max());
+}
+
 // Ten thousand splats in a tool, for a model that wants them all: no force, a reason, and no memory taken.
 TEST_F(ServoTickTest, MoreContactsThanATickHasTimeForAreAFault) {
   ProceduralOptions dense;
