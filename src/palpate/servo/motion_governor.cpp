@@ -93,14 +93,13 @@ void MotionGovernor::admit_none(double t) {
   advance();
 }
 
-bool MotionGovernor::admit(const MotionReading& said, double t) {
+void MotionGovernor::admit(const MotionReading& said, double t) {
   begin_tick(t);
   const bool good = std::isfinite(said.t) && is_pose(said.pose) && finite(said.velocity);
   if (!good) raise(Fault::kBadPose);
   const bool fresh = good && said.t <= t + safety_.stale_after && (!started_ || said.t > newest_.t);
   if (!fresh && t - arrived_ > safety_.stale_after) raise(Fault::kStalePose);
   listen_to_sensor(said);
-  bool admitted = false;
   if (fresh) {
     MotionReading reading = said;
     reading.pose.orientation.normalize();
@@ -110,10 +109,8 @@ bool MotionGovernor::admit(const MotionReading& said, double t) {
     started_ = true;
     if (found == Fault::kNone || found == Fault::kChanging) reading_ = reading;
     if (found != Fault::kNone) raise(found);
-    admitted = found == Fault::kNone;
   }
   advance();
-  return admitted;
 }
 
 bool MotionGovernor::small() const {

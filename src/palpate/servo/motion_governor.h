@@ -54,8 +54,8 @@ class MotionGovernor {
   explicit MotionGovernor(const MotionSafety& safety);
 
   /// Takes the newest reading, at the time `t` of the tick; the same one again where none has come.
-  /// \returns true if it is good and new. \pre `t` never falls.
-  bool admit(const MotionReading& reading, double t);
+  /// \pre `t` never falls.
+  void admit(const MotionReading& reading, double t);
   /// The same where the device has not said anything yet.
   void admit_none(double t);
 
