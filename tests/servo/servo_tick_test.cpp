@@ -197,6 +197,23 @@ TEST_F(ServoTickTest, NoEnergyComesOutOfAGainThatChanges) {
   EXPECT_LT(work, -1e-3) << "was never pressed";
 }
 
+// Each by itself would turn the handle: 50 N and 1 N m are wanted, 10 N and 0.5 N m can be shown.
+TEST_F(ServoTickTest, AWrenchThatIsTooLargeIsShownInItsProportions) {
+  Rod rod;
+  loop = std::make_unique<ServoTick>(device, FeltModel{&rod, &contacts});
+  device.pose.position.x() = 0.001;
+  run(1.0);
+  for (int k = 0; k < 200; ++k) {
+    device.pose.position.x() -= 0.0005;
+    run(kTick);
+  }
+  const TickRecord& now = run(0.2);
+  ASSERT_EQ(now.fault, Fault::kNone);
+  ASSERT_GT(now.felt.wrench.torque.norm(), 1.5 * device.can.torque_max);
+  EXPECT_NEAR(device.shown.force.norm(), device.can.force_max, 1e-3);
+  EXPECT_NEAR(device.shown.torque.norm(), 0.02 * device.shown.force.norm(), 1e-4);
+}
+
 // Laid flat just above the wall, turned upright into it, lifted, laid flat, lowered: without a torque, no
 // work was done in turning, and none may come out in lifting.
 TEST_F(ServoTickTest, NoEnergyComesOutOfATurnThatIsNotFelt) {
