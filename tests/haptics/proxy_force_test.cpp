@@ -18,6 +18,7 @@
 #include <palpate/study/seen_surface.h>
 #include <support/allocation_guard.h>
 #include <support/example_tools.h>
+#include <support/smooth_places.h>
 #include <support/splats.h>
 
 namespace palpate {
@@ -79,24 +80,6 @@ class Bench {
   SceneIndex index_;
   ContactSet none_, touched_;
 };
-
-/// Samples of the surface away from its borders and edges.
-std::vector<SurfaceSample> places(const AnalyticSurface& surface, const std::string& shape, std::size_t count,
-                                  std::uint64_t seed) {
-  Random random(seed);
-  const auto samples = surface.samples(0.01, random);
-  std::vector<SurfaceSample> chosen;
-  while (chosen.size() < count) {
-    const SurfaceSample& s = samples[random.index(samples.size())].sample;
-    const Vector3d& p = s.point;
-    if (shape == "plane" && p.cwiseAbs().maxCoeff() > 0.13) continue;
-    if (shape == "cylinder" && std::abs(p.z()) > 0.1) continue;
-    if (shape == "shell" && p.z() < 0.05) continue;
-    if (shape == "torus" && p.head<2>().norm() < 0.105) continue;  // the ball does not fit into the hole
-    chosen.push_back(s);
-  }
-  return chosen;
-}
 
 double degrees_between(const Vector3d& a, const Vector3d& b) {
   return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180.0 / std::numbers::pi;
@@ -182,7 +165,7 @@ TEST(TheLocalSurface, HasAPlaneThatIsNear) {
 TEST_P(OnShapes, PushesAlongTheNormalAsASpringDoesHoweverDeep) {
   Bench bench(GetParam(), noisy(921));
   std::vector<double> angles, ratios;
-  for (const SurfaceSample& s : places(*bench.surface, GetParam(), 40, 922)) {
+  for (const SurfaceSample& s : test::smooth_places(*bench.surface, GetParam(), 40, 922)) {
     bench.model->reset();
     // How deep it is in the true surface when it meets the noisy one that is seen.
     const double seen = *bench.seen.first_touch(Tool(Vector3d::Constant(kRadius)),
@@ -206,7 +189,7 @@ TEST_P(OnShapes, PushesAlongTheNormalAsASpringDoesHoweverDeep) {
 TEST_P(OnShapes, SlidesWithoutJumps) {
   Bench bench(GetParam(), noisy(923));
   constexpr double kStep = 1e-4, kDepth = 0.01;  // 0.1 m/s at 1 kHz
-  for (SurfaceSample s : places(*bench.surface, GetParam(), 10, 924)) {
+  for (SurfaceSample s : test::smooth_places(*bench.surface, GetParam(), 10, 924)) {
     bench.model->reset();
     for (double depth = -0.005; depth < kDepth; depth += kStep)
       bench.at(s.point + (kRadius - depth) * s.normal);
@@ -227,7 +210,7 @@ TEST_P(OnShapes, IsNeverPulledThrough) {
   Bench bench(GetParam(), noisy(925));
   Random random(926);
   int pushes = 0;
-  for (const SurfaceSample& s : places(*bench.surface, GetParam(), 40, 927)) {
+  for (const SurfaceSample& s : test::smooth_places(*bench.surface, GetParam(), 40, 927)) {
     bench.model->reset();
     const bool fast = pushes++ % 4 == 0;  // 2 m/s at 1 kHz
     const double step = fast ? 2e-3 : random.uniform(1e-4, 1e-3);
@@ -319,7 +302,7 @@ TEST(ProxyForce, BeginsAContactOnlyWhereTheToolTouches) {
   for (const std::string shape : {"plane", "sphere"}) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       Bench bench(shape, noisy(seed));
-      const SurfaceSample s = places(*bench.surface, shape, 1, seed).front();
+      const SurfaceSample s = test::smooth_places(*bench.surface, shape, 1, seed).front();
       const Vector3d along = 1e-5 * s.normal.unitOrthogonal();
       bool contact = false;
       int begun = 0, ended = 0;
@@ -718,7 +701,7 @@ TEST(ProxyForce, ComesOutOfWhatItStartsIn) {
 
 TEST(ProxyForce, FeelsTheSameForAsLongAsItRests) {
   Bench bench("plane", noisy(939));
-  for (const SurfaceSample& s : places(*bench.surface, "plane", 10, 940)) {
+  for (const SurfaceSample& s : test::smooth_places(*bench.surface, "plane", 10, 940)) {
     bench.model->reset();
     const Vector3d at = s.point + 0.5 * kRadius * s.normal, first = bench.at(at).wrench.force;
     Vector3d force = first;
@@ -857,7 +840,7 @@ TEST(ProxyForce, MakesNoEnergyAsItSlides) {
   for (const char* shape : {"plane", "sphere", "torus"}) {
     Bench bench(shape, noisy(936));
     Random random(937);
-    for (const SurfaceSample& s : places(*bench.surface, shape, 6, 938)) {
+    for (const SurfaceSample& s : test::smooth_places(*bench.surface, shape, 6, 938)) {
       bench.model->reset();
       Vector3d at = s.point + 1.5 * kRadius * s.normal, force = Vector3d::Zero();
       const double began = bench.at(at).stored;
@@ -885,7 +868,7 @@ TEST(ProxyForce, MakesNoEnergyAsItSlides) {
 TEST(ProxyForce, MakesNoEnergyAsItTurns) {
   Bench bench("sphere", noisy(943), {.friction = 0.2}, Tool({0.01, 0.015, 0.03}));
   Random random(944);
-  for (const SurfaceSample& s : places(*bench.surface, "sphere", 6, 945)) {
+  for (const SurfaceSample& s : test::smooth_places(*bench.surface, "sphere", 6, 945)) {
     bench.model->reset();
     ForceInput input;
     input.dt = 1e-3;
