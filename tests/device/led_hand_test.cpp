@@ -263,6 +263,11 @@ TEST(LedHand, GoesBackALongWay) {
   EXPECT_LT(back.off, 0.02);
   EXPECT_GT(back.seconds, 7.0 / LedHand::kBackSpeed);
   EXPECT_LT(back.seconds, 60.0);
+
+  // A short way after that is remembered as finely as a first one: its end is not taken for its beginning.
+  const std::vector<Vector3d> around{{0, 0, 0}, {0, 0, 0.007}, {0.007, 0, 0.007}, {0.007, 0, 0}};
+  lead_along(drive, around);
+  EXPECT_GT(let_go(drive, around).seconds, 1.3 * 0.007 / LedHand::kBackSpeed) << "not straight";
 }
 
 // What it was led around is not there any more.

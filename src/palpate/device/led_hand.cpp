@@ -24,13 +24,9 @@ Vector3d rest_of(const Vector3d& way, double dt, double least_speed) {
 
 }  // namespace
 
-void LedHand::Trail::clear() {
-  size_ = 0;
-  stride_ = kStride;
-}
-
 void LedHand::Trail::add(const Pose& pose) {
   const auto is_near = [&](const Pose& p) { return (p.position - pose.position).norm() < stride_; };
+  if (empty()) stride_ = kStride;
   if (!empty() && is_near(last())) return;
   const auto first = places_.begin(), end = first + static_cast<std::ptrdiff_t>(size_);
   const auto met = std::find_if(first, end, is_near);

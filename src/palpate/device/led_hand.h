@@ -44,7 +44,7 @@ class LedHand {
    public:
     bool empty() const { return size_ == 0; }
     const Pose& last() const { return places_[size_ - 1]; }
-    void clear();
+    void clear() { size_ = 0; }
     void drop_last() { --size_; }
     /// Where the hand comes back to an earlier place, what lies between is forgotten.
     void add(const Pose& pose);
