@@ -236,7 +236,8 @@ TEST_F(ContactTrackerOnEveryTarget, OfSoManyPairsFindsThoseThatComeFirst) {
          {std::size_t{0}, std::size_t{100}, all.filtered / 2, all.filtered + 1, kAllPairs}) {
       for (const bool tracks : {false, true}) {
         ContactTracker tracker(index);
-        tracks ? tracker.query(tool, some, most) : index.query(tool, Precision::kDouble, some, most);
+        tracks ? tracker.query(tool, some, {.pairs = most})
+               : index.query(tool, Precision::kDouble, some, {.pairs = most});
         if (!tracks) {  // which looks at a few pairs more
           EXPECT_EQ(some.complete, most > all.filtered) << most;
         }
@@ -248,6 +249,56 @@ TEST_F(ContactTrackerOnEveryTarget, OfSoManyPairsFindsThoseThatComeFirst) {
           EXPECT_EQ(some.contacts[k].id, all.contacts[k].id) << most;
       }
     }
+  });
+}
+
+// Whether anything is touched at all, also where more is near than is kept.
+TEST_F(ContactTrackerOnEveryTarget, OfOneContactFindsOneWhereThereIsAny) {
+  constexpr QueryLimit kAny{.contacts = 1};
+  Random random(23);
+  const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});
+  on_every_target([&] {
+    int touching = 0, apart = 0;
+    for (const double radius : {0.01, 0.1, 0.5}) {
+      ContactTracker tracker(index);
+      for (int k = 0; k < 60; ++k) {
+        const Vector3d at = random.uniform(1.0 - 1.5 * radius, 1.0 + 1.5 * radius) * random.direction();
+        const Ellipsoid tool{at, radius * Eigen::Matrix3d::Identity()};
+        ContactSet all, tracked, fresh;
+        index.query(tool, all);
+        index.query(tool, Precision::kSingle, fresh, kAny);
+        tracker.query(tool, tracked, kAny);
+        EXPECT_EQ(fresh.contacts.empty(), all.contacts.empty());
+        EXPECT_EQ(tracked.contacts.empty(), all.contacts.empty());
+        EXPECT_TRUE(fresh.complete || !fresh.contacts.empty());
+        EXPECT_LE(fresh.contacts.size(), 192U);
+        (all.contacts.empty() ? apart : touching) += 1;
+      }
+    }
+    EXPECT_GT(touching, 40);
+    EXPECT_GT(apart, 20);
+  });
+}
+
+TEST_F(ContactTrackerOnEveryTarget, SearchesNoCrowdTwice) {
+  Random random(24);
+  const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});
+  const auto tool_at = [](double x) { return Ellipsoid{{x, 0, 0}, 0.9 * Eigen::Matrix3d::Identity()}; };
+  on_every_target([&] {
+    ContactTracker tracker(index);
+    ContactSet all, set;
+    tracker.query(tool_at(0.5), set);
+    ASSERT_GT(set.contacts.size(), Neighbourhood::kCapacity);
+    EXPECT_GT(tracker.searched(), Neighbourhood::kCapacity);
+    for (const double x : {0.5, 0.501, 0.499, 0.6}) {
+      tracker.query(tool_at(x), set);
+      index.query(tool_at(x), all);
+      EXPECT_EQ(set.contacts.size(), all.contacts.size());
+      EXPECT_EQ(tracker.searched() > 0, x == 0.6) << x;
+    }
+    tracker.query(Ellipsoid{{0.95, 0, 0}, 0.1 * Eigen::Matrix3d::Identity()}, set);
+    EXPECT_GT(set.contacts.size(), 20U);
+    EXPECT_LT(set.candidates, 4000U);
   });
 }
 

@@ -11,6 +11,7 @@
 #include <palpate/collision/local_splats.h>
 #include <palpate/collision/neighbourhood.h>
 #include <palpate/collision/scene_index.h>
+#include <palpate/collision/splat_tracker.h>
 #include <support/on_every_target.h>
 #include <support/random_pairs.h>
 #include <support/splats.h>
@@ -144,6 +145,94 @@ TEST(LocalSplats, OfALargerSolidAreAmongThoseOfASmallerOne) {
   }
   EXPECT_GT(inside, 300U);
   EXPECT_GT(more.size, 3 * inside);
+}
+
+std::vector<std::uint32_t> ids_of(const LocalSplats& splats) {
+  return {splats.id.begin(), splats.id.begin() + static_cast<std::ptrdiff_t>(splats.size)};
+}
+
+Ellipsoid ball_at(double x, double radius) { return {{x, 0.5, 0.0}, radius * Matrix3d::Identity()}; }
+
+/// Splats on the unit square, few enough to be kept all.
+std::vector<Splat> loose_square(Random& random) {
+  std::vector<Splat> splats;
+  for (int i = 0; i < 3000; ++i)
+    splats.push_back(test::splat({random.uniform(0, 1), random.uniform(0, 1), 0.0}, {2e-3, 2e-3, 2e-4}));
+  return splats;
+}
+
+TEST_F(LocalSplatsOnEveryTarget, InPortionsAreTheSame) {
+  constexpr std::size_t kMost = 200, kAFewBesides = 48 * 16;
+  Random random(914);
+  const SceneIndex index(test::scene_of(loose_square(random)), SceneFilter{}, Similarity{});
+  on_every_target([&] {
+    SplatTracker whole(index), divided(index);
+    for (const Ellipsoid& solid : {ball_at(0.5, 0.4), ball_at(0.1, 0.3), ball_at(0.5, 2.0)}) {
+      const std::vector<std::uint32_t> before = ids_of(divided.newest());
+      int calls = 1;
+      for (; !divided.update(solid, kMost); ++calls) {
+        ASSERT_EQ(ids_of(divided.newest()), before) << "what was found last stays meanwhile";
+        ASSERT_GT(divided.walked(), 0U);
+        ASSERT_LT(divided.walked(), kMost + kAFewBesides);
+        EXPECT_EQ(divided.taken_up(), 0U);
+      }
+      EXPECT_GE(calls, 2);
+      EXPECT_EQ(ids_of(divided.newest()), ids_of(whole.around(solid)));
+      EXPECT_EQ(divided.taken_up(), divided.newest().size);
+      EXPECT_TRUE(divided.update(solid, 0)) << "it knows";
+      EXPECT_EQ(divided.taken_up(), 0U);
+    }
+  });
+}
+
+TEST(LocalSplats, ASearchThatIsUnderWayIsOfOneSolidInOneIndex) {
+  Random random(915);
+  SceneIndex index(test::scene_of(loose_square(random)), SceneFilter{}, Similarity{});
+  SplatTracker tracker(index);
+  const Ellipsoid a = ball_at(0.3, 0.3), b = ball_at(0.7, 0.3);
+  ASSERT_FALSE(tracker.update(a, 200));
+  const std::vector<std::uint32_t> of_b = ids_of(tracker.around(b));
+  EXPECT_EQ(of_b, ids_of(SplatTracker(index).around(b)));
+  ASSERT_FALSE(tracker.update(a, 200));
+  EXPECT_EQ(ids_of(tracker.newest()), of_b);
+  index = SceneIndex(test::scene_of(loose_square(random)), SceneFilter{}, Similarity{});
+  EXPECT_EQ(ids_of(tracker.around(a)), ids_of(SplatTracker(index).around(a)));
+}
+
+// In portions as well: what stands for the rest fits, and hides as much.
+TEST(LocalSplats, OfACrowdAreASampleThatFitsWhereverItIsDivided) {
+  Random random(916);
+  const std::vector<Splat> splats = crowded_square(random);
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  const auto hidden = [](const LocalSplats& near) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < near.size; ++i)
+      if (near.radius[i] < kLarge) sum += static_cast<double>(near.radius[i] * near.radius[i]);
+    return sum;
+  };
+  SplatTracker whole(index);
+  const double all = hidden(whole.around(ball_at(0.5, 2.0)));
+  for (const std::size_t most : {500U, 3000U, 20'000U}) {
+    SplatTracker divided(index);
+    while (!divided.update(ball_at(0.5, 2.0), most)) {
+    }
+    EXPECT_GT(divided.newest().size, LocalSplats::kCapacity / 3) << most;
+    EXPECT_NEAR(hidden(divided.newest()) / all, 1.0, 0.05) << most;
+  }
+}
+
+// The grain of the last search is where the next begins; it does not outlast the crowd.
+TEST(LocalSplats, ForgetTheirGrainWhereThereIsRoom) {
+  Random random(917);
+  const SceneIndex index(test::scene_of(crowded_square(random)), SceneFilter{}, Similarity{});
+  SplatTracker tracker(index);
+  for (const double x : {0.3, 0.32, 0.34}) {
+    const std::size_t size = tracker.around(ball_at(x, 0.3)).size;
+    EXPECT_GT(size, LocalSplats::kCapacity / 3) << x;
+    EXPECT_LE(size, LocalSplats::kCapacity) << x;
+  }
+  const Ellipsoid elsewhere = ball_at(0.85, 0.02);
+  EXPECT_EQ(ids_of(tracker.around(elsewhere)), ids_of(SplatTracker(index).around(elsewhere)));
 }
 
 }  // namespace

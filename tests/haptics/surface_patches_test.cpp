@@ -382,7 +382,7 @@ TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
   }
   EXPECT_EQ(patches.patches().size(), SurfacePatches::kMost);
   patches.clear();
-  while (!budget.is_spent()) budget.spend_on_look(splats.size, splats.size);
+  while (!budget.is_spent()) budget.spend_on_look(splats.size, splats.size, splats.size);
   EXPECT_FALSE(patches.add_at(splats, solid, Vector3d::UnitZ(), -0.95 * kRadius * Vector3d::UnitZ()));
 }
 

@@ -45,7 +45,7 @@ struct ContactSet {
   std::size_t candidates = 0;  ///< Gaussians that the broad phase let through
   std::size_t filtered = 0;    ///< of these, how many passed the bounding spheres (paper eq. 4)
   std::vector<Contact> contacts;
-  bool complete = true;  ///< false: there may be more, but as many pairs were looked at as were asked for
+  bool complete = true;  ///< false: there may be more, beyond the QueryLimit
 
   /// Largest k_min; 0 without contact.
   double k_max() const;
@@ -66,6 +66,13 @@ inline bool spheres_overlap(const Ellipsoid& a, double radius_a, const Ellipsoid
 
 /// No bound on the pairs that a query looks at.
 inline constexpr std::size_t kAllPairs = std::numeric_limits<std::size_t>::max();
+
+/// Where a query stops before it has been through all; ContactSet::complete is then false. It does after the
+/// pairs that it is just looking at, some hundred.
+struct QueryLimit {
+  std::size_t pairs = kAllPairs;     ///< it has looked at so many: a bound on the time
+  std::size_t contacts = kAllPairs;  ///< it has found so many: 1 to know whether there is any
+};
 
 /// What the figures of a contact are computed in. Which pairs are contacts does not depend on it.
 enum class Precision {

@@ -156,7 +156,7 @@ std::size_t append_contacts(Workspace& w, std::size_t n, const GaussianSlot* slo
 }
 
 template <Precision kPrecision>
-void find_contacts_in(const IndexView& index, const ToolFrame& tool, std::size_t most, ContactSet& result) {
+void find_contacts_in(const IndexView& index, const ToolFrame& tool, QueryLimit limit, ContactSet& result) {
   PairBuffer buffer;
   Workspace w;
   std::size_t end = 0;
@@ -175,7 +175,7 @@ void find_contacts_in(const IndexView& index, const ToolFrame& tool, std::size_t
     end = append_contacts<kPrecision>(w, pairs.size, pairs.slot.data(), index, tool, label, kStepsFromGuess,
                                       end, result.contacts);
     pairs.size = 0;
-    result.complete = result.filtered < most;
+    result.complete = result.filtered < limit.pairs && end < limit.contacts;
     return result.complete;
   };
   result.candidates = walk<kPrecision>(index, tool, AsTheyAre{}, buffer, flush);
@@ -186,12 +186,12 @@ void find_contacts_in(const IndexView& index, const ToolFrame& tool, std::size_t
   result.contacts.resize(end);
 }
 
-void FindContacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
+void FindContacts(const IndexView& index, const ToolFrame& tool, Precision precision, QueryLimit limit,
                   ContactSet& result) {
   if (precision == Precision::kSingle) {
-    find_contacts_in<Precision::kSingle>(index, tool, most, result);
+    find_contacts_in<Precision::kSingle>(index, tool, limit, result);
   } else {
-    find_contacts_in<Precision::kDouble>(index, tool, most, result);
+    find_contacts_in<Precision::kDouble>(index, tool, limit, result);
   }
 }
 
@@ -245,15 +245,16 @@ struct Sampled {
   }
 };
 
+/// Goes on with what `candidates` has ahead, through `most` Gaussians and a few besides.
 template <Precision kPrecision, class L, class Size, class Crowd>
 bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Size& size, const Crowd& crowd,
-                        CandidateSet& candidates) {
+                        std::size_t most, CandidateSet& candidates) {
   PairBuffer buffer;
   WhitenedPairs<float> singles;
   bool fits = true;
-  candidates.size = 0;
-  candidates.grain = 0.0F;
+  candidates.passed = 0;
   const auto flush = [&](PairBuffer& pairs) HWY_ATTR {
+    candidates.passed += pairs.size;
     crowd.thin(pairs, candidates);
     screen<kPrecision, Kept::kPair>(pairs, tool, singles);
     fits = fits && (candidates.size + pairs.size <= candidates.capacity || crowd.make_room(candidates));
@@ -261,7 +262,12 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Siz
     pairs.size = 0;
     return fits;
   };
-  candidates.walked = walk<kPrecision>(index, tool, size, buffer, flush);
+  Pending pending;
+  pending.node_count = candidates.ahead_count;
+  std::copy_n(candidates.ahead.begin(), candidates.ahead_count, pending.nodes);
+  candidates.walked = walk_on<kPrecision>(index, tool, size, most, pending, buffer, flush);
+  candidates.ahead_count = pending.node_count;
+  std::copy_n(pending.nodes, pending.node_count, candidates.ahead.begin());
   if (fits) flush(buffer);
   if (!fits) candidates.size = 0;
   return fits;
@@ -270,15 +276,18 @@ bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Siz
 bool FindCandidates(const IndexView& index, const ToolFrame& tool, Precision precision,
                     CandidateSet& candidates) {
   return precision == Precision::kSingle ? find_candidates_in<Precision::kSingle, Floats>(
-                                               index, tool, AsTheyAre{}, AllOrNone(), candidates)
+                                               index, tool, AsTheyAre{}, AllOrNone(), kAllPairs, candidates)
                                          : find_candidates_in<Precision::kDouble, Doubles>(
-                                               index, tool, AsTheyAre{}, AllOrNone(), candidates);
+                                               index, tool, AsTheyAre{}, AllOrNone(), kAllPairs, candidates);
 }
 
-void FindMagnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
-  find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, Sampled(), candidates);
+bool FindMagnified(const IndexView& index, const ToolFrame& tool, float times, std::size_t most,
+                   CandidateSet& candidates) {
+  find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, Sampled(), most, candidates);
+  if (candidates.ahead_count != 0) return false;
   // What came with the last change of the grain, too.
   if (candidates.grain > 0.0F) sample(candidates);
+  return true;
 }
 
 /// Candidates from i on, as solids.
@@ -294,9 +303,10 @@ HWY_INLINE Solid<L> load_candidates(CandidateSet& c, std::size_t i) {
 
 template <Precision kPrecision, class L>
 void contacts_among_in(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                       PairsOf<L>& pairs, Workspace& w, std::size_t most, ContactSet& result) {
+                       PairsOf<L>& pairs, Workspace& w, QueryLimit limit, ContactSet& result) {
   std::size_t end = 0, first = 0;
-  for (; first < std::min(most, candidates.size); first += PairBuffer::kCapacity) {
+  const std::size_t last = std::min(limit.pairs, candidates.size);
+  for (; first < last && end < limit.contacts; first += PairBuffer::kCapacity) {
     const std::size_t n = std::min(PairBuffer::kCapacity, candidates.size - first);
     for (std::size_t i = 0; i < n; i += L::width())
       whiten_into(load_candidates<L>(candidates, first + i), tool, pairs, i);
@@ -311,12 +321,12 @@ void contacts_among_in(CandidateSet& candidates, const IndexView& index, const T
 }
 
 void ContactsAmong(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                   Precision precision, std::size_t most, ContactSet& result) {
+                   Precision precision, QueryLimit limit, ContactSet& result) {
   Workspace w;
   if (precision == Precision::kSingle) {
-    contacts_among_in<Precision::kSingle, Floats>(candidates, index, tool, w.singles, w, most, result);
+    contacts_among_in<Precision::kSingle, Floats>(candidates, index, tool, w.singles, w, limit, result);
   } else {
-    contacts_among_in<Precision::kDouble, Doubles>(candidates, index, tool, w.pairs, w, most, result);
+    contacts_among_in<Precision::kDouble, Doubles>(candidates, index, tool, w.pairs, w, limit, result);
   }
 }
 
@@ -335,9 +345,9 @@ HWY_EXPORT(ContactsAmong);
 
 }  // namespace
 
-void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
+void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, QueryLimit limit,
                    ContactSet& result) {
-  HWY_DYNAMIC_DISPATCH(FindContacts)(index, tool, precision, most, result);
+  HWY_DYNAMIC_DISPATCH(FindContacts)(index, tool, precision, limit, result);
 }
 
 CandidateSet::CandidateSet(std::size_t most) : capacity(most) {
@@ -352,18 +362,27 @@ CandidateSet::CandidateSet(std::size_t most) : capacity(most) {
 
 bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision precision,
                      CandidateSet& candidates) {
+  begin_search(index, 0.0F, candidates);
   return HWY_DYNAMIC_DISPATCH(FindCandidates)(index, tool, precision, candidates);
 }
 
-void find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates) {
-  HWY_DYNAMIC_DISPATCH(FindMagnified)(index, tool, times, candidates);
+bool find_magnified(const IndexView& index, const ToolFrame& tool, float times, std::size_t most,
+                    CandidateSet& candidates) {
+  return HWY_DYNAMIC_DISPATCH(FindMagnified)(index, tool, times, most, candidates);
+}
+
+void begin_search(const IndexView& index, float grain, CandidateSet& candidates) {
+  candidates.size = candidates.walked = 0;
+  candidates.grain = grain;
+  candidates.ahead_count = index.nodes.empty() ? 0 : 1;
+  candidates.ahead[0] = 0;  // the root
 }
 
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                    Precision precision, std::size_t most, ContactSet& result) {
+                    Precision precision, QueryLimit limit, ContactSet& result) {
   result.candidates = candidates.walked;
   result.filtered = candidates.size;
-  HWY_DYNAMIC_DISPATCH(ContactsAmong)(candidates, index, tool, precision, most, result);
+  HWY_DYNAMIC_DISPATCH(ContactsAmong)(candidates, index, tool, precision, limit, result);
 }
 
 namespace {

@@ -43,7 +43,10 @@ struct CandidateSet {
 
   std::size_t capacity;
   std::size_t size = 0;
-  std::size_t walked = 0;              ///< ContactSet::candidates of the query that filled it
+  std::size_t walked = 0;       ///< ContactSet::candidates of the last call that searched
+  std::size_t passed = 0;       ///< those of them whose bounding spheres met the tool
+  std::size_t ahead_count = 0;  ///< nodes of the index that a search in portions has still ahead
+  std::array<std::uint32_t, kMaxIndexStack> ahead;
   std::array<Array<float>, 3> center;  ///< as their file has it
   /// The three semi-axis vectors k sigma r, one after the other: for Precision::kDouble, or for kSingle.
   std::array<Array<double>, 9> axes;
@@ -55,9 +58,9 @@ struct CandidateSet {
   float grain = 0.0F;
 };
 
-/// All contacts of `tool`, into `result`, in the order of the blocks; or those among `most` pairs and what is
-/// in one buffer more, ContactSet::complete then being false. Allocates only if they do not fit its capacity.
-void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, std::size_t most,
+/// All contacts of `tool`, into `result`, in the order of the blocks; or those that are found up to the
+/// buffer in which `limit` is reached. Allocates only if they do not fit its capacity.
+void find_contacts(const IndexView& index, const ToolFrame& tool, Precision precision, QueryLimit limit,
                    ContactSet& result);
 
 /// A superset of the Gaussians that `tool` overlaps; false if they do not fit, `candidates` then being empty.
@@ -68,14 +71,21 @@ bool find_candidates(const IndexView& index, const ToolFrame& tool, Precision pr
 /// are their axes in `candidates`. Not for contacts_among().
 ///
 /// Where they do not fit, a sample of the smaller ones stands for them: of those whose extent e is below a
-/// grain, as small a grain as fits, a share (e / grain)^2, so that they hide as much where each is drawn
-/// grain / e times as large (as for stochastic simplification: Cook et al. 2007). Which they are depends on
-/// their place in the index, where neighbours follow each other, and on the grain, not on the tool; of a
-/// larger grain, they are among those of a smaller one.
-void find_magnified(const IndexView& index, const ToolFrame& tool, float times, CandidateSet& candidates);
+/// grain, as small a grain as fits or what begin_search() was told, a share (e / grain)^2, so that they hide
+/// as much where each is drawn grain / e times as large (as for stochastic simplification: Cook et al. 2007).
+/// Which they are depends on their place in the index, where neighbours follow each other, and on the grain,
+/// not on the tool; of a larger grain, they are among those of a smaller one.
+///
+/// Goes on where the last call with the same arguments has stopped, or begins after begin_search(), and goes
+/// through `most` Gaussians and a few besides. \returns true once it has been through all.
+bool find_magnified(const IndexView& index, const ToolFrame& tool, float times, std::size_t most,
+                    CandidateSet& candidates);
+
+/// Makes `candidates` empty, all of `index` being ahead. \param grain to begin a sample with, 0 to keep all
+void begin_search(const IndexView& index, float grain, CandidateSet& candidates);
 
 /// As find_contacts, among `candidates` alone, found with the same precision, whose t is kept up to date.
 void contacts_among(CandidateSet& candidates, const IndexView& index, const ToolFrame& tool,
-                    Precision precision, std::size_t most, ContactSet& result);
+                    Precision precision, QueryLimit limit, ContactSet& result);
 
 }  // namespace palpate

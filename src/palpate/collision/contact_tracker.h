@@ -30,15 +30,20 @@ class ContactTracker {
                           Lookahead* lookahead = nullptr, std::size_t capacity = Neighbourhood::kCapacity);
 
   /// Replaces `result` by the contacts of `tool`. ContactSet::candidates is that of the last search,
-  /// `filtered` the number of Gaussians it left. \param most as of SceneIndex::query \pre as
-  /// ContactQuery::query.
-  void query(const Ellipsoid& tool, ContactSet& result, std::size_t most = kAllPairs);
+  /// `filtered` the number of Gaussians it left. \pre as ContactQuery::query.
+  void query(const Ellipsoid& tool, ContactSet& result, QueryLimit limit = {});
+  /// How many Gaussians the last query searched closely; none if it knew what is near.
+  std::size_t searched() const { return searched_; }
 
  private:
+  /// Makes near_ cover `tool`. \returns false if too many Gaussians are near to keep them
+  bool knows(const Ellipsoid& tool);
+
   const SceneIndex& index_;
   Precision precision_;
   Lookahead::Line* ahead_;
   Neighbourhood near_;
+  std::size_t searched_ = 0;
 };
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// For the rounding of covers().
+/// For the rounding of holds().
 constexpr double kRounding = 1e-10;
 
 }  // namespace
@@ -26,36 +26,68 @@ std::size_t Neighbourhood::capacity_for(std::size_t solids) {
 Neighbourhood::~Neighbourhood() = default;
 
 bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Precision precision) {
+  center_ = solid.center;
+  W_ = WhitenedTool(solid).W;
   const bool fits = find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_);
-  remember(index, solid, fits);
+  walked_ = candidates_->walked;
+  passed_ = candidates_->passed;
+  remember(index, fits);
   return fits;
 }
 
-void Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid) {
-  find_magnified(index.view(), ToolFrame(solid, index.frame()), kDrawn, *candidates_);
-  remember(index, solid, true);
+bool Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid, std::size_t most) {
+  const ToolFrame frame(solid, index.frame());
+  const Eigen::Matrix3d W = WhitenedTool(solid).W;
+  walked_ = passed_ = 0;
+  if (under_way_ != index.epoch() || center_ != solid.center || W_ != W) {
+    // To find a grain takes most of a search, and the last one may do.
+    guesses_ = epoch_ == index.epoch();
+    begin_search(index.view(), guesses_ ? candidates_->grain : 0.0F, *candidates_);
+    under_way_ = index.epoch();
+    epoch_ = crowded_ = 0;
+    center_ = solid.center;
+    W_ = W;
+  }
+  while (true) {
+    const bool through = find_magnified(index.view(), frame, kDrawn, most, *candidates_);
+    walked_ += candidates_->walked;
+    passed_ += candidates_->passed;
+    if (!through) return false;
+    if (!guesses_ || candidates_->grain == 0.0F || 2 * candidates_->size > candidates_->capacity) break;
+    guesses_ = false;  // it was too large
+    begin_search(index.view(), 0.0F, *candidates_);
+  }
+  remember(index, true);
+  return true;
 }
 
-void Neighbourhood::remember(const SceneIndex& index, const Ellipsoid& solid, bool fits) {
+void Neighbourhood::remember(const SceneIndex& index, bool fits) {
   ++searches_;
   epoch_ = fits ? index.epoch() : 0;
-  center_ = solid.center;
-  W_ = WhitenedTool(solid).W;
+  crowded_ = fits ? 0 : index.epoch();
+  under_way_ = 0;
 }
 
 /// Seen from where the solid is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the
 /// sphere of radius |c| + ||M||_2; ||M||_2^2 is the largest eigenvalue of M^T M, at most its largest row sum.
-bool Neighbourhood::covers(const SceneIndex& index, const Ellipsoid& tool) const {
-  if (epoch_ != index.epoch()) return false;
+bool Neighbourhood::holds(const Ellipsoid& tool) const {
   const Eigen::Vector3d c = W_ * (tool.center - center_);
   const Eigen::Matrix3d M = W_ * tool.axes;
   const double largest = (M.transpose() * M).cwiseAbs().rowwise().sum().maxCoeff();
   return c.norm() + std::sqrt(largest) <= 1.0 - kRounding;
 }
 
+bool Neighbourhood::covers(const SceneIndex& index, const Ellipsoid& tool) const {
+  return epoch_ == index.epoch() && holds(tool);
+}
+
+bool Neighbourhood::is_crowded_around(const SceneIndex& index, const Ellipsoid& tool) const {
+  return crowded_ == index.epoch() && holds(tool);
+}
+
 void Neighbourhood::contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision,
-                             std::size_t most, ContactSet& result) {
-  contacts_among(*candidates_, index.view(), ToolFrame(tool, index.frame()), precision, most, result);
+                             QueryLimit limit, ContactSet& result) {
+  contacts_among(*candidates_, index.view(), ToolFrame(tool, index.frame()), precision, limit, result);
 }
 
 void Neighbourhood::splats(const SceneIndex& index, LocalSplats& result) const {
@@ -63,7 +95,5 @@ void Neighbourhood::splats(const SceneIndex& index, LocalSplats& result) const {
 }
 
 std::size_t Neighbourhood::size() const { return candidates_->size; }
-
-std::size_t Neighbourhood::walked() const { return candidates_->walked; }
 
 }  // namespace palpate

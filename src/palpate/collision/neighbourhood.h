@@ -36,8 +36,10 @@ class Neighbourhood {
   bool search(const SceneIndex& index, const Ellipsoid& solid, Precision precision);
 
   /// The same of what splatting draws: Gaussians whose ellipsoids are kDrawn times as large, or a sample of
-  /// them that is not too much; see find_magnified(). For splats() alone.
-  void search_drawn(const SceneIndex& index, const Ellipsoid& solid);
+  /// them that is not too much; see find_magnified(). For splats() alone. Goes through `most` Gaussians and a
+  /// few besides. \returns false if there are more: the next call with the same solid, in an index of the
+  /// same epoch, goes on. Until then it covers nothing.
+  bool search_drawn(const SceneIndex& index, const Ellipsoid& solid, std::size_t most = kAllPairs);
 
   /// What is drawn of an ellipsoid of one standard deviation ends here: 0.99 exp(-3^2 / 2) is 0.011.
   static constexpr float kDrawn = 3.0F;
@@ -45,10 +47,12 @@ class Neighbourhood {
   /// True if contacts() of `tool` in `index` are complete: never if `index` is of another epoch than that
   /// which was searched. May be false though they would be.
   bool covers(const SceneIndex& index, const Ellipsoid& tool) const;
+  /// True if search() found too much around `tool` in `index` last.
+  bool is_crowded_around(const SceneIndex& index, const Ellipsoid& tool) const;
 
   /// Those contacts of `tool` that are among it, by rounding the same as of a fresh query. The arguments are
-  /// those of search(). \param most as of SceneIndex::query \pre `index` is of the epoch that was searched
-  void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, std::size_t most,
+  /// those of search(). \pre `index` is of the epoch that was searched
+  void contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision, QueryLimit limit,
                 ContactSet& result);
 
   /// What is kept, as splatting draws it. \pre search_drawn() has been called last, of that epoch
@@ -59,14 +63,24 @@ class Neighbourhood {
 
   /// How many Gaussians are kept.
   std::size_t size() const;
-  /// How many the last search went through: what it cost.
-  std::size_t walked() const;
+  /// \name What the last call of a search cost.
+  /// @{
+  std::size_t walked() const { return walked_; }  ///< how many it went through
+  std::size_t passed() const {
+    return passed_;
+  }  ///< how many of them it had to look at closely
+     /// @}
 
  private:
-  void remember(const SceneIndex& index, const Ellipsoid& solid, bool fits);
+  bool holds(const Ellipsoid& tool) const;
+  void remember(const SceneIndex& index, bool fits);
 
   std::unique_ptr<CandidateSet> candidates_;
-  std::uint64_t epoch_ = 0;  ///< of the index that was searched; 0: it covers nothing
+  std::uint64_t epoch_ = 0;      ///< of the index that was searched; 0: it covers nothing
+  std::uint64_t crowded_ = 0;    ///< of the index in which search() found too much; 0: it did not
+  std::uint64_t under_way_ = 0;  ///< of the index that search_drawn() has not been through; 0: it has
+  bool guesses_ = false;         ///< the grain of that search
+  std::size_t walked_ = 0, passed_ = 0;
   std::uint64_t searches_ = 0;
   Eigen::Vector3d center_;  ///< of the solid
   Eigen::Matrix3d W_;       ///< world to where the solid is the unit sphere

@@ -35,8 +35,8 @@ void SceneIndex::query(const Ellipsoid& tool, ContactSet& result) const {
 }
 
 void SceneIndex::query(const Ellipsoid& tool, Precision precision, ContactSet& result,
-                       std::size_t most) const {
-  find_contacts(view_, ToolFrame(tool, frame_), precision, most, result);
+                       QueryLimit limit) const {
+  find_contacts(view_, ToolFrame(tool, frame_), precision, limit, result);
 }
 
 double SceneIndex::usual_extent() const {

@@ -45,9 +45,7 @@ class SceneIndex final : public ContactQuery {
 
   /// In double precision. Allocates only if the contacts do not fit the capacity of `result`.
   void query(const Ellipsoid& tool, ContactSet& result) const override;
-  /// \param most pairs to look at, and a few more: a bound on the time, see ContactSet::complete
-  void query(const Ellipsoid& tool, Precision precision, ContactSet& result,
-             std::size_t most = kAllPairs) const;
+  void query(const Ellipsoid& tool, Precision precision, ContactSet& result, QueryLimit limit = {}) const;
 
   const IndexView& view() const { return view_; }
   /// Where the captured frame is in the world.

@@ -8,22 +8,22 @@ SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead, std::s
       near_(capacity),
       splats_(std::make_unique<LocalSplats>(capacity)) {}
 
-const LocalSplats& SplatTracker::around(const Ellipsoid& solid) {
+bool SplatTracker::update(const Ellipsoid& solid, std::size_t most) {
   const Neighbourhood* known = &near_;
   if (ahead_ != nullptr) {
     ahead_->want(index_, solid);
     if (ahead_->newest().covers(index_, solid)) known = &ahead_->newest();
   }
+  taken_up_ = 0;
   has_searched_ = false;
   if (!known->covers(index_, solid)) {
     known = &near_;
     has_searched_ = !known->covers(index_, solid);
-    if (has_searched_)
-      near_.search_drawn(index_, {solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes});
+    const Ellipsoid larger{solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes};
+    if (has_searched_ && !near_.search_drawn(index_, larger, most)) return false;
   }
-  taken_up_ = 0;
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);
-  return *splats_;
+  return true;
 }
 
 void SplatTracker::fill_from(const Neighbourhood& known) {

@@ -24,15 +24,25 @@ class SplatTracker {
   /// All Gaussians that splatting draws something of inside `solid` (Neighbourhood::kDrawn), and some
   /// besides; the same until the next call. Where they are more than LocalSplats has room for, a sample that
   /// hides as much; see find_magnified(). \pre as ContactQuery::query.
-  const LocalSplats& around(const Ellipsoid& solid);
-  /// What around() gave last, of the index that there was then. \pre it has been called
+  const LocalSplats& around(const Ellipsoid& solid) {
+    update(solid, kAllPairs);
+    return newest();
+  }
+  /// The same in portions: goes through `most` Gaussians of the index and a few besides. \returns true if
+  /// newest() is now what is around `solid`; false if there are more to go through, which the next call with
+  /// the same solid does.
+  bool update(const Ellipsoid& solid, std::size_t most);
+  /// What was found last, of the index that there was then.
   const LocalSplats& newest() const { return *splats_; }
-  /// How many Gaussians around() took up anew in its last call; none if what it had was enough.
+  /// How many Gaussians the last call took up anew; none if what it had was enough.
   std::size_t taken_up() const { return taken_up_; }
-  /// True if around() had to search in its last call.
+  /// True if the last call had to search.
   bool has_searched() const { return has_searched_; }
-  /// How many Gaussians that search went through; none if there was none.
+  /// \name What that cost, see Neighbourhood.
+  /// @{
   std::size_t walked() const { return has_searched_ ? near_.walked() : 0; }
+  std::size_t passed() const { return has_searched_ ? near_.passed() : 0; }
+  /// @}
 
  private:
   void fill_from(const Neighbourhood& known);

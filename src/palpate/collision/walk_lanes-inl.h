@@ -167,16 +167,16 @@ HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t
   return gaussians;
 }
 
-/// Walks the tree depth first and fills `buffer`, calling `flush(buffer)`, which must empty it, whenever it
-/// is full, until that answers false. What is left in it at the end is the caller's. \returns the Gaussians
-/// in the blocks that were met.
+/// Walks the tree depth first from where `pending` has come, and fills `buffer`, calling `flush(buffer)`,
+/// which must empty it, whenever it is full, until that answers false, or `most` Gaussians and those of a few
+/// blocks have been gone through. What is left in it at the end is the caller's. \pre `pending` has no
+/// blocks; nor has it then, unless `flush` answered false. \returns the Gaussians in the blocks that were
+/// met.
 template <Precision kPrecision, class Size, class Flush>
-HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const Size& size,
-                            PairBuffer& buffer, const Flush& flush) {
+HWY_INLINE std::size_t walk_on(const IndexView& index, const ToolFrame& tool, const Size& size,
+                               std::size_t most, Pending& pending, PairBuffer& buffer, const Flush& flush) {
   std::size_t walked = 0;
-  Pending pending;
-  if (!index.nodes.empty()) pending.nodes[pending.node_count++] = 0;
-  while (pending.node_count != 0) {
+  while (pending.node_count != 0 && walked < most) {
     const std::size_t blocks_before = pending.block_count;
     expand(index.nodes[pending.nodes[--pending.node_count]], tool, size, pending);
     for (std::size_t k = blocks_before; k < pending.block_count; ++k) {
@@ -194,6 +194,15 @@ HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const
     pending.block_count = 0;
   }
   return walked;
+}
+
+/// All of it.
+template <Precision kPrecision, class Size, class Flush>
+HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const Size& size,
+                            PairBuffer& buffer, const Flush& flush) {
+  Pending pending;
+  if (!index.nodes.empty()) pending.nodes[pending.node_count++] = 0;
+  return walk_on<kPrecision>(index, tool, size, kAllPairs, pending, buffer, flush);
 }
 
 }  // namespace palpate::HWY_NAMESPACE

@@ -3,6 +3,8 @@
 /// in m.
 #pragma once
 
+#include <cmath>
+
 #include <palpate/geometry/ellipsoid.h>
 
 namespace palpate {
@@ -15,6 +17,15 @@ inline Ellipsoid enlarged(const Ellipsoid& solid, double margin) {
     larger.axes.col(k) *= (length + margin) / length;
   }
   return larger;
+}
+
+/// One that contains all that is within `margin` of the solid; of a ball, just that. For every c > 0,
+/// semi-axes b_i^2 = (1 + 1/c) a_i^2 + (1 + c) margin^2 do. \pre its semi-axes and `margin` are positive
+inline Ellipsoid containing(const Ellipsoid& solid, double margin) {
+  const Eigen::Array3d squared = solid.axes.colwise().squaredNorm().transpose().array();
+  const double c = std::sqrt(std::sqrt(squared.minCoeff() * squared.maxCoeff())) / margin;
+  const Eigen::Array3d larger = (1.0 + 1.0 / c) * squared + (1.0 + c) * margin * margin;
+  return {solid.center, solid.axes * (larger / squared).sqrt().matrix().asDiagonal()};
 }
 
 /// How far a point of a solid moves from one place to the other, at most.

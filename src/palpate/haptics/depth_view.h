@@ -148,8 +148,11 @@ class DepthView {
             const RayPattern& pattern, double start, RayLight& light,
             double known = std::numeric_limits<double>::infinity());
 
-  /// Of the last look: Gaussians that rays may have met.
-  std::size_t drawn() const { return image_count_; }
+  /// \name Of the last look
+  /// @{
+  std::size_t in_window() const { return size_; }     ///< Gaussians that were near the rays
+  std::size_t drawn() const { return image_count_; }  ///< those of them that rays may have met
+  /// @}
 
   /// \name Of ray k: regular ones first.
   /// @{

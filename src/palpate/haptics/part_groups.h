@@ -16,9 +16,7 @@ struct PartGroup {
   std::vector<std::size_t> members;  ///< by number, not empty
 };
 
-/// A tool of no more parts has no groups of several, and is bounded by how few it has (LookBudget), where
-/// none is large for the scene: a search around one among 40,000 Gaussians takes 0.8 ms. With nine on
-/// splats 1.6 mm apart, a tick took 0.55 ms at most; with four, 0.43 ms.
+/// A tool of no more parts has no groups of several.
 inline constexpr std::size_t kFewParts = 8;
 
 /// Members of a group at most: all of its Gaussians are compared with each.

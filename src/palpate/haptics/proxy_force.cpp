@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include <palpate/collision/pair_buffer.h>
 #include <palpate/geometry/rotation.h>
 #include <palpate/geometry/solids.h>
 
@@ -105,6 +107,16 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
   return larger;
 }
 
+/// 1,500 of a ball: with a third of it, or with more, pushes at a capture feel alike; with half as many as
+/// this, a rod on a floor sees through it.
+std::size_t enough_for(const ToolPart& part, double detail) {
+  constexpr double kPerDetail = 64.0;
+  constexpr std::size_t kLeast = 1024;
+  const double section = std::numbers::pi * part.semi_axes.prod() / part.semi_axes.minCoeff();
+  const double wanted = kPerDetail * section / (detail * detail);
+  return std::clamp(static_cast<std::size_t>(std::min(wanted, 1e9)), kLeast, Neighbourhood::kCapacity);
+}
+
 ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters,
                        Lookahead* lookahead)
     : index_(index),
@@ -112,8 +124,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
       parameters_(parameters),
       gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
-      step_(std::numeric_limits<double>::infinity()),
-      budget_(tool.parts().size() > kFewParts) {
+      step_(std::numeric_limits<double>::infinity()) {
   const double extent = index.usual_extent();
   const std::size_t capacity = Neighbourhood::capacity_for(tool.parts().size());
   std::vector<ToolPart> larger;
@@ -125,10 +136,13 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
   const std::vector<PartGroup> groups = group_parts(larger);
   const std::size_t splat_capacity = Neighbourhood::capacity_for(groups.size());
   for (const PartGroup& group : groups) {
-    groups_.emplace_back(index, group.around, group.members.size() == 1, lookahead, splat_capacity);
+    const bool single = group.members.size() == 1;
+    const std::size_t enough =
+        single ? enough_for(group.around, parts_[group.members[0]].patches.detail()) : splat_capacity;
+    groups_.emplace_back(index, group.around, single, lookahead, std::min(enough, splat_capacity));
     for (const std::size_t k : group.members) parts_[k].join(groups_.back(), capacity);
   }
-  contacts_.contacts.reserve(kRoom);
+  contacts_.contacts.reserve(kMostPairs + 2 * PairBuffer::kCapacity);
   obstacles_.planes.reserve(SurfacePatches::kMost * parts_.size());
   obstacles_.properties.reserve(SurfacePatches::kMost * parts_.size());
 }
@@ -138,6 +152,7 @@ void ProxyForce::reset() {
   hold_ = {};
   spring_ = {};
   spring_.reserve = most_reserve();
+  owed_ = 0.0;
   velocity_.setZero();
   direction_.setZero();
   forget_surface();
@@ -158,36 +173,65 @@ void ProxyForce::forget_surface() {
 
 void ProxyForce::start_at_proxy() {
   starting_ = 0;
+  starts_in_.reset();
   steps_out_ = kMostFreeSteps;
 }
 
 bool ProxyForce::touches(Part& part, const Ellipsoid& solid) {
-  budget_.spend_on_touch();
-  part.touched.query(solid, contacts_);
+  find_contacts(part, solid, {.contacts = 1});
   return !contacts_.contacts.empty();
+}
+
+void ProxyForce::find_contacts(Part& part, const Ellipsoid& solid, QueryLimit limit) {
+  part.touched.query(solid, contacts_, limit);
+  budget_.spend_on_touch(part.touched.searched() + contacts_.contacts.size());
+}
+
+void ProxyForce::find_deepest(Part& part, const Ellipsoid& solid) {
+  constexpr QueryLimit kLimit{.pairs = kMostPairs};
+  constexpr double kLess = 0.7;
+  constexpr int kMostTimes = 12;  // to a hundredth: what is there is in one place
+  Ellipsoid deep = solid;
+  find_contacts(part, deep, kLimit);
+  for (int k = 0; k < kMostTimes && !contacts_.complete; ++k) {
+    const Ellipsoid deeper{deep.center, kLess * deep.axes};
+    const bool any = touches(part, deeper);
+    if (any) deep = deeper;
+    find_contacts(part, deep, kLimit);
+    if (!any) break;
+  }
+  std::ranges::sort(contacts_.contacts, [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
 }
 
 bool ProxyForce::start() {
   for (; starting_ < parts_.size(); ++starting_) {
     const bool at_once = replaced_ && parts_.size() <= kFewParts;
     if (!at_once && budget_.is_half_spent()) return false;
-    start_patches(parts_[starting_]);
+    if (!start_patches(parts_[starting_], at_once)) return false;
   }
   return true;
 }
 
-void ProxyForce::start_patches(Part& part) {
+bool ProxyForce::start_patches(Part& part, bool at_once) {
   const Ellipsoid solid = part.solid.at(proxy_);
-  if (!touches(part, solid)) return;
-  SplatTracker& tracker = part.group->splats;
-  const LocalSplats& splats = tracker.around(part.group->solid.at(proxy_));
-  budget_.spend_on_start(tracker.taken_up());
-  // The deepest first.
-  std::ranges::sort(contacts_.contacts, [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
-  for (const Contact& contact : contacts_.contacts) {
-    if (replaced_ && budget_.is_half_spent()) break;  // and the rest, to come out of it in this tick
-    part.patches.add_at(splats, solid, contact.normal, contact.point);
+  if (!starts_in_) {
+    if (!touches(part, solid)) return true;
+    if (!search(*part.group, at_once ? kAllPairs : budget_.search_limit())) return false;
+    find_deepest(part, solid);
+    if (at_once) budget_.refill();  // it comes on top of what a tick does
+    starts_in_ = 0;
   }
+  for (; *starts_in_ < contacts_.contacts.size(); ++*starts_in_) {
+    if (budget_.is_half_spent()) {
+      if (replaced_) break;  // and the rest, to come out of it in this tick
+      return false;
+    }
+    const Contact& contact = contacts_.contacts[*starts_in_];
+    part.patches.add_at(part.group->splats.newest(), solid, contact.normal, contact.point);
+    budget_.spend_on_start();
+  }
+  starts_in_.reset();
+  return true;
 }
 
 bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look,
@@ -281,18 +325,18 @@ bool ProxyForce::look_around(const Goal& goal) {
 bool ProxyForce::look_from(Part& part, const Goal& goal) {
   if (budget_.is_spent()) return false;
   budget_.spend_on_part();
-  search(*part.group);
-  if (budget_.is_spent()) return false;
+  if (!search(*part.group, budget_.search_limit()) || budget_.is_spent()) return false;
   select_near(part);
   part.patches.follow(*part.near, part.solid.at(proxy_));
   part.meets = may_meet(part, goal);
   return look_ahead(part, *part.near, goal);
 }
 
-void ProxyForce::search(Group& group) {
-  group.splats.around(group.solid.at(proxy_));
+bool ProxyForce::search(Group& group, std::size_t most) {
+  const bool found = group.splats.update(group.solid.at(proxy_), most);
   budget_.spend_on_taking_up(group.splats.taken_up());
-  if (group.splats.has_searched()) budget_.spend_on_search(group.splats.walked());
+  if (group.splats.has_searched()) budget_.spend_on_search(group.splats.walked(), group.splats.passed());
+  return found;
 }
 
 void ProxyForce::find_obstacles() {
@@ -392,9 +436,50 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
     }
     if (!found) break;
   }
+  look_anew();
+  return motion;
+}
+
+void ProxyForce::look_anew() {
   for (Part& part : parts_)
     part.ready = part.ahead.done = part.aside.done = part.one_end.done = part.other_end.done = false;
-  return motion;
+}
+
+bool ProxyForce::is_free_around(const Pose& there, double way) {
+  for (const Part& part : parts_) {
+    index_.query(containing(part.solid.at(there), way), Precision::kSingle, contacts_, {.contacts = 1});
+    budget_.spend_on_touch(contacts_.filtered);
+    if (!contacts_.contacts.empty()) return false;
+  }
+  return true;
+}
+
+double ProxyForce::cross_free_space(const Pose& target, double longest) {
+  const auto knows_nothing = [](const Part& part) { return part.patches.patches().empty(); };
+  if (!std::ranges::all_of(parts_, knows_nothing)) return 0.0;
+  const Motion wanted = motion_between(proxy_, target);
+  const double farthest = wanted.translation.norm() + radius_ * wanted.rotation.norm();
+  const double length = length_of(wanted, gyration_), all = std::min(1.0, longest / std::max(length, 1e-300));
+  const auto at = [&](double share) {
+    return Pose{proxy_.position + share * wanted.translation,
+                (rotation_by(share * wanted.rotation) * proxy_.orientation).normalized()};
+  };
+  double share = 0.0;
+  for (double more = all; more * farthest > step_ && !budget_.is_half_spent();) {
+    const double half = 0.5 * more;
+    if (is_free_around(at(share + half), half * farthest)) {
+      share += more;
+      more = all - share;
+    } else {
+      more = half;
+    }
+  }
+  if (share == 0.0) return 0.0;
+  proxy_ = share == 1.0 ? target : at(share);
+  held_ = waits_ = false;
+  trails_ = trails_ && share < 1.0;
+  look_anew();
+  return share * length;
 }
 
 double ProxyForce::step(const Pose& target, double longest, double stretch) {
@@ -537,7 +622,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const double of_tool = length_of(moved, gyration_);
   // What has never been held is with the tool, or on its way there; what is not held any more comes after it.
   const double in_contact = of_tool + catch_up() * input.dt;
-  double way = held_ ? in_contact : std::max(in_contact, 2.0 * of_tool);
+  double way = held_ ? in_contact : std::max(in_contact, 2.0 * of_tool + owed_);
   if (!trails_ || replaced_) way = std::numeric_limits<double>::infinity();
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
@@ -549,12 +634,14 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const double stretch = starts ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
   const int most_held = starts ? steps_out_ : kMostSteps;
   int held_steps = 0;
+  way -= cross_free_space(input.tool, way);
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
     const double gone = step(input.tool, way, stretch);
     way -= gone;
     held_steps += held_ ? 1 : 0;
     if (gone < kSettled * step_) break;
   }
+  owed_ = waits_ && trails_ && !held_ ? std::max(0.0, way) : 0.0;
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);

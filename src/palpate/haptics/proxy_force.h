@@ -64,7 +64,8 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 ///  2. the proxy moves towards the tool as far as the patches let it (constrained_motion(), with
 ///     friction), at most half of the reach at once and never farther than it has looked, so that nothing
 ///     is passed unseen (tested up to 50 m/s); what a tick leaves undone, or has no budget to look at
-///     (LookBudget), the next does;
+///     (LookBudget), the next does. Where no part touches an ellipsoid all along a longer way, it goes that
+///     way without a look;
 ///  3. again, until it hardly moves, at most kMostSteps times in contact, kMostFreeSteps times out of
 ///     contact. In contact it moves no farther than the tool did and a little, so that the force does not
 ///     jump where patches come and go;
@@ -94,7 +95,7 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
 /// its memory: an object serves one tool on one thread. Where a tool of many parts starts, some ticks pass
 /// without a force until all of them have looked at what they are in. Takes nothing from the heap after
-/// construction, unless a part has more than kRoom contacts at once.
+/// construction.
 class ProxyForce final : public ForceModel {
  public:
   /// `index` and `lookahead` must outlive it; see ContactTracker.
@@ -119,7 +120,8 @@ class ProxyForce final : public ForceModel {
 
   static constexpr int kMostSteps = 4;       ///< in contact
   static constexpr int kMostFreeSteps = 64;  ///< out of contact
-  static constexpr std::size_t kRoom = 4096;
+  /// Pairs that are looked at, at once, to find what the tool has started in.
+  static constexpr std::size_t kMostPairs = 1024;
 
  private:
   /// A look ahead.
@@ -224,17 +226,25 @@ class ProxyForce final : public ForceModel {
   /// Moves the proxy one step towards `target`, by at most `longest`; or towards where it was to go when
   /// there was no time to look. \returns how far. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
+  /// Moves the proxy towards `target` as far as no part touches anything on all of the way, where that is
+  /// farther than a step: what no ellipsoid is touched on needs no look. \returns how far. Unit: [m].
+  double cross_free_space(const Pose& target, double longest);
+  /// True if no part touches anything anywhere within `way` of where it is there.
+  bool is_free_around(const Pose& there, double way);
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
   /// The motion towards the goal that what is seen allows, and what it is held by. \returns nothing if the
   /// budget did not allow to look at all of it: what has been looked at is not again when it is asked for the
   /// same goal.
   std::optional<Motion> way_to(const Goal& goal, double stretch, Hold& held);
+  /// Forgets who has looked for the step that was to come.
+  void look_anew();
   /// Follows the patches of all parts, and looks where they are about to go. \returns as look_ahead()
   bool look_around(const Goal& goal);
   /// Does so from one part. \returns as look_ahead()
   bool look_from(Part& part, const Goal& goal);
-  /// Finds the Gaussians around a group.
-  void search(Group& group);
+  /// Finds the Gaussians around a group, going through `most` of the index and a few besides. \returns false
+  /// if there are more to go through
+  bool search(Group& group, std::size_t most);
   /// The patches of all parts as obstacles.
   void find_obstacles();
   /// Forgets what is known of the scene, which may be another now; not where the proxy is, nor what it did.
@@ -256,8 +266,12 @@ class ProxyForce final : public ForceModel {
   bool may_meet(Part& part, const Goal& goal);
   /// Goes on with the parts that have not started yet. \returns false if there are some left
   bool start();
-  /// Patches of what the tool is in where it starts.
-  void start_patches(Part& part);
+  /// Contacts of `part` there, as of ContactTracker, into contacts_.
+  void find_contacts(Part& part, const Ellipsoid& solid, QueryLimit limit);
+  /// The same, deepest first; where they are more than kMostPairs those of a smaller solid in its middle.
+  void find_deepest(Part& part, const Ellipsoid& solid);
+  /// Patches of what a part is in where it starts. \returns false if there was no time for all of it
+  bool start_patches(Part& part, bool at_once);
   Properties properties_of(const SurfacePatches& patches, std::size_t i) const;
   Hold hold() const;
   /// The obstacles of the last step that matter most.
@@ -290,13 +304,16 @@ class ProxyForce final : public ForceModel {
   double damping_max_ = 0.0;                            ///< ForceInput::damping_max
   bool started_ = false;
   std::size_t starting_ = 0;  ///< the first part that has not looked where the tool has started
-  int steps_out_ = 0;         ///< that the proxy may yet make out of what it has started in
-  bool held_ = false;         ///< by something, in the last step
-  bool trails_ = false;       ///< has been held since it was last with the tool
-  bool replaced_ = false;     ///< the scene was, and the proxy is not out yet of what is there now
-  bool waits_ = false;        ///< for the time to look where it goes
-  Goal goal_;                 ///< of the last step
-  Hold hold_;                 ///< of the last step in which it was held
+  std::optional<std::size_t>
+      starts_in_;          ///< the first of contacts_ that it has not looked at, if they are its
+  int steps_out_ = 0;      ///< that the proxy may yet make out of what it has started in
+  bool held_ = false;      ///< by something, in the last step
+  bool trails_ = false;    ///< has been held since it was last with the tool
+  bool replaced_ = false;  ///< the scene was, and the proxy is not out yet of what is there now
+  bool waits_ = false;     ///< for the time to look where it goes
+  double owed_ = 0.0;      ///< way of a proxy that is let go, for which there was no time. Unit: [m].
+  Goal goal_;              ///< of the last step
+  Hold hold_;              ///< of the last step in which it was held
   Step step_taken_;
   Spring spring_;  ///< of the last call
   Pose tool_;      ///< of the last call, world frame

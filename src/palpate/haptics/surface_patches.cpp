@@ -123,7 +123,7 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
                            ? (solid.center - patch.on_surface()).dot(patch.normal) - kKnown * detail_
                            : std::numeric_limits<double>::infinity();
   view_->look(splats, view, profile, scaled(solid, larger_), pattern, start_of(profile, place), light, known);
-  budget_.spend_on_look(splats.size, view_->drawn());
+  budget_.spend_on_look(splats.size, view_->in_window(), view_->drawn());
   budget_.spend_on_fit();
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
@@ -279,7 +279,7 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   view_->look(splats, view, profile, scaled(solid, larger_),
               RayPattern::over_ellipse(root, image_of(view, about)), start_of_all(profile, solid, along),
               light_);
-  budget_.spend_on_look(splats.size, view_->drawn());
+  budget_.spend_on_look(splats.size, view_->in_window(), view_->drawn());
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);
@@ -306,7 +306,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   patch.light = meeting.light;
   SurfacePatch best = patch;
   seen_count_ = 0;
-  for (int k = 0; k < kFirstLooks; ++k) {
+  for (int k = 0; k < kFirstLooks && (k == 0 || !budget_.is_spent()); ++k) {
     Look seen;
     if (!look(splats, solid, patch, seen)) break;
     // It is met where it is seen along the motion.
@@ -328,7 +328,7 @@ bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, c
   patch.tangent = normal.unitOrthogonal();
   patch.foot = patch.anchor = patch.sight = point;
   bool found = false;
-  for (int k = 0; k < kFirstLooks; ++k) {
+  for (int k = 0; k < kFirstLooks && !budget_.is_spent(); ++k) {
     Look seen;
     if (!look(splats, solid, patch, seen)) break;
     patch.offset = seen.least - seen.fitted;

@@ -42,7 +42,7 @@ ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision pr
 
 void ToolTracker::query(const Pose& pose, ContactSet& result, std::size_t most) {
   const auto ask = [&](std::size_t part, const Ellipsoid& solid, std::size_t left, ContactSet& found) {
-    trackers_[part].query(solid, found, left);
+    trackers_[part].query(solid, found, {.pairs = left});
   };
   query_parts(tool_, pose, ask, most, of_part_, result);
 }
