@@ -57,6 +57,11 @@ class MovingThing {
     return stay();
   }
   const ForceOutput& stay() { return felt_ = model_.evaluate(input); }
+  /// A tick in which the tool goes to `position`.
+  const ForceOutput& lead(const Vector3d& position) {
+    input.tool.position = position;
+    return stay();
+  }
   /// The tool is at `position`, and was nowhere before.
   void put_tool(const Vector3d& position) {
     model_.reset();
@@ -240,6 +245,25 @@ TEST(ProxyInAMovingScene, AToolOfSeveralPartsIsPushed) {
       for (double way = reach + 0.03; way > -0.1; way -= 1e-3) thing.go_to(moved({0.0, 0.0, way}));
     }
   }
+}
+
+// Once it is out of what there is now, the proxy moves no farther in a tick than the tool and a little.
+TEST(ProxyInAMovingScene, IsNoFasterOnceItIsOut) {
+  constexpr double kStep = 1e-4, kLittle = 1e-4;
+  MovingThing thing("step", 54);
+  const Similarity still;
+  for (double z = 0.03; z > 0.01; z -= kStep) thing.lead({-0.05, 0.0, z});
+  thing.go_to(still);
+  for (int tick = 0; tick < 5; ++tick) thing.stay();
+  Vector3d last = thing.stay().proxy.position;
+  double farthest = 0.0;
+  for (double x = -0.05; x < 0.05; x += kStep) {
+    const Vector3d now = thing.lead({x, 0.0, 0.01}).proxy.position;
+    farthest = std::max(farthest, (now - last).norm());
+    last = now;
+  }
+  EXPECT_GT(farthest, 1.2 * kStep) << "it has to go up the step";
+  EXPECT_LE(farthest, kStep + kLittle + 1e-6);
 }
 
 TEST(ProxyInAMovingScene, TakesNothingFromTheHeap) {

@@ -649,6 +649,28 @@ TEST(ProxyForce, ComesOutOfACrowdThatItStartsIn) {
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.05 * kStiffness * kDepth);
 }
 
+// More contacts than are looked at, all shallow but for a few, wherever those are in the index.
+TEST(ProxyForce, ComesOutOfTheDeepestThatItStartsIn) {
+  constexpr double kLarge = 0.1, kShallow = 0.005, kDeep = 0.03;
+  const Vector3d center(0, 0, kLarge - kShallow);
+  for (const double side : {1.0, -1.0}) {
+    std::vector<test::Splat> splats;
+    for (int i = -30; i <= 30; ++i)
+      for (int k = -30; k <= 30; ++k)
+        splats.push_back(test::splat({0.0012 * i, 0.0012 * k, 0.0}, {0.001, 0.001, 1e-5}));
+    const Vector3d post = center + (kLarge - kDeep) * Vector3d(side * std::sin(1.0), 0, -std::cos(1.0));
+    for (int k = 0; k < 5; ++k) splats.push_back(test::splat(post, {0.02, 0.02, 0.002}));
+    const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+    ProxyForce model(index, Tool(Vector3d::Constant(kLarge)), {.stiffness = kStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    input.tool.position = center;
+    ForceOutput felt;
+    for (int tick = 0; tick < 20; ++tick) felt = model.evaluate(input);
+    EXPECT_GT((felt.proxy.position - post).norm(), kLarge - 0.2 * kDeep) << side;
+  }
+}
+
 // All in one place: no smaller solid has fewer.
 TEST(ProxyForce, StartsInAHeap) {
   std::vector<test::Splat> splats(3000, test::splat({0, 0, 0}, {0.004, 0.004, 0.001}));
@@ -679,6 +701,20 @@ TEST(ProxyForce, HoldsTheLastOfManyParts) {
     felt = bench.at({0, 0, kSmall - kDepth});
     EXPECT_LT(below_the_plane(balls.back(), felt.proxy), 0.001);
   }
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
+}
+
+// The others take half of a tick to find out that they touch nothing.
+TEST(ProxyForce, HoldsTheLastOfManyPartsWhereItStarts) {
+  constexpr double kSmall = 0.008, kDepth = 0.004;
+  const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
+  std::vector<ToolPart> balls;
+  for (int k = 0; k < 255; ++k)
+    balls.push_back({"ball", Vector3d::Constant(0.002), {{0.0, 0.0, 0.05 + 0.001 * k}, straight}});
+  balls.push_back({"last", Vector3d::Constant(kSmall), {{0, 0, 0}, straight}});
+  Bench bench("plane", even(0.004), {}, Tool(balls));
+  ForceOutput felt;
+  for (int tick = 0; tick < 30; ++tick) felt = bench.at({0, 0, kSmall - kDepth});
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
 }
 

@@ -477,6 +477,19 @@ TEST(SurfacePatches, TheForceIsLetGoSlowlyWhereTheGroundEnds) {
   }
 }
 
+// Where nothing is seen any more, a patch stays where it was for half a detail, and no longer.
+TEST(SurfacePatches, AreForgottenBesideWhereTheyWere) {
+  constexpr double kDetail = 0.01;
+  for (const double aside : {0.004, 0.006}) {
+    Feeler ball(sheet(0.8), Vector3d::Constant(kRadius), kDetail);
+    ball.look_down({0.001, 0.001, kRadius + 0.0005}, 0.002);
+    ASSERT_EQ(ball.patches.patches().size(), 1U);
+    const LocalSplats nothing;
+    ball.patches.follow(nothing, ball.solid({0.001 + aside, 0.001, kRadius - 0.003}));
+    EXPECT_EQ(ball.patches.patches().size(), aside < 0.5 * kDetail ? 1U : 0U) << aside;
+  }
+}
+
 // Haze of which nothing is seen is nothing to a tool that starts in it.
 TEST(Haze, IsNotFeltWhereTheToolStartsInIt) {
   const SceneIndex index(
@@ -612,10 +625,12 @@ TEST(Haze, IsFeltWhereItHasTakenHalfOfTheLight) {
 // What a hand that trembles has come through takes light away, too, and the first veil is behind the ball
 // when it comes to the second.
 TEST(Haze, IsFeltByAHandThatTrembles) {
+  constexpr double kUp = 0.3;  // of all of it above the origin
   for (const double apart : {0.04, 0.08}) {
     std::vector<test::Splat> veils;
     for (int k = 0; k < 3; ++k)
-      veils.push_back(test::splat({0, 0, -apart * k}, {0.3, 0.3, 1e-5}, Eigen::Quaterniond::Identity(), 0.3));
+      veils.push_back(
+          test::splat({0, 0, kUp - apart * k}, {0.3, 0.3, 1e-5}, Eigen::Quaterniond::Identity(), 0.3));
     const SceneIndex index(test::scene_of(veils), SceneFilter{}, Similarity{});
     for (const double aside : {0.0, 5e-5}) {  // aslant by 27 degrees, to one side and the other
       ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
@@ -623,12 +638,12 @@ TEST(Haze, IsFeltByAHandThatTrembles) {
       input.dt = 1e-3;
       ForceOutput felt;
       const auto to = [&](double height) {
-        for (; input.tool.position.z() > height; input.tool.position.z() -= 1e-4) {
+        for (; input.tool.position.z() > kUp + height; input.tool.position.z() -= 1e-4) {
           input.tool.position.x() = aside - input.tool.position.x();
           felt = model.evaluate(input);
         }
       };
-      input.tool.position = {0, 0, 0.05};
+      input.tool.position = {0, 0, kUp + 0.05};
       to(-apart + kRadius + 0.001);
       EXPECT_EQ(felt.wrench.force.norm(), 0.0) << aside;
       to(-apart + kRadius - 0.005);
@@ -641,9 +656,9 @@ TEST(Haze, IsFeltByAHandThatTrembles) {
 // the square of how hazy it is, 2 (1 - confidence): what is seen behind it is felt from there on, but for
 // exp(-way / that).
 TEST(Haze, GivesWayAsTheToolMovesAlongIt) {
-  constexpr double kDetail = 0.01, kDrop = 0.002, kAbove = 0.0005;
-  const auto disc = [](double z, double opacity) {
-    return std::vector{test::splat({0, 0, z}, {0.5, 0.5, 1e-6}, Eigen::Quaterniond::Identity(), opacity)};
+  constexpr double kDetail = 0.01, kDrop = 0.002, kAbove = 0.0005, kFar = 0.2;  // from the origin
+  const auto disc = [&](double z, double opacity) {
+    return std::vector{test::splat({kFar, 0, z}, {0.5, 0.5, 1e-6}, Eigen::Quaterniond::Identity(), opacity)};
   };
   for (const double hidden : {0.48, 0.7, 0.9}) {
     const double confidence = 0.5 + 0.5 * std::max(0.0, hidden - 0.5) / 0.4;
@@ -651,12 +666,12 @@ TEST(Haze, GivesWayAsTheToolMovesAlongIt) {
     for (const double way : {0.0005, 0.002, 0.005}) {
       Feeler ball(disc(0.0, hidden), Vector3d::Constant(kRadius), kDetail),
           behind(disc(-kDrop, 0.95), ball.axes, kDetail);
-      ball.look_down({0, 0, kRadius + kAbove}, 0.002);
+      ball.look_down({kFar, 0, kRadius + kAbove}, 0.002);
       ASSERT_EQ(ball.patches.patches().size(), 1U);
       const SurfacePatch& patch = ball.patches.patches()[0];
       EXPECT_NEAR(patch.confidence, confidence, 1e-3);
       EXPECT_NEAR(patch.gap, kAbove, 1e-5);
-      const Vector3d at(way, 0, kRadius + kAbove);
+      const Vector3d at(kFar + way, 0, kRadius + kAbove);
       ball.patches.follow(behind.around(at), ball.solid(at));
       ASSERT_EQ(ball.patches.patches().size(), 1U);
       EXPECT_NEAR(patch.gap, kAbove + kDrop * (1.0 - std::exp(-way / std::max(held, 1e-9))), 0.01 * kDrop)

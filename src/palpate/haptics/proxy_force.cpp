@@ -173,6 +173,7 @@ void ProxyForce::forget_surface() {
 
 void ProxyForce::start_at_proxy() {
   starting_ = 0;
+  start_ = proxy_;
   starts_in_.reset();
   steps_out_ = kMostFreeSteps;
 }
@@ -622,26 +623,30 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const double of_tool = length_of(moved, gyration_);
   // What has never been held is with the tool, or on its way there; what is not held any more comes after it.
   const double in_contact = of_tool + catch_up() * input.dt;
-  double way = held_ ? in_contact : std::max(in_contact, 2.0 * of_tool + owed_);
-  if (!trails_ || replaced_) way = std::numeric_limits<double>::infinity();
+  double way = (held_ ? in_contact : std::max(in_contact, 2.0 * of_tool)) + owed_;
+  const bool starts = steps_out_ > 0;
+  if (!trails_ || replaced_ || starts) way = std::numeric_limits<double>::infinity();
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
+  // It comes out of what it has started in before it follows the tool.
+  const Pose target = starts && !replaced_ ? start_ : input.tool;
   // The spring as it is before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
   const double more = trails_ ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
-  const bool starts = steps_out_ > 0;
   const double stretch = starts ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
   const int most_held = starts ? steps_out_ : kMostSteps;
   int held_steps = 0;
-  way -= cross_free_space(input.tool, way);
+  way -= cross_free_space(target, way);
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
-    const double gone = step(input.tool, way, stretch);
+    const double gone = step(target, way, stretch);
     way -= gone;
     held_steps += held_ ? 1 : 0;
     if (gone < kSettled * step_) break;
   }
-  owed_ = waits_ && trails_ && !held_ ? std::max(0.0, way) : 0.0;
+  owed_ = starts                        ? length_of(motion_between(target, input.tool), gyration_)
+          : waits_ && trails_ && !held_ ? std::max(0.0, way)
+                                        : 0.0;
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);

@@ -311,12 +311,13 @@ class ProxyForce final : public ForceModel {
   bool trails_ = false;    ///< has been held since it was last with the tool
   bool replaced_ = false;  ///< the scene was, and the proxy is not out yet of what is there now
   bool waits_ = false;     ///< for the time to look where it goes
-  double owed_ = 0.0;      ///< way of a proxy that is let go, for which there was no time. Unit: [m].
+  double owed_ = 0.0;      ///< way that it could not go as it waited or came out of the start. Unit: [m].
   Goal goal_;              ///< of the last step
   Hold hold_;              ///< of the last step in which it was held
   Step step_taken_;
   Spring spring_;  ///< of the last call
   Pose tool_;      ///< of the last call, world frame
+  Pose start_;     ///< where the proxy was when it started, world frame
   Pose proxy_;     ///< world frame
 };
 
