@@ -66,7 +66,8 @@ class LookBudget {
   /// Of a search that has to find out which sample fits.
   static constexpr double kPerWalkedAtFirst = 1.2, kLeastWalked = 1000.0;
   static constexpr double kPerExamined = 0.1, kPerTaken = 1.2;
-  static constexpr double kPerTouch = 50.0, kPerPair = 1.1, kPerStart = 3.0, kPerPlane = 35.0, kPerPart = 7.0;
+  static constexpr double kPerTouch = 50.0, kPerPair = 1.1, kPerStart = 10.0, kPerPlane = 35.0,
+                          kPerPart = 7.0;
   double left_ = kTick;
 };
 

@@ -174,7 +174,7 @@ void ProxyForce::forget_surface() {
 void ProxyForce::start_at_proxy() {
   starting_ = 0;
   start_ = proxy_;
-  starts_in_.reset();
+  knows_start_ = false;
   steps_out_ = kMostFreeSteps;
 }
 
@@ -201,7 +201,7 @@ void ProxyForce::find_deepest(Part& part, const Ellipsoid& solid) {
     find_contacts(part, deep, kLimit);
     if (!any) break;
   }
-  std::ranges::sort(contacts_.contacts, [](const Contact& a, const Contact& b) { return a.depth > b.depth; });
+  std::ranges::make_heap(contacts_.contacts, {}, &Contact::depth);
 }
 
 bool ProxyForce::start() {
@@ -215,23 +215,25 @@ bool ProxyForce::start() {
 
 bool ProxyForce::start_patches(Part& part, bool at_once) {
   const Ellipsoid solid = part.solid.at(proxy_);
-  if (!starts_in_) {
+  if (!knows_start_) {
     if (!touches(part, solid)) return true;
     if (!search(*part.group, at_once ? kAllPairs : budget_.search_limit())) return false;
+    if (!at_once && budget_.is_half_spent()) return false;
     find_deepest(part, solid);
     if (at_once) budget_.refill();  // it comes on top of what a tick does
-    starts_in_ = 0;
+    knows_start_ = true;
   }
-  for (; *starts_in_ < contacts_.contacts.size(); ++*starts_in_) {
+  for (; !contacts_.contacts.empty(); contacts_.contacts.pop_back()) {
     if (budget_.is_half_spent()) {
       if (replaced_) break;  // and the rest, to come out of it in this tick
       return false;
     }
-    const Contact& contact = contacts_.contacts[*starts_in_];
-    part.patches.add_at(part.group->splats.newest(), solid, contact.normal, contact.point);
+    std::ranges::pop_heap(contacts_.contacts, {}, &Contact::depth);
+    const Contact& deepest = contacts_.contacts.back();
+    part.patches.add_at(part.group->splats.newest(), solid, deepest.normal, deepest.point);
     budget_.spend_on_start();
   }
-  starts_in_.reset();
+  knows_start_ = false;
   return true;
 }
 

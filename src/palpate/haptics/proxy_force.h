@@ -121,7 +121,7 @@ class ProxyForce final : public ForceModel {
   static constexpr int kMostSteps = 4;       ///< in contact
   static constexpr int kMostFreeSteps = 64;  ///< out of contact
   /// Pairs that are looked at, at once, to find what the tool has started in.
-  static constexpr std::size_t kMostPairs = 1024;
+  static constexpr std::size_t kMostPairs = 4096;
 
  private:
   /// A look ahead.
@@ -268,7 +268,8 @@ class ProxyForce final : public ForceModel {
   bool start();
   /// Contacts of `part` there, as of ContactTracker, into contacts_.
   void find_contacts(Part& part, const Ellipsoid& solid, QueryLimit limit);
-  /// The same, deepest first; where they are more than kMostPairs those of a smaller solid in its middle.
+  /// The same, as a heap with the deepest at its top; where they are more than kMostPairs those of a smaller
+  /// solid in its middle.
   void find_deepest(Part& part, const Ellipsoid& solid);
   /// Patches of what a part is in where it starts. \returns false if there was no time for all of it
   bool start_patches(Part& part, bool at_once);
@@ -304,16 +305,15 @@ class ProxyForce final : public ForceModel {
   double damping_max_ = 0.0;                            ///< ForceInput::damping_max
   bool started_ = false;
   std::size_t starting_ = 0;  ///< the first part that has not looked where the tool has started
-  std::optional<std::size_t>
-      starts_in_;          ///< the first of contacts_ that it has not looked at, if they are its
-  int steps_out_ = 0;      ///< that the proxy may yet make out of what it has started in
-  bool held_ = false;      ///< by something, in the last step
-  bool trails_ = false;    ///< has been held since it was last with the tool
-  bool replaced_ = false;  ///< the scene was, and the proxy is not out yet of what is there now
-  bool waits_ = false;     ///< for the time to look where it goes
-  double owed_ = 0.0;      ///< way that it could not go as it waited or came out of the start. Unit: [m].
-  Goal goal_;              ///< of the last step
-  Hold hold_;              ///< of the last step in which it was held
+  bool knows_start_ = false;  ///< contacts_ are what it starts in and has not looked at
+  int steps_out_ = 0;         ///< that the proxy may yet make out of what it has started in
+  bool held_ = false;         ///< by something, in the last step
+  bool trails_ = false;       ///< has been held since it was last with the tool
+  bool replaced_ = false;     ///< the scene was, and the proxy is not out yet of what is there now
+  bool waits_ = false;        ///< for the time to look where it goes
+  double owed_ = 0.0;         ///< way that it could not go as it waited or came out of the start. Unit: [m].
+  Goal goal_;                 ///< of the last step
+  Hold hold_;                 ///< of the last step in which it was held
   Step step_taken_;
   Spring spring_;  ///< of the last call
   Pose tool_;      ///< of the last call, world frame
