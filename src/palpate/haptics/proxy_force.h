@@ -93,9 +93,9 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 /// the index it was made with.
 ///
 /// The proxy is on the side it came from, however thin the surface and however deep the push. What it did is
-/// its memory: an object serves one tool on one thread. Where a tool of many parts starts, some ticks pass
-/// without a force until all of them have looked at what they are in. Takes nothing from the heap after
-/// construction.
+/// its memory: an object serves one tool on one thread. Where a tool starts in something, some ticks may pass
+/// without a force, until all of its parts have looked at what they are in, and some more until it is out.
+/// Takes nothing from the heap after construction.
 class ProxyForce final : public ForceModel {
  public:
   /// `index` and `lookahead` must outlive it; see ContactTracker.
