@@ -446,6 +446,22 @@ TEST(SurfacePatches, AShelfBesideTheToolIsNotFelt) {
   EXPECT_NEAR((below - press(floor, 0.0, 0.005).wrench.force).norm(), 0.0, 2e-4);
 }
 
+// What is slid into is a wall if it is opaque and as wide as the tool: haze is none, nor is a bar.
+TEST(SurfacePatches, OnlyACertainWallIsSlidInto) {
+  const auto walls = [](const std::vector<test::Splat>& splats) {
+    Feeler ball(splats, Vector3d::Constant(kRadius), 0.008);
+    const Vector3d at(0.001, 0.001, kRadius + 0.0005), down = -Vector3d::UnitZ();
+    ball.patches.look_ahead(ball.around(at), ball.solid(at), down, at + kRadius * down, 0.002, 0.98,
+                            [] { return true; });
+    return ball.patches.patches().size();
+  };
+  std::vector<test::Splat> bar = sheet(0.95);
+  std::erase_if(bar, [](const test::Splat& splat) { return std::abs(splat.position.y()) > 0.001; });
+  EXPECT_EQ(walls(sheet(0.95)), 1U);
+  EXPECT_EQ(walls(bar), 0U);
+  EXPECT_EQ(walls({test::splat({0, 0, 0}, {0.5, 0.5, 1e-6}, Eigen::Quaterniond::Identity(), 0.6)}), 0U);
+}
+
 // Off the end of a sheet, 10 mm deep: the force goes, but no faster than the tool moves and a little, and it
 // does not wait for the tool to move.
 TEST(SurfacePatches, TheForceIsLetGoSlowlyWhereTheGroundEnds) {
