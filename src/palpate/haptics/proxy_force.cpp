@@ -111,7 +111,7 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
 /// this, a rod on a floor sees through it.
 std::size_t enough_for(const ToolPart& part, double detail) {
   constexpr double kPerDetail = 64.0;
-  constexpr std::size_t kLeast = 1024;
+  constexpr std::size_t kLeast = 1024;  // CandidateSet::kLeastCapacity
   const double section = std::numbers::pi * part.semi_axes.prod() / part.semi_axes.minCoeff();
   const double wanted = kPerDetail * section / (detail * detail);
   return std::clamp(static_cast<std::size_t>(std::min(wanted, 1e9)), kLeast, Neighbourhood::kCapacity);
