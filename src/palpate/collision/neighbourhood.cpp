@@ -15,12 +15,12 @@ constexpr double kRounding = 1e-10;
 }  // namespace
 
 Neighbourhood::Neighbourhood(std::size_t capacity) : candidates_(std::make_unique<CandidateSet>(capacity)) {
-  static_assert(kCapacity == CandidateSet::kCapacity);
+  static_assert(kCapacity == CandidateSet::kCapacity && kLeastCapacity == CandidateSet::kLeastCapacity);
 }
 
 std::size_t Neighbourhood::capacity_for(std::size_t solids) {
   constexpr std::size_t kTogether = 16 * kCapacity;
-  return std::clamp(kTogether / solids, CandidateSet::kLeastCapacity, kCapacity);
+  return std::clamp(kTogether / solids, kLeastCapacity, kCapacity);
 }
 
 Neighbourhood::~Neighbourhood() = default;

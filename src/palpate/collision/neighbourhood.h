@@ -22,8 +22,10 @@ class Neighbourhood {
 
   /// For one solid alone.
   static constexpr std::size_t kCapacity = 4096;
+  /// What a search needs.
+  static constexpr std::size_t kLeastCapacity = 1024;
   /// For each of `solids` that are near each other: so many of them keep no more together than sixteen alone,
-  /// until each has the least that a search needs.
+  /// until each has kLeastCapacity.
   static std::size_t capacity_for(std::size_t solids);
 
   /// How much larger a tool that moves is made for a search, in its own radii: 0.4 mm of a ball of 20 mm, two

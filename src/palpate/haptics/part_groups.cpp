@@ -43,9 +43,6 @@ ToolPart solid_around(Parts parts, Members members) {
   return {"group", best.sqrt(), {box.center(), Eigen::Quaterniond::Identity()}};
 }
 
-/// The largest cross-section, over pi. Unit: [m^2].
-double section(const ToolPart& part) { return part.semi_axes.prod() / part.semi_axes.minCoeff(); }
-
 bool is_group(Parts parts, Members members, const ToolPart& solid) {
   double sections = 0.0;
   for (const std::size_t k : members) sections += section(parts[k]);
@@ -72,6 +69,8 @@ void divide(Parts parts, Members members, std::vector<PartGroup>& groups) {
 }
 
 }  // namespace
+
+double section(const ToolPart& part) { return part.semi_axes.prod() / part.semi_axes.minCoeff(); }
 
 std::vector<PartGroup> group_parts(Parts parts) {
   std::vector<PartGroup> groups;

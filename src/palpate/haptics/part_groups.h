@@ -22,6 +22,9 @@ inline constexpr std::size_t kFewParts = 8;
 /// Members of a group at most: all of its Gaussians are compared with each.
 inline constexpr std::size_t kMostInGroup = 8;
 
+/// The largest cross-section of a part, over pi. Unit: [m^2].
+double section(const ToolPart& part);
+
 /// Divides `parts` so that one search of the scene serves a group. Gaussians lie on surfaces, so that a
 /// search costs as the cross-section of what it is for: that of a group's solid, the largest there is, is
 /// smaller than those of its parts together. Each part is in one group.

@@ -22,6 +22,11 @@ Motion motion_between(const Pose& from, const Pose& to) {
   return {to.position - from.position, turn_between(from.orientation, to.orientation)};
 }
 
+/// The pose at the end of a motion.
+Pose after(const Pose& from, const Motion& motion) {
+  return {from.position + motion.translation, (rotation_by(motion.rotation) * from.orientation).normalized()};
+}
+
 Motion blend(const Motion& a, const Motion& b, double of_b) {
   return {a.translation + of_b * (b.translation - a.translation),
           a.rotation + of_b * (b.rotation - a.rotation)};
@@ -107,14 +112,13 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
   return larger;
 }
 
-/// 1,500 of a ball: with a third of it, or with more, pushes at a capture feel alike; with half as many as
-/// this, a rod on a floor sees through it.
+/// As many Gaussians as lie an eighth of a detail apart on the largest cross-section of a part: 1,500 for a
+/// ball. With two thirds of them, or with more, pushes at a capture feel alike.
 std::size_t enough_for(const ToolPart& part, double detail) {
   constexpr double kPerDetail = 64.0;
-  constexpr std::size_t kLeast = 1024;  // CandidateSet::kLeastCapacity
-  const double section = std::numbers::pi * part.semi_axes.prod() / part.semi_axes.minCoeff();
-  const double wanted = kPerDetail * section / (detail * detail);
-  return std::clamp(static_cast<std::size_t>(std::min(wanted, 1e9)), kLeast, Neighbourhood::kCapacity);
+  const double wanted = kPerDetail * std::numbers::pi * section(part) / (detail * detail);
+  return std::clamp(static_cast<std::size_t>(std::min(wanted, 1e9)), Neighbourhood::kLeastCapacity,
+                    Neighbourhood::kCapacity);
 }
 
 ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters,
@@ -448,6 +452,10 @@ void ProxyForce::look_anew() {
     part.ready = part.ahead.done = part.aside.done = part.one_end.done = part.other_end.done = false;
 }
 
+double ProxyForce::way_of(const Motion& motion) const {
+  return motion.translation.norm() + radius_ * motion.rotation.norm();
+}
+
 bool ProxyForce::is_free_around(const Pose& there, double way) {
   for (const Part& part : parts_) {
     index_.query(containing(part.solid.at(there), way), Precision::kSingle, contacts_, {.contacts = 1});
@@ -461,12 +469,9 @@ double ProxyForce::cross_free_space(const Pose& target, double longest) {
   const auto knows_nothing = [](const Part& part) { return part.patches.patches().empty(); };
   if (!std::ranges::all_of(parts_, knows_nothing)) return 0.0;
   const Motion wanted = motion_between(proxy_, target);
-  const double farthest = wanted.translation.norm() + radius_ * wanted.rotation.norm();
+  const double farthest = way_of(wanted);
   const double length = length_of(wanted, gyration_), all = std::min(1.0, longest / std::max(length, 1e-300));
-  const auto at = [&](double share) {
-    return Pose{proxy_.position + share * wanted.translation,
-                (rotation_by(share * wanted.rotation) * proxy_.orientation).normalized()};
-  };
+  const auto at = [&](double share) { return after(proxy_, blend({}, wanted, share)); };
   double share = 0.0;
   for (double more = all; more * farthest > step_ && !budget_.is_half_spent();) {
     const double half = 0.5 * more;
@@ -497,7 +502,7 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
     hold_ = held;  // what is let go slowly stays what it was
     trails_ = true;
   }
-  const double farthest = motion.translation.norm() + radius_ * motion.rotation.norm();
+  const double farthest = way_of(motion);
   const double length = length_of(motion, gyration_);
   const double share =
       std::min({1.0, step_ / std::max(farthest, 1e-300), goal_.longest / std::max(length, 1e-300)});
@@ -507,8 +512,7 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
     proxy_ = goal_.target;  // not to rounding
     trails_ = false;
   } else {
-    proxy_.position += motion.translation;
-    proxy_.orientation = (rotation_by(motion.rotation) * proxy_.orientation).normalized();
+    proxy_ = after(proxy_, motion);
   }
   return share * length;
 }

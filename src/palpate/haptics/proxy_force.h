@@ -229,6 +229,8 @@ class ProxyForce final : public ForceModel {
   /// Moves the proxy towards `target` as far as no part touches anything on all of the way, where that is
   /// farther than a step: what no ellipsoid is touched on needs no look. \returns how far. Unit: [m].
   double cross_free_space(const Pose& target, double longest);
+  /// How far any point of the tool goes, at most. Unit: [m].
+  double way_of(const Motion& motion) const;
   /// True if no part touches anything anywhere within `way` of where it is there.
   bool is_free_around(const Pose& there, double way);
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
