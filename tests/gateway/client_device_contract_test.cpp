@@ -23,7 +23,7 @@ std::unique_ptr<HapticDevice> client() {
 /// A pose every third tick, measured half a millisecond ago.
 void send_pose(double t) {
   if (std::lround(1e3 * t) % 3 != 0) return;
-  Pose pose;
+  DevicePose pose;
   pose.position.x() = 0.1 * std::sin(t);
   hand->put(pose, t - 5e-4);
 }

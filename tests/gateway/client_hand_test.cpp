@@ -18,7 +18,7 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Pose at(double x) { return {{x, 0, 0}, Quaterniond::Identity()}; }
+DevicePose at(double x) { return {{x, 0, 0}, Quaterniond::Identity()}; }
 
 struct ClientDeviceTest : testing::Test {
   ClientHand hand;

@@ -70,7 +70,7 @@ TEST(AdmittanceController, ContactDampingBringsAMassToRestOnASpring) {
   a.damping.setZero();
   a.contact_damping = 2.0 * 0.7 * std::sqrt(500.0 * 1.5);
   AdmittanceController controller(a, wide());
-  Pose start;
+  DevicePose start;
   start.position.z() = -0.001;
   controller.start(start);
   double deepest = 0.0;
@@ -91,7 +91,7 @@ TEST(AdmittanceController, KeepsItsLimitsWhateverTheForces) {
   Admittance a;
   a.contact_damping = 40.0;
   AdmittanceController controller(a, limits);
-  Pose start;
+  DevicePose start;
   start.position.z() = 1.2;
   controller.start(start);
   std::mt19937_64 random(4);
@@ -161,7 +161,7 @@ TEST(AdmittanceController, GoesOnFromWhereTheDeviceIs) {
   AdmittanceController controller({}, {});
   controller.start({});
   for (int k = 0; k < 300; ++k) controller.step({{30, 0, 0}, {}}, {}, kTick);
-  Pose held = controller.motion().pose;
+  DevicePose held = controller.motion().pose;
   held.position.x() -= 0.01;
   controller.follow(held, {}, kTick);
   EXPECT_EQ(controller.motion().velocity.linear.norm(), 0.0);

@@ -6,6 +6,7 @@
 
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/servo/motion_device.h>
 #include <palpate/servo/safety_governor.h>
 #include <palpate/servo/workspace_map.h>
 
@@ -13,6 +14,9 @@ namespace palpate {
 namespace {
 
 using Reading = decltype(DeviceReading::pose);
+// So is what a device with its own position control reads and is told.
+static_assert(std::is_same_v<decltype(MotionReading::pose), Reading>);
+static_assert(std::is_same_v<decltype(MotionSetpoint::pose), Reading>);
 
 static_assert(!std::is_convertible_v<Reading, Pose> && !std::is_constructible_v<Pose, Reading>);
 static_assert(!std::is_assignable_v<decltype((ForceInput::tool)), Reading>);

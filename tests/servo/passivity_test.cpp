@@ -16,13 +16,13 @@ constexpr double kPeriod = 1e-3;
 /// A wall at z = 0 that is a spring.
 struct Wall {
   double stiffness;
-  double depth(const Pose& pose) const { return std::max(0.0, -pose.position.z()); }
-  Wrench wrench(const Pose& pose) const { return {{0, 0, stiffness * depth(pose)}, Vector3d::Zero()}; }
-  double stored(const Pose& pose) const { return 0.5 * stiffness * depth(pose) * depth(pose); }
+  double depth(const DevicePose& pose) const { return std::max(0.0, -pose.position.z()); }
+  Wrench wrench(const DevicePose& pose) const { return {{0, 0, stiffness * depth(pose)}, Vector3d::Zero()}; }
+  double stored(const DevicePose& pose) const { return 0.5 * stiffness * depth(pose) * depth(pose); }
 };
 
-Pose at(double z) {
-  Pose pose;
+DevicePose at(double z) {
+  DevicePose pose;
   pose.position.z() = z;
   return pose;
 }
@@ -40,7 +40,7 @@ TEST(PassivityController, AddsTheDampingThatASampledSpringLacks) {
     PassivityController controller(kPeriod, damping, 10.0);
     Wrench sent;
     for (int k = 0; k < 600; ++k) {  // at 0.1 m/s, 30 mm in and out again
-      const Pose pose = at(-1e-4 * (k < 300 ? k : 600 - k));
+      const DevicePose pose = at(-1e-4 * (k < 300 ? k : 600 - k));
       const Wrench wanted = wall.wrench(pose);
       sent = controller.correct(wanted, wall.stored(pose), sent, pose, kPeriod);
       // K T / 2 = 0.5 N s/m, less what the device has; twice that is added, once it moves evenly.
@@ -58,7 +58,7 @@ TEST(PassivityController, LeavesAloneWhatIsPassive) {
   const Wall wall{1000.0};
   Wrench sent;
   for (int k = 0; k < 1000; ++k) {
-    const Pose pose = at(-0.01 + 0.02 * std::cos(0.02 * k));
+    const DevicePose pose = at(-0.01 + 0.02 * std::cos(0.02 * k));
     const Wrench wanted = wall.wrench(pose);
     sent = controller.correct(wanted, wall.stored(pose), sent, pose, kPeriod);
     // Just out of the wall, whose edge was between two ticks, something is left to absorb.
@@ -73,7 +73,7 @@ TEST(PassivityController, DampsTurnsByItsArm) {
   constexpr double kStep = 1e-3;  // Unit: [rad].
   const auto sent_with = [&](double arm) {
     PassivityController controller(kPeriod, 0.0, 10.0, arm);
-    Pose pose;
+    DevicePose pose;
     controller.correct(twist, 0.0, twist, pose, kPeriod);
     pose.orientation = Eigen::AngleAxisd(kStep, Vector3d::UnitX());
     return controller.correct(twist, 0.0, twist, pose, kPeriod);
@@ -107,7 +107,7 @@ TEST(PassivityController, TicksThatComeLaterLackMoreDamping) {
     PassivityController controller(kPeriod, 1.0, 10.0);
     Wrench sent;
     for (int k = 0; k < 100; ++k) {
-      const Pose pose = at(-0.1 * period * k);
+      const DevicePose pose = at(-0.1 * period * k);
       sent = controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose, period);
     }
     EXPECT_EQ(controller.excess() > 0.0, period > 2e-3) << period;
@@ -125,7 +125,7 @@ double bounce(const Wall& wall, double damping_max) {
   Wrench sent;
   bool touched = false;
   for (int k = 0; k < 3000; ++k) {
-    const Pose pose = at(z);
+    const DevicePose pose = at(z);
     touched = touched || z < 0.0;
     if (touched) highest = std::max(highest, z);
     sent = controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose, kPeriod);
@@ -159,7 +159,7 @@ TEST(PassivityController, ResetForgets) {
 void press_and_let_go(PassivityController& controller, const Wall& wall, double z, Wrench& sent) {
   const int steps = static_cast<int>(std::lround(std::abs(z) / 1e-4));
   for (int k = 0; k <= 2 * steps; ++k) {
-    const Pose pose = at(-1e-4 * (k <= steps ? k : 2 * steps - k));
+    const DevicePose pose = at(-1e-4 * (k <= steps ? k : 2 * steps - k));
     controller.correct(wall.wrench(pose), wall.stored(pose), sent, pose, kPeriod);
     sent = wall.wrench(pose);
   }

@@ -110,7 +110,7 @@ bool GiantDevice::read(double t, MotionReading& reading) {
   seen_ = kinematics_.tip();
   read_at_ = t;
   started_ = true;
-  reading = {t, seen_, velocity_, sensed(dt), t};
+  reading = {t, DevicePose(seen_), velocity_, sensed(dt), t};
   return true;
 }
 
@@ -121,12 +121,12 @@ MotionAnswer GiantDevice::move(const MotionSetpoint& motion, double dt) {
   } else if (motion.still) {
     motion_.brake(dt);  // what redundancy does, too
   } else {
-    motion_.step(motion.pose, dt);
+    motion_.step(motion.pose.in_device_frame(), dt);
   }
   moved_at_ = t_;
   told_[told_count_++ % told_.size()] = {t_, motion_.position()};
   MotionAnswer answer;
-  answer.motion.pose = motion_.tip();
+  answer.motion.pose = DevicePose(motion_.tip());
   answer.motion.velocity = motion_.tip_velocity();
   answer.motion.acceleration = motion.acceleration;
   answer.held = motion_.held_by() != HeldBy::kNothing || stopped_.load(std::memory_order_relaxed);

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-std::uint64_t ClientHand::put(const Pose& pose, double t) {
+std::uint64_t ClientHand::put(const DevicePose& pose, double t) {
   samples_.back() = {pose, t, ++count_, hand_};
   samples_.publish();
   held_.store(true, std::memory_order_relaxed);
@@ -32,7 +32,7 @@ bool ClientDevice::read(double, DeviceReading& reading) {
         share * (turn_between(last_.pose.orientation, sample.pose.orientation) / dt - last_.velocity.angular);
   }
   read_ = sample.number;
-  last_.pose = DevicePose(sample.pose);
+  last_.pose = sample.pose;
   last_.t = sample.t;
   last_.hand = sample.hand;
   reading = last_;

@@ -16,7 +16,7 @@ namespace palpate {
 class ClientHand {
  public:
   struct Sample {
-    Pose pose;                 ///< X_DH
+    DevicePose pose;           ///< X_DH
     double t = 0.0;            ///< when it was measured, as far as is known, on the loop's clock. Unit: [s].
     std::uint64_t number = 0;  ///< from 1
     std::uint32_t hand = 0;    ///< another number: another hand
@@ -25,7 +25,7 @@ class ClientHand {
   /// \name The gateway's thread
   /// @{
   /// \param pose X_DH \returns its number.
-  std::uint64_t put(const Pose& pose, double t);
+  std::uint64_t put(const DevicePose& pose, double t);
   /// What is put from now on is where another hand is.
   void change_hand() { ++hand_; }
   /// Nobody holds on any longer.

@@ -166,7 +166,7 @@ void CrtkDevice::accept(const Pose& pose, double stamp, double now) {
   unit.orientation.normalize();
   stamp_of_[(taken_ + 1) % stamp_of_.size()].store(stamp, std::memory_order_relaxed);
   ++taken_;
-  hand_.put(unit, now - age_);
+  hand_.put(DevicePose(unit), now - age_);
   stamp_ = stamp;
   heard_ = now;
   refused_since_ = std::numeric_limits<double>::infinity();

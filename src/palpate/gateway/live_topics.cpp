@@ -69,7 +69,7 @@ void LiveTopics::take(const Json& message, Client& from) {
   const bool world = said.frame.empty() ? !client_is_device_ : said.frame == kWorld;
   held_at_ = clock_.now();
   if (const auto measured = measured_at(said.stamp, held_at_))
-    waiting_ = {world ? map_.to_device(said.pose).in_device_frame() : said.pose, *measured, said.stamp};
+    waiting_ = {world ? map_.to_device(said.pose) : DevicePose(said.pose), *measured, said.stamp};
 }
 
 std::optional<double> LiveTopics::measured_at(const Stamp& stamp, double now) {

@@ -123,7 +123,7 @@ class LiveTopics {
   ClientClock holder_clock_;
   double told_late_ = -std::numeric_limits<double>::infinity();  ///< Unit: [s].
   struct Waiting {
-    Pose device;
+    DevicePose device;
     double t = 0.0;  ///< Unit: [s].
     Stamp stamp;
   };

@@ -22,7 +22,7 @@ HandPath simulated_hand(HandPath own, ClientHand& client, std::atomic<bool>& mov
   const LedHand::Lead lead = [&client, &moves_itself, left = std::optional<Pose>()](double) mutable {
     const ClientHand::Sample& newest = client.newest();
     if (client.is_held()) {
-      left = newest.pose;
+      left = newest.pose.in_device_frame();
       moves_itself.store(false, std::memory_order_relaxed);
     } else if (moves_itself.load(std::memory_order_relaxed)) {
       left.reset();

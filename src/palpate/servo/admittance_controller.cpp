@@ -49,13 +49,13 @@ double MotionLimits::stop_time() const {
 AdmittanceController::AdmittanceController(const Admittance& admittance, const MotionLimits& limits)
     : limits_(limits), now_(admittance), wanted_(admittance) {}
 
-void AdmittanceController::start(const Pose& pose) {
+void AdmittanceController::start(const DevicePose& pose) {
   motion_ = {};
   motion_.pose = pose;
   for (Index k = 0; k < 3; ++k) along_[static_cast<std::size_t>(k)] = {pose.position[k], 0.0, 0.0};
 }
 
-void AdmittanceController::follow(const Pose& pose, const Twist& velocity, double dt) {
+void AdmittanceController::follow(const DevicePose& pose, const Twist& velocity, double dt) {
   const auto held = [dt](double most, double now, double before) {
     return dt > 0.0 ? std::clamp((now - before) / dt, -most, most) : 0.0;
   };

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <palpate/geometry/pose.h>
+#include <palpate/servo/device_pose.h>
 #include <palpate/servo/limited_axis.h>
 
 namespace palpate {
@@ -38,7 +39,7 @@ struct MotionLimits {
 /// A motion of the TCP at one instant, for a device to follow: X_DH, V_DH and its derivative, in the device's
 /// frame D.
 struct MotionSetpoint {
-  Pose pose;
+  DevicePose pose;  ///< X_DH
   Twist velocity, acceleration;
   bool still = false;  ///< it is at rest, and nothing else of the device is to move either
 };
@@ -62,9 +63,9 @@ class AdmittanceController {
   AdmittanceController(const Admittance& admittance, const MotionLimits& limits);
 
   /// At rest at X_DH. What is outside of the workspace is let in, slowly.
-  void start(const Pose& pose);
+  void start(const DevicePose& pose);
   /// The motion is that of the device, where it could not follow: X_DH and V_DH as they are.
-  void follow(const Pose& pose, const Twist& velocity, double dt);
+  void follow(const DevicePose& pose, const Twist& velocity, double dt);
 
   /// What is aimed for; see above.
   void set(const Admittance& admittance) { wanted_ = admittance; }

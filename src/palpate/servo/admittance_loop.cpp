@@ -99,7 +99,7 @@ bool AdmittanceLoop::read(double t, DeviceReading& reading) {
   }
   tell_status();
   if (!fresh || status() == DeviceStatus::kFault) return false;
-  reading = {said_.t, DevicePose(said_.pose), said_.velocity, said_.hand, said_.buttons, governor_.user()};
+  reading = {said_.t, said_.pose, said_.velocity, said_.hand, said_.buttons, governor_.user()};
   return true;
 }
 

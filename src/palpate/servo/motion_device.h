@@ -12,9 +12,9 @@ namespace palpate {
 
 /// What such a device says at one instant.
 struct MotionReading {
-  double t = 0.0;  ///< when it was measured, on the loop's clock. Unit: [s].
-  Pose pose;       ///< X_DH: of the TCP, as measured, in the device's frame D
-  Twist velocity;  ///< V_DH
+  double t = 0.0;   ///< when it was measured, on the loop's clock. Unit: [s].
+  DevicePose pose;  ///< X_DH: of the TCP H, as measured
+  Twist velocity;   ///< V_DH
   /// Of the hand on the handle, as the force sensor says, torque about the TCP; along the axes of the
   /// device's frame. Bias and all.
   Wrench user;

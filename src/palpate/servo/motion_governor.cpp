@@ -13,13 +13,15 @@ constexpr double kOnTime = 2.0, kForgiven = 0.1;
 constexpr double kUnitTolerance = 1e-3;
 
 bool finite(const Twist& v) { return v.linear.allFinite() && v.angular.allFinite(); }
-bool is_pose(const Pose& pose) {
+bool is_pose(const DevicePose& pose) {
   return pose.position.allFinite() && std::abs(pose.orientation.norm() - 1.0) <= kUnitTolerance;
 }
 constexpr unsigned bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
 
-double way(const Pose& a, const Pose& b) { return (b.position - a.position).norm(); }
-double turn(const Pose& a, const Pose& b) { return turn_between(a.orientation, b.orientation).norm(); }
+double way(const DevicePose& a, const DevicePose& b) { return (b.position - a.position).norm(); }
+double turn(const DevicePose& a, const DevicePose& b) {
+  return turn_between(a.orientation, b.orientation).norm();
+}
 
 }  // namespace
 

@@ -27,8 +27,8 @@ void PassivityController::reset() {
   excess_ = added_ = held_ = 0.0;
 }
 
-Wrench PassivityController::correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose,
-                                    double passed) {
+Wrench PassivityController::correct(const Wrench& wanted, double stored, const Wrench& sent,
+                                    const DevicePose& pose, double passed) {
   if (!started_) {
     started_ = true;
     pose_ = pose;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <palpate/geometry/pose.h>
+#include <palpate/servo/device_pose.h>
 
 namespace palpate {
 
@@ -48,7 +49,8 @@ class PassivityController {
   /// What to send at a pose X_DH, in place of `wanted`; wrenches F_H_D. \param stored S at this pose;
   /// infinite if nobody knows: it is then only observed. Unit: [J]. \param sent what was sent at the last
   /// call, by whoever was last to change it \param passed since that. Unit: [s].
-  Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const Pose& pose, double passed);
+  Wrench correct(const Wrench& wanted, double stored, const Wrench& sent, const DevicePose& pose,
+                 double passed);
 
   /// D. Unit: [J].
   double excess() const { return excess_; }
@@ -63,7 +65,7 @@ class PassivityController {
  private:
   double period_, damping_, damping_max_, arm_;
   bool started_ = false;
-  Pose pose_;
+  DevicePose pose_;
   double excess_ = 0.0, added_ = 0.0;
   double held_ = 0.0, put_out_ = 0.0;  ///< E, and what put_out() tells. Unit: [J].
 };

@@ -114,8 +114,8 @@ void ServoTick::feel() {
   const double rho = share_shown(wanted, device_.capabilities());
   const double stored = std::isnan(felt.stored) ? std::numeric_limits<double>::infinity()
                                                 : map_.to_device(felt.stored) * (2.0 * rho - rho * rho);
-  wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent,
-                               reading.pose.in_device_frame(), passed);
+  wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent, reading.pose,
+                               passed);
 }
 
 /// A spring that would be active is made softer. \param stiffness of the model, as set without a gain. Unit:

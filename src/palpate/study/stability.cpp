@@ -174,7 +174,7 @@ double wall_swing(const DeviceProfile& profile, double period, bool passivity, d
     const double depth = std::max(0.0, -reading.pose.position.x());
     Wrench wanted;
     wanted.force.x() = k * depth;
-    sent = controller.correct(wanted, 0.5 * k * depth * depth, sent, reading.pose.in_device_frame(), period);
+    sent = controller.correct(wanted, 0.5 * k * depth * depth, sent, reading.pose, period);
     device.write(sent);
     if (n * period < from) continue;
     low = std::min(low, device.pose().position.x());
