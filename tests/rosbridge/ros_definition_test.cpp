@@ -41,6 +41,8 @@ TEST(RosDefinition, WhatIsMissingOrOfAnotherKindIsZero) {
   EXPECT_EQ(ros_bytes("visualization_msgs/MarkerArray", {{"markers", "none"}}), bytes_of({0, 0, 0, 0}));
   EXPECT_EQ(ros_bytes("std_msgs/Header", {{"seq", "x"}, {"stamp", 3}, {"frame_id", 4}}),
             std::string(16, '\0'));
+  EXPECT_EQ(ros_bytes("std_msgs/Header", {{"stamp", {{"nsecs", 3}}}}),
+            std::string(8, '\0') + bytes_of({3, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 TEST(RosDefinition, ASubscriberOfCborRawGetsTheBytes) {

@@ -223,7 +223,9 @@ TEST(ArrowMarker, GoesFromPointToPoint) {
   ASSERT_EQ(marker["points"].size(), 2U);
   EXPECT_EQ(vector_of(marker["points"][0]), Vector3d(1, 2, 3));
   EXPECT_EQ(vector_of(marker["points"][1]), Vector3d(4, 5, 6));
-  EXPECT_EQ(marker["scale"]["x"], 0.01);
+  EXPECT_EQ(marker["scale"]["x"], 0.01);  // of the shaft; of the head; its length, 0: as RViz likes it
+  EXPECT_EQ(marker["scale"]["y"], 0.02);
+  EXPECT_EQ(marker["scale"]["z"], 0.0);
   EXPECT_EQ(quaternion_of(marker["pose"]["orientation"]).w(), 1.0);
 }
 

@@ -76,6 +76,24 @@ TEST(LeastAdmittance, IsTheClosedFormWhereThatIsKnown) {
     }
 }
 
+// M s + D + B exp(-s tau) = 0 on the bound: D = -B cos(w tau) and M w = B sin(w tau).
+TEST(LeastAdmittance, IsTheClosedFormOfADamperThatIsLate) {
+  for (const double mass : {0.1, 0.5, 2.0})
+    for (const double delay : {1e-4, 1e-3, 5e-3}) {
+      AdmittanceLoopModel loop;
+      loop.contact_damping = 4.0 * mass / delay;
+      loop.delay = delay;
+      double low = 0.5 * std::numbers::pi / delay, high = 2.0 * low;
+      for (int k = 0; k < 200; ++k) {
+        const double w = 0.5 * (low + high);
+        (loop.contact_damping * std::sin(w * delay) > mass * w ? low : high) = w;
+      }
+      const double damping = -loop.contact_damping * std::cos(low * delay);
+      ASSERT_GT(damping, 0.0);
+      EXPECT_NEAR(least_damping(mass, loop, 1.0), damping, 1e-3 * damping) << mass << ", " << delay;
+    }
+}
+
 TEST(LeastAdmittance, NeedsNothingWhereNothingIsLate) {
   AdmittanceLoopModel loop;
   loop.contact_stiffness = 5000.0;

@@ -67,6 +67,18 @@ TEST(LimitedAxis, FollowsWhatIsWithinTheLimitsExactly) {
   }
 }
 
+// At full speed as soon as the acceleration, which is full, is gone.
+TEST(LimitedAxis, TakesTheStatedTimeWhereItIsWorst) {
+  const double A = kLimits.acceleration, J = kLimits.jerk;
+  const AxisState worst{-0.5, kLimits.velocity - 0.5 * A * A / J, A};
+  EXPECT_TRUE(can_stop(worst, {J, A, kLimits.velocity}));
+  EXPECT_NEAR(stop_time(kLimits), 1.2 / 6.0 + 2.0 * 6.0 / 300.0, 1e-15);
+  const double before = 1e-3;
+  const AxisState almost = stopping(worst, kLimits, stop_time(kLimits) - before);
+  EXPECT_NEAR(almost.acceleration, -J * before, 1e-9);
+  EXPECT_NEAR(almost.velocity, 0.5 * J * before * before, 1e-9);
+}
+
 TEST(LimitedAxis, ComesToRestInTheStatedTimeHoweverItIsSampled) {
   std::mt19937_64 random(2);
   for (int run = 0; run < 5000; ++run) {

@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -153,6 +155,138 @@ TEST_F(MotionGovernorTest, HoldsThroughSpikesAndGapsThatAreShort) {
   EXPECT_NEAR(controller_.motion().velocity.linear.x(), 5.0 / 25.0, 0.01);
 }
 
+TEST_F(MotionGovernorTest, TheForceGrowsEvenlyFromTheGate) {
+  controller_.start({});
+  while (governor_.state() == GovernorState::kWaiting) tick();
+  EXPECT_EQ(governor_.share(), 0.0);
+  run(0.25 * safety().rise_time);
+  EXPECT_NEAR(governor_.share(), 0.25, 1e-9);
+  run(0.5 * safety().rise_time);
+  EXPECT_NEAR(governor_.share(), 0.75, 1e-9);
+}
+
+// In ticks that a double has exactly.
+TEST(MotionGovernor, OpensAndComesBackAtItsTimesToTheTick) {
+  constexpr double kExact = 1.0 / 1024.0;
+  MotionSafety s = safety();
+  s.tick = s.reading_period = kExact;
+  MotionGovernor governor(s);
+  const double end = 1.0;
+  for (double t = 0.0; t <= 2.0 * end; t += kExact) {
+    MotionReading reading;
+    reading.t = reading.user_t = t;
+    if (t == end) governor.stop(Fault::kChanging);
+    governor.admit(reading, t);
+    governor.moved({}, {}, true);
+  }
+  const double waits = end + s.recover_after;
+  const std::vector<std::pair<double, GovernorState>> expected{
+      {s.gate_time, GovernorState::kRising},
+      {s.gate_time + s.rise_time, GovernorState::kActive},
+      {end, GovernorState::kFalling},
+      {end, GovernorState::kStopped},
+      {waits, GovernorState::kWaiting},
+      {waits + s.gate_time, GovernorState::kRising},
+      {waits + s.gate_time + s.rise_time, GovernorState::kActive}};
+  ASSERT_EQ(governor.transitions().size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    EXPECT_EQ(governor.transitions()[k].t, expected[k].first) << k;
+    EXPECT_EQ(governor.transitions()[k].to, expected[k].second) << k;
+  }
+}
+
+TEST(MotionGovernor, RemembersTheLastChangesOfState) {
+  MotionGovernor governor(safety());
+  std::vector<double> stopped;
+  for (double t = kTick; stopped.size() < SafetyGovernor::kRemembered; t += kTick) {
+    MotionReading reading;
+    reading.t = reading.user_t = t;
+    if (governor.state() == GovernorState::kWaiting) {
+      governor.stop(Fault::kChanging);
+      stopped.push_back(t);
+    }
+    governor.admit(reading, t);
+    governor.moved({}, {}, true);
+  }
+  ASSERT_EQ(governor.transitions().size(), SafetyGovernor::kRemembered);
+  std::vector<double> told;
+  for (const GovernorTransition& change : governor.transitions())
+    if (change.to == GovernorState::kFalling) told.push_back(change.t);
+  ASSERT_GT(told.size(), 2U);
+  EXPECT_EQ(told,
+            std::vector<double>(stopped.end() - static_cast<std::ptrdiff_t>(told.size()), stopped.end()));
+}
+
+TEST(MotionGovernor, StaysShutBeforeTheDeviceAndItsSensorHaveSpoken) {
+  MotionGovernor silent(safety()), deaf(safety());
+  for (double t = 0.0; t < 1.0; t += kTick) {
+    silent.admit_none(t);
+    MotionReading reading;
+    reading.t = t;
+    reading.user_t = t;
+    reading.user.force.x() = kNan;
+    deaf.admit(reading, t);
+    for (MotionGovernor* governor : {&silent, &deaf}) {
+      governor->moved({}, {}, true);
+      ASSERT_TRUE(governor->brakes());
+      ASSERT_EQ(governor->share(), 0.0);
+    }
+  }
+  EXPECT_EQ(silent.fault(), Fault::kStalePose);
+  EXPECT_EQ(deaf.fault(), Fault::kForceSensor);
+}
+
+TEST_F(MotionGovernorTest, TellsTheFirstFaultUnlessALaterOneIsForGood) {
+  start();
+  reading_.user.force = {12.0, 0.0, 0.0};
+  run(0.5);
+  governor_.stop(Fault::kChanging);
+  tick();
+  EXPECT_EQ(governor_.fault(), Fault::kChanging);
+  governor_.stop(Fault::kStalled);
+  tick();
+  EXPECT_EQ(governor_.fault(), Fault::kChanging);
+  governor_.stop(Fault::kPaused);
+  tick();
+  EXPECT_EQ(governor_.fault(), Fault::kPaused);
+  governor_.stop(Fault::kNotFollowing);
+  tick();
+  EXPECT_EQ(governor_.fault(), Fault::kPaused);
+  governor_.stop(Fault::kEmergencyStop);
+  tick();
+  EXPECT_EQ(governor_.fault(), Fault::kEmergencyStop);
+  governor_.stop(Fault::kNotFollowing);
+  tick();
+  EXPECT_EQ(governor_.fault(), Fault::kEmergencyStop);
+}
+
+TEST_F(MotionGovernorTest, ResumesNothingThatIsAskedForInTheSameTick) {
+  start();
+  governor_.stop(Fault::kNotFollowing);
+  tick();
+  governor_.stop();
+  governor_.resume();
+  run(1.0);
+  EXPECT_EQ(governor_.state(), GovernorState::kStopped);
+  governor_.resume();
+  governor_.stop(Fault::kPaused);
+  governor_.unpause();
+  run(1.0);
+  EXPECT_EQ(governor_.state(), GovernorState::kStopped) << "it was paused in that tick";
+  governor_.unpause();
+  run(0.1);
+  EXPECT_EQ(governor_.state(), GovernorState::kWaiting);
+}
+
+// A device whose clock runs ahead would never be stale.
+TEST_F(MotionGovernorTest, AReadingOfTheFutureIsNone) {
+  start();
+  spoil_ = [](MotionReading& r) { r.t += 1.0; };
+  run(safety().stale_after + 2 * kTick);
+  EXPECT_EQ(governor_.fault(), Fault::kStalePose);
+  EXPECT_LT(governor_.reading().t, t_);
+}
+
 TEST_F(MotionGovernorTest, LateTicksAreAFault) {
   start();
   for (int k = 0; k < 10 && governor_.fault() == Fault::kNone; ++k) {
@@ -160,6 +294,48 @@ TEST_F(MotionGovernorTest, LateTicksAreAFault) {
     tick();
   }
   EXPECT_EQ(governor_.fault(), Fault::kLateTick);
+}
+
+TEST(MotionGovernor, TicksMayBeLateByItsBudget) {
+  MotionGovernor governor(safety());
+  double t = 0.0;
+  const auto tick = [&](double passed) {
+    t += passed;
+    MotionReading reading;
+    reading.t = reading.user_t = t;
+    governor.admit(reading, t);
+    governor.moved({}, {}, true);
+  };
+  tick(kTick);
+  tick(0.0219);  // two ticks are on time, 19.9 ms are late
+  EXPECT_EQ(governor.fault(), Fault::kNone);
+  tick(kTick);  // of which a tenth of what passes is forgiven
+  tick(0.0021);
+  EXPECT_EQ(governor.fault(), Fault::kNone);
+  tick(0.0031);
+  EXPECT_EQ(governor.fault(), Fault::kLateTick);
+}
+
+TEST(MotionSafety, IsThatOfTheDeviceAndOfItsLimits) {
+  DeviceCapabilities device;
+  device.rate = 100.0;
+  device.force_max = 40.0;
+  device.torque_max = 3.0;
+  MotionLimits limits;
+  limits.velocity = 1.0;
+  limits.angular_velocity = 2.0;
+  const MotionSafety s = MotionSafety::of(device, limits, 0.01);
+  EXPECT_EQ(s.tick, 0.01);
+  EXPECT_DOUBLE_EQ(s.reading_period, 0.01);
+  EXPECT_DOUBLE_EQ(s.stale_after, 0.03);
+  EXPECT_DOUBLE_EQ(s.late_max, 0.03);
+  EXPECT_DOUBLE_EQ(s.speed_max, 1.5 * std::sqrt(3.0));
+  EXPECT_DOUBLE_EQ(s.angular_speed_max, 3.0 * std::sqrt(3.0));
+  EXPECT_EQ(s.sensor.force_range, 40.0);
+  EXPECT_EQ(s.sensor.torque_range, 3.0);
+  device.rate = 1000.0;
+  EXPECT_EQ(MotionSafety::of(device, limits, 1e-3).stale_after, MotionSafety().stale_after);
+  EXPECT_EQ(MotionSafety::of(device, limits, 1e-3).late_max, MotionSafety().late_max);
 }
 
 TEST_F(MotionGovernorTest, StopsAndResumesWhenItIsTold) {

@@ -379,6 +379,78 @@ TEST(SafetyGovernor, WhatIsLeftOfTwoFaultsIsTold) {
   EXPECT_EQ(loop.governor.fault(), Fault::kLateContacts);
 }
 
+TEST(SafetyGovernor, WhatIsAskedForAsAnotherIsResumedIsTold) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  loop.governor.stop();
+  loop.run(0.5);
+  loop.governor.resume();
+  loop.governor.stop(Fault::kPaused);
+  loop.tick();
+  EXPECT_EQ(loop.governor.fault(), Fault::kPaused);
+  loop.governor.unpause();
+  loop.tick();
+  EXPECT_EQ(loop.governor.fault(), Fault::kPaused) << "until it waits again, that was the last";
+}
+
+TEST(SafetyGovernor, AReadingThatIsRefusedIsNotAdmitted) {
+  SafetyGovernor governor(SafetyLimits::of(device(), kTick));
+  double t = 0.0;
+  const auto admits = [&](const std::function<void(DeviceReading&)>& change) {
+    DeviceReading reading;
+    reading.t = t += kTick;
+    change(reading);
+    const bool admitted = governor.admit(reading, t);
+    governor.release({}, 0.0);
+    return admitted;
+  };
+  EXPECT_TRUE(admits([](DeviceReading&) {}));
+  EXPECT_FALSE(admits([](DeviceReading& r) { r.pose.position.x() = kNan; }));
+  EXPECT_TRUE(admits([](DeviceReading&) {}));
+  EXPECT_FALSE(admits([](DeviceReading& r) { r.pose.position.x() = 1.0; })) << "a jump";
+  EXPECT_EQ(governor.reading().pose.position.x(), 0.0);
+  EXPECT_FALSE(admits([](DeviceReading& r) {
+    r.pose.position.x() = 1.0;
+    r.velocity.linear.x() = 30.0;
+  }));
+  EXPECT_FALSE(admits([](DeviceReading& r) { r.t -= 1.0; })) << "an old one";
+}
+
+TEST(SafetyGovernor, WhatIsKnownOfADeviceIsWhatIsAllowed) {
+  DeviceCapabilities d = device();
+  d.workspace = 0.1;
+  d.rate = 500.0;
+  d.force_sustained = 2.0;
+  d.torque_sustained = 0.1;
+  const SafetyLimits limits = SafetyLimits::of(d, kTick);
+  EXPECT_EQ(limits.force_max, 8.0);
+  EXPECT_EQ(limits.torque_max, 0.4);
+  EXPECT_EQ(limits.force_sustained, 2.0);
+  EXPECT_EQ(limits.torque_sustained, 0.1);
+  EXPECT_DOUBLE_EQ(limits.force_slew, 8.0 / SafetyLimits::kSlewTime);
+  EXPECT_DOUBLE_EQ(limits.torque_slew, 0.4 / SafetyLimits::kSlewTime);
+  EXPECT_DOUBLE_EQ(limits.energy_reserve, 8.0 * 2.0 * 0.2) << "to and fro across the workspace";
+  EXPECT_DOUBLE_EQ(limits.reading_period, 2e-3);
+  EXPECT_DOUBLE_EQ(SafetyLimits::of(d, 0.05).late_max, 0.15);
+}
+
+// What has come out is paid for with that fault: it is not told again for the same energy.
+TEST(SafetyGovernor, EnergyIsReproachedOnce) {
+  Loop loop;
+  loop.feel({3, 0, 4});
+  const auto pushes = [&](Loop::Tick& t) {
+    loop.center += 1e-4 * Vector3d(0.6, 0, 0.8);
+    t.reading.pose.position = loop.center;
+  };
+  for (int k = 0; k < 200 && loop.governor.fault() == Fault::kNone; ++k) loop.tick(pushes);
+  ASSERT_EQ(loop.governor.fault(), Fault::kOverEnergy);
+  EXPECT_LT(loop.governor.energy(), loop.limits.energy_max);
+  loop.wanted = {};
+  loop.governor.resume();
+  loop.run(loop.limits.recover_after + 2 * kTick);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting);
+}
+
 // A driver whose clients send at 4 kHz makes ticks of a quarter of a millisecond.
 TEST(SafetyGovernor, SlewIsOfTheTimeThatHasPassed) {
   for (const double period : {0.25e-3, 1e-3, 1.5e-3}) {

@@ -1,0 +1,74 @@
+// What a loop is doing, for who looks on.
+#include <palpate/servo/live_view.h>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TickRecord record_of(double t, GovernorState state, Fault fault) {
+  TickRecord record;
+  record.t = t;
+  record.state = state;
+  record.fault = fault;
+  return record;
+}
+
+TEST(LiveView, RemembersEachChangeOfStateAndOfFault) {
+  LiveView view;
+  view.see(record_of(1.0, GovernorState::kWaiting, Fault::kNone), {});
+  EXPECT_TRUE(view.transitions().empty());
+  view.see(record_of(2.0, GovernorState::kActive, Fault::kNone), {});
+  view.see(record_of(3.0, GovernorState::kActive, Fault::kNone), {});
+  view.see(record_of(4.0, GovernorState::kStopped, Fault::kJump), {});
+  view.see(record_of(5.0, GovernorState::kStopped, Fault::kPaused), {});
+  view.see(record_of(6.0, GovernorState::kStopped, Fault::kPaused), {});
+  const auto told = view.transitions();
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(told[0].t, 2.0);
+  EXPECT_EQ(told[1].t, 4.0);
+  EXPECT_EQ(told[2].t, 5.0);
+  EXPECT_EQ(told[1].fault, Fault::kJump);
+  EXPECT_EQ(told[2].fault, Fault::kPaused);
+}
+
+TEST(LiveView, OfTooManyChangesTheFirstAreTold) {
+  LiveView view;
+  for (std::size_t k = 0; k < LiveView::kRemembered + 10; ++k)
+    view.see(record_of(static_cast<double>(k), k % 2 == 0 ? GovernorState::kActive : GovernorState::kWaiting,
+                       Fault::kNone),
+             {});
+  const auto told = view.transitions();
+  ASSERT_EQ(told.size(), LiveView::kRemembered);
+  for (std::size_t k = 0; k < told.size(); ++k) ASSERT_EQ(told[k].t, static_cast<double>(k));
+}
+
+TEST(LiveView, CountsWhatHasBeenFelt) {
+  LiveView view;
+  EXPECT_FALSE(view.update());
+  const auto see = [&](std::uint32_t contacts, double force, double margin, double put_out) {
+    TickRecord record;
+    record.contacts = contacts;
+    record.sent.force.y() = force;
+    record.margin = margin;
+    record.put_out = put_out;
+    view.see(record, {});
+    EXPECT_TRUE(view.update());
+  };
+  see(0, 0.0, 0.0, 0.0);
+  EXPECT_EQ(view.totals().margin_min, 0.0);
+  see(3, -4.0, 2.0, 0.1);
+  see(7, 2.0, 1.5, 0.2);
+  see(0, 0.0, 0.0, 0.2);
+  see(2, 1.0, 3.0, 0.3);
+  const LiveTotals totals = view.totals();
+  EXPECT_EQ(totals.contact_ticks, 3U);
+  EXPECT_EQ(totals.contacts_max, 7U);
+  EXPECT_EQ(totals.force_max, 4.0);
+  EXPECT_EQ(totals.margin_min, 1.5);
+  EXPECT_EQ(totals.port_energy, 0.3);
+  EXPECT_FALSE(view.update());
+}
+
+}  // namespace
+}  // namespace palpate
