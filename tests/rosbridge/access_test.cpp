@@ -225,6 +225,16 @@ TEST(Access, KnowsWhoseAddressHasTheToken) {
   EXPECT_FALSE(Access("0.0.0.0", 9090, "", kSession).has_token_in_target({{}, {}, {}, {}, "/?token="}));
 }
 
+TEST(GuesserAt, IsTheNetworkOfAnAddressOfIpv6) {
+  EXPECT_EQ(guesser_at("192.168.1.2"), "192.168.1.2");
+  EXPECT_EQ(guesser_at("::ffff:192.168.1.2"), "::ffff:192.168.1.2");
+  EXPECT_EQ(guesser_at("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::");
+  EXPECT_EQ(guesser_at("2001:db8:1:2::"), "2001:db8:1:2::");
+  EXPECT_EQ(guesser_at("fe80::1%eth0"), "fe80::");
+  EXPECT_EQ(guesser_at("::1"), "::");
+  EXPECT_NE(guesser_at("2001:db8:1:3:3:4:5:6"), guesser_at("2001:db8:1:2:3:4:5:6"));
+}
+
 TEST(Token, IsLongAndFitsIntoAnAddress) {
   EXPECT_EQ(token_problem("abcdefghijklmnop"), "");
   EXPECT_EQ(token_problem("AZaz09-._~AZaz09"), "");
@@ -268,6 +278,8 @@ TEST(PathOf, DecodesOnce) {
   EXPECT_EQ(path_of("/"), "/");
   EXPECT_EQ(path_of("/scene"), "/scene");
   EXPECT_EQ(path_of("/a%20b/%C3%A9"), "/a b/\u00e9");
+  EXPECT_EQ(path_of("/%6a%6F%6f%7A%39"), "/jooz9") << "each digit at the ends of its range";
+  EXPECT_EQ(path_of("/%aa%AF%fa%F9"), "/\xaa\xaf\xfa\xf9");
   EXPECT_EQ(path_of("/a+b"), "/a+b");
   EXPECT_EQ(path_of("/%41"), "/A") << "at the very end";
   EXPECT_EQ(path_of("/scene?token=a#b"), "/scene");

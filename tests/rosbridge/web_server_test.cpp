@@ -811,6 +811,13 @@ TEST_F(WebServerTest, WantsItsTokenOnceAndThenTheCookie) {
   EXPECT_EQ(ask("GET /file", "Cookie: a=b; " + set.substr(0, set.find(';')) + "\r\n").body, file);
   EXPECT_EQ(ask("GET /file", "Authorization: Bearer s3cret\r\n").body, file);
   EXPECT_EQ(ask("GET /file", "Authorization: Bearer s3cret\r\n")["set-cookie"], "");
+  Connection again(server->port());
+  again.send(request("GET /file?token=s3cret", ""));
+  EXPECT_NE(again.response()["set-cookie"], "");
+  again.send(request("GET /file"));
+  const Response later = again.response();
+  EXPECT_EQ(later.status, 401);
+  EXPECT_EQ(later["set-cookie"], "") << "that request has not brought the token";
   Connection without(server->port());
   without.send(upgrade());
   EXPECT_EQ(without.response().status, 401);
@@ -939,6 +946,22 @@ TEST_F(WebServerTest, PublishesToThoseThatSubscribe) {
   EXPECT_EQ(as_binary.opcode, kBinary);
   EXPECT_EQ(Json::from_cbor(as_binary.payload), wanted);
   EXPECT_TRUE(answers(*none)) << "and nothing before that";
+}
+
+TEST_F(WebServerTest, TellsWhenAClientHasNothingMoreToTake) {
+  std::atomic<int> taken = 0, known = 0;
+  hub.add_input("/in", "std_msgs/String", [&](const Json&, Client&) { ++taken; });
+  hub.on_caught_up.emplace_back([&](Client&) { known = taken.load(); });
+  start();
+  const auto socket = web_socket();
+  const std::string one = frame(kText, R"({"op": "publish", "topic": "/in", "msg": {"data": "x"}})");
+  socket->send(one);
+  EXPECT_TRUE(in_time([&] { return known == 1; }));
+  std::string many;
+  for (int k = 0; k < 20; ++k) many += one;
+  socket->send(many);
+  EXPECT_TRUE(in_time([&] { return known == 21; }));
+  server->stop();
 }
 
 // Two messages at once are held back until both are there, and not a fifth of a second, as long as the system

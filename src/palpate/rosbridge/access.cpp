@@ -1,6 +1,10 @@
 #include <palpate/rosbridge/access.h>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <random>
@@ -146,6 +150,16 @@ void GuessLimit::count_wrong(std::string_view address, double now) {
   Bucket& one = of_[std::string(address)];
   one = {one.level(now, kOneAgain) + 1.0, now};
   if (!trusted_.contains(address)) all_ = {all_.level(now, kAllAgain) + 1.0, now};
+}
+
+std::string guesser_at(const std::string& address) {
+  in6_addr ip{};
+  if (::inet_pton(AF_INET6, address.substr(0, address.find('%')).c_str(), &ip) != 1 ||
+      IN6_IS_ADDR_V4MAPPED(&ip))
+    return address;
+  std::fill(ip.s6_addr + 8, ip.s6_addr + 16, 0);
+  std::array<char, INET6_ADDRSTRLEN> network{};
+  return ::inet_ntop(AF_INET6, &ip, network.data(), network.size());
 }
 
 std::string random_text() {

@@ -18,6 +18,10 @@ std::string random_text();
 std::string token_problem(std::string_view token);
 inline constexpr std::size_t kLeastToken = 16, kMostToken = 256;  ///< characters
 
+/// Whose guesses come from an address, for GuessLimit: who has one address of IPv6 has all of its network of
+/// 64 bits. \param address as text, with a zone or without
+std::string guesser_at(const std::string& address);
+
 /// How many wrong tokens may still come. Each is forgotten after a while, by elapsed time.
 class GuessLimit {
  public:

@@ -66,14 +66,10 @@ RequestHead head_of(const http::request<Body>& request) {
   return head;
 }
 
-/// Of a peer, for GuessLimit: who has one address of IPv6 has all of its network of 64 bits.
+/// Of a peer, for GuessLimit.
 std::string address_of(const tcp::socket& socket) {
   error_code ignored;
-  const net::ip::address address = socket.remote_endpoint(ignored).address();
-  if (!address.is_v6() || address.to_v6().is_v4_mapped()) return address.to_string();
-  net::ip::address_v6::bytes_type bytes = address.to_v6().to_bytes();
-  std::fill(bytes.begin() + 8, bytes.end(), 0);
-  return net::ip::make_address_v6(bytes).to_string();
+  return guesser_at(socket.remote_endpoint(ignored).address().to_string());
 }
 
 /// One of so many at most, until it goes.
