@@ -288,8 +288,8 @@ TEST_F(ContactTrackerOnEveryTarget, SearchesNoCrowdTwice) {
     ContactTracker tracker(index);
     ContactSet all, set;
     tracker.query(tool_at(0.5), set);
-    ASSERT_GT(set.contacts.size(), Neighbourhood::kCapacity);
-    EXPECT_GT(tracker.searched(), Neighbourhood::kCapacity);
+    ASSERT_GT(set.contacts.size(), CandidateCache::kCapacity);
+    EXPECT_GT(tracker.searched(), CandidateCache::kCapacity);
     for (const double x : {0.5, 0.501, 0.499, 0.6}) {
       tracker.query(tool_at(x), set);
       index.query(tool_at(x), all);
@@ -324,7 +324,7 @@ TEST(SplatTracker, FindsAllThatIsDrawnInASolid) {
   for (int i = 0; i < 300; ++i) splats.push_back(test::wild_splat(r, 1.0));
   const Similarity world_from_scene{0.3, r.rotation(), {0.1, -0.2, 0.3}, false};
   SceneFilter threefold;
-  threefold.sigma = Neighbourhood::kDrawn;
+  threefold.sigma = CandidateCache::kDrawn;
   const SceneIndex index(test::scene_of(splats), SceneFilter{}, world_from_scene),
       oracle(test::scene_of(splats), threefold, world_from_scene);
   std::size_t found = 0;

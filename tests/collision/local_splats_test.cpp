@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include <palpate/collision/candidate_cache.h>
 #include <palpate/collision/local_splats.h>
-#include <palpate/collision/neighbourhood.h>
 #include <palpate/collision/scene_index.h>
 #include <palpate/collision/splat_tracker.h>
 #include <support/on_every_target.h>
@@ -43,7 +43,7 @@ TEST_F(LocalSplatsOnEveryTarget, WhitenTheGaussians) {
   const SceneIndex index(test::scene_of(splats), SceneFilter{}, world);
   const Vector3d middle = world * Vector3d(0, 0, 0);
   on_every_target([&] {
-    Neighbourhood near;
+    CandidateCache near;
     near.search_drawn(index, Ellipsoid{middle, Matrix3d::Identity()});
     LocalSplats local;
     near.splats(index, local);
@@ -84,7 +84,7 @@ std::vector<Splat> crowded_square(Random& random) {
 }
 
 LocalSplats around_square(const SceneIndex& index, double radius) {
-  Neighbourhood near;
+  CandidateCache near;
   near.search_drawn(index, {Vector3d(0.5, 0.5, 0.0), radius * Matrix3d::Identity()});
   LocalSplats local;
   near.splats(index, local);

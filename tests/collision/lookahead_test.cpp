@@ -81,7 +81,7 @@ TEST(Lookahead, DoesNothingWhileNothingMoves) {
   lookahead.take();
   lookahead.finish();
   line.want(torus(), tool);
-  const Neighbourhood* const first = &line.newest();
+  const CandidateCache* const first = &line.newest();
   for (int k = 0; k < 3; ++k) {
     lookahead.take();
     lookahead.finish();

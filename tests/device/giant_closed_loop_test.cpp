@@ -109,7 +109,7 @@ struct Spring final : ForceModel {
     ForceOutput out;
     out.wrench.force.x() = -k * input.tool.position.x();
     out.proxy = input.tool;
-    out.stored = 0.5 * k * input.tool.position.x() * input.tool.position.x();
+    out.stored_energy = 0.5 * k * input.tool.position.x() * input.tool.position.x();
     out.stiffness = k;
     return out;
   }

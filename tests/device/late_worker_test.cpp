@@ -10,8 +10,8 @@
 
 #include <palpate/device/profiles.h>
 #include <palpate/haptics/field_force.h>
-#include <palpate/haptics/held_force.h>
 #include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/zero_order_hold.h>
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
 #include <support/noisy_plane.h>
@@ -40,7 +40,7 @@ class Session {
     FeltModel felt{model_.get(), tracker_.get()};
     std::vector<BackgroundWork*> work{&lookahead_};
     if (contacts == Contacts::kHold) {
-      held_ = std::make_unique<HeldForce>(*model_, model_->wants_contacts() ? tracker_.get() : nullptr);
+      held_ = std::make_unique<ZeroOrderHold>(*model_, model_->wants_contacts() ? tracker_.get() : nullptr);
       felt = {held_.get(), seen_.get()};
       work.push_back(held_.get());
     }
@@ -80,7 +80,7 @@ class Session {
   Lookahead lookahead_;
   std::unique_ptr<ForceModel> model_;
   std::unique_ptr<ToolTracker> tracker_, seen_;
-  std::unique_ptr<HeldForce> held_;
+  std::unique_ptr<ZeroOrderHold> held_;
   std::unique_ptr<VirtualWorker> worker_;
   std::unique_ptr<SimulatedDevice> device_;
   std::unique_ptr<ServoTick> loop_;

@@ -61,7 +61,7 @@ TEST(Diagnostics, AreInTheUnitsThatTheyAreCalledBy) {
   tick.sent = {{3.0, 0.0, -4.0}, {0.0, 0.12, 0.05}};
   tick.margin = 1.5;
   tick.energy = 0.002;
-  tick.felt.stored = 0.003;
+  tick.felt.stored_energy = 0.003;
   tick.put_out = 0.004;
   tick.added_damping = 0.6;
   TickTimes times;
@@ -105,7 +105,7 @@ TEST(Diagnostics, SayWhatIsWrongAndWhetherItPasses) {
     TickRecord tick;
     tick.state = GovernorState::kStopped;
     tick.fault = fault;
-    tick.felt.stored = std::numeric_limits<double>::quiet_NaN();
+    tick.felt.stored_energy = std::numeric_limits<double>::quiet_NaN();
     const LiveDiagnostics held_back = diagnose(tick, {}, watch, {});
     EXPECT_EQ(held_back.level, traits(fault).latched ? 2 : 1);
     EXPECT_EQ(held_back.message, traits(fault).name);

@@ -367,7 +367,7 @@ TEST(DensityForce, HasNoProxyAndNoPotentialAndIsSureOfWhatItFeels) {
   const ForceOutput felt = model.evaluate(in);
   EXPECT_EQ(felt.proxy.position, in.tool.position);
   EXPECT_EQ(felt.confidence, 1.0);
-  EXPECT_TRUE(std::isnan(felt.stored));
+  EXPECT_TRUE(std::isnan(felt.stored_energy));
 }
 
 TEST(DensityForce, OfManyPartsIsClampedAsAWhole) {

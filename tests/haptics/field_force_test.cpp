@@ -412,7 +412,7 @@ TEST(FieldForce, TellsItsStiffnessWhereItIsFelt) {
   query(index, tool, input.tool, touched);
   input.contacts = &touched;
   const ForceOutput felt = model.evaluate(input);
-  EXPECT_EQ(felt.stored, model.potential(input));
+  EXPECT_EQ(felt.stored_energy, model.potential(input));
   EXPECT_EQ(felt.stiffness, 700.0);
   EXPECT_EQ(felt.confidence, 1.0);
   input.contacts = &none;

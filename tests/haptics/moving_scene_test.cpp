@@ -93,7 +93,7 @@ Similarity moved(const Vector3d& by) { return {1.0, Eigen::Quaterniond::Identity
 
 void expect_finite(const ForceOutput& felt) {
   ASSERT_TRUE(felt.wrench.force.allFinite() && felt.wrench.torque.allFinite());
-  ASSERT_TRUE(felt.proxy.position.allFinite() && std::isfinite(felt.stored));
+  ASSERT_TRUE(felt.proxy.position.allFinite() && std::isfinite(felt.stored_energy));
 }
 
 class OnMovingShapes : public testing::TestWithParam<const char*> {};

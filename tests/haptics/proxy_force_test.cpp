@@ -400,7 +400,8 @@ TEST(ProxyForce, BeginsWithNoMoreEnergyThanTheHandMayBeGiven) {
     parameters.hand_scale = scale;
     Bench bench("plane", even(0.006), parameters);
     for (int k = 0; k < 2; ++k) {
-      EXPECT_LE(bench.at({0, 0, 0.1}).stored, ProxyForce::kReserve * scale * scale * (1.0 + 1e-12)) << scale;
+      EXPECT_LE(bench.at({0, 0, 0.1}).stored_energy, ProxyForce::kReserve * scale * scale * (1.0 + 1e-12))
+          << scale;
       bench.model->reset();
     }
   }
@@ -943,7 +944,7 @@ TEST(ProxyForce, MakesNoEnergyAsItSlides) {
     for (const SurfaceSample& s : test::smooth_places(*bench.surface, shape, 6, 938)) {
       bench.model->reset();
       Vector3d at = s.point + 1.5 * kRadius * s.normal, force = Vector3d::Zero();
-      const double began = bench.at(at).stored;
+      const double began = bench.at(at).stored_energy;
       double work = 0.0;
       for (int leg = 0; leg < 12; ++leg) {
         const Vector3d other = s.normal.cross(s.tangent);
@@ -956,8 +957,8 @@ TEST(ProxyForce, MakesNoEnergyAsItSlides) {
           work += 0.5 * (force + felt.wrench.force).dot(next - at);
           force = felt.wrench.force;
           at = next;
-          ASSERT_LE(work + felt.stored, began + 1e-12) << shape << " leg " << leg << " tick " << tick;
-          ASSERT_TRUE(force.norm() > 0.0 || felt.stored <= began) << "what has been lost is not kept";
+          ASSERT_LE(work + felt.stored_energy, began + 1e-12) << shape << " leg " << leg << " tick " << tick;
+          ASSERT_TRUE(force.norm() > 0.0 || felt.stored_energy <= began) << "what has been lost is not kept";
         }
       }
     }
@@ -974,7 +975,7 @@ TEST(ProxyForce, MakesNoEnergyAsItTurns) {
     input.dt = 1e-3;
     input.tool.position = s.point + 0.05 * s.normal;
     ForceOutput last = bench.model->evaluate(input);
-    const double began = last.stored;
+    const double began = last.stored_energy;
     double work = 0.0;
     for (int leg = 0; leg < 12; ++leg) {
       const Vector3d aside(random.normal(), random.normal(), random.normal());
@@ -988,7 +989,7 @@ TEST(ProxyForce, MakesNoEnergyAsItTurns) {
         const ForceOutput felt = bench.model->evaluate(input);
         work += 0.5 * (felt.wrench.force + last.wrench.force).dot(step) +
                 0.5 * (felt.wrench.torque + last.wrench.torque).dot(turn / ticks);
-        ASSERT_LE(work + felt.stored, began + 1e-9) << "leg " << leg << " tick " << tick;
+        ASSERT_LE(work + felt.stored_energy, began + 1e-9) << "leg " << leg << " tick " << tick;
         last = felt;
       }
     }

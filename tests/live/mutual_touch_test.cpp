@@ -68,7 +68,7 @@ TEST(MutualTouch, BallsRepelByTheirOverlap) {
   const ForceOutput felt = hands.feel(1, 0.019);
   EXPECT_NEAR(felt.wrench.force.x(), 0.5 * kStiffness * 0.001, 1e-9);
   EXPECT_NEAR(felt.wrench.force.tail<2>().norm(), 0.0, 1e-9);
-  EXPECT_NEAR(felt.stored, 0.25 * kStiffness * 1e-6, 1e-12);
+  EXPECT_NEAR(felt.stored_energy, 0.25 * kStiffness * 1e-6, 1e-12);
   EXPECT_EQ(felt.stiffness, 0.5 * kStiffness);
 }
 
@@ -108,7 +108,7 @@ TEST(MutualTouch, WhoIsNotThereIsNotFelt) {
   EXPECT_GT(hands.feel(1, 0.018).wrench.force.x(), 0.0);
   hands.reset(0);
   EXPECT_TRUE(hands.feel(1, 0.018).wrench.force.isZero(0.0));
-  EXPECT_EQ(hands.feel(1, 0.018).stored, 0.0);
+  EXPECT_EQ(hands.feel(1, 0.018).stored_energy, 0.0);
 }
 
 TEST(MutualTouch, WhoComesBackIntoAnotherPushesOnlyOnceTheyWereApart) {

@@ -155,7 +155,7 @@ TEST(Recorder, WritesWhatIsNotFiniteOrNotThereAsZero) {
   RunRow failed = row_of(1);
   failed.wrench.force.y() = std::numeric_limits<double>::quiet_NaN();
   failed.k_max = -std::numeric_limits<double>::infinity();
-  failed.live->stored = std::numeric_limits<double>::quiet_NaN();  // of a model without a potential
+  failed.live->stored_energy = std::numeric_limits<double>::quiet_NaN();  // of a model without a potential
   RunRow bare;
   bare.t = 1.0;
   recorder.push(failed);
@@ -166,7 +166,7 @@ TEST(Recorder, WritesWhatIsNotFiniteOrNotThereAsZero) {
   EXPECT_EQ(run.rows[0].wrench.force.y(), 0.0);
   EXPECT_EQ(run.rows[0].wrench.force.x(), failed.wrench.force.x());
   EXPECT_EQ(run.rows[0].k_max, 0.0);
-  EXPECT_EQ(run.rows[0].live->stored, 0.0);
+  EXPECT_EQ(run.rows[0].live->stored_energy, 0.0);
   EXPECT_EQ(run.rows[0].live->energy, failed.live->energy);
   EXPECT_EQ(run.rows[1].live->energy, 0.0);
   EXPECT_EQ(*run.rows[1].user_force, Eigen::Vector3d(0, 0, 0));

@@ -77,7 +77,7 @@ LiveColumns numbered_live() {
   live.state = GovernorState::kFalling;
   live.fault = Fault::kOverSpeed;
   live.energy = -0.5;
-  live.stored = 0.25;
+  live.stored_energy = 0.25;
   live.damping = 32;
   live.margin = 1.5;
   live.age_us = 33;
@@ -149,7 +149,7 @@ TEST(ReadRun, ReadsWhatALiveLoopKnows) {
   EXPECT_EQ(live.state, GovernorState::kFalling);
   EXPECT_EQ(live.fault, Fault::kOverSpeed);
   EXPECT_EQ(live.energy, -0.5);
-  EXPECT_EQ(live.stored, 0.25);
+  EXPECT_EQ(live.stored_energy, 0.25);
   EXPECT_EQ(live.damping, 32);
   EXPECT_EQ(live.margin, 1.5);
   EXPECT_EQ(live.age_us, 33);

@@ -57,7 +57,7 @@ struct Rod final : ForceModel {
     out.wrench.force.x() = 500.0 * depth;
     out.wrench.torque = tip.cross(out.wrench.force);
     out.proxy = input.tool;
-    out.stored = 0.5 * 500.0 * depth * depth;
+    out.stored_energy = 0.5 * 500.0 * depth * depth;
     out.stiffness = depth > 0.0 ? 500.0 : 0.0;
     return out;
   }
@@ -168,7 +168,7 @@ TEST_F(ServoTickTest, AStifferSpringUnderAHandHasNoMoreEnergy) {
   loop->set_gain(2.0);
   run(2.0);
   EXPECT_NEAR(device.shown.force.x(), 5.0 * std::sqrt(2.0), 0.01);
-  EXPECT_NEAR(loop->look().felt.stored, 0.025, 1e-4);
+  EXPECT_NEAR(loop->look().felt.stored_energy, 0.025, 1e-4);
   go_to(-0.008);  // by 2 of 7.07 mm
   run(0.05);
   EXPECT_NEAR(device.shown.force.x(), 1000.0 * (0.00707 - 0.002), 0.01);
@@ -261,7 +261,7 @@ TEST_F(ServoTickTest, ATorqueThatCannotBeShownAddsNoDamping) {
       ForceOutput out;
       out.wrench.torque = {0, 0, 0.1};
       out.proxy = input.tool;
-      out.stored = 1.0;
+      out.stored_energy = 1.0;
       return out;
     }
   } twister;

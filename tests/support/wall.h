@@ -18,7 +18,7 @@ struct Wall final : ForceModel {
     ForceOutput out;
     out.wrench.force.x() = k * depth;
     out.proxy = input.tool;
-    out.stored = 0.5 * k * depth * depth;
+    out.stored_energy = 0.5 * k * depth * depth;
     out.stiffness = depth > 0.0 ? k : 0.0;
     out.local.planes[0] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX()};
     out.local.count = 1;

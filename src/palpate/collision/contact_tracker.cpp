@@ -25,7 +25,7 @@ bool ContactTracker::knows(const Ellipsoid& tool) {
   if (near_.covers(index_, tool)) return true;
   if (near_.is_crowded_around(index_, tool)) return false;
   const bool fits =
-      near_.search(index_, {tool.center, (1.0 + Neighbourhood::kMargin) * tool.axes}, precision_);
+      near_.search(index_, {tool.center, (1.0 + CandidateCache::kMargin) * tool.axes}, precision_);
   searched_ = near_.passed();
   return fits;
 }

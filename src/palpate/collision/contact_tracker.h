@@ -2,13 +2,13 @@
 /// The contact query for a tool that moves little from tick to tick.
 #pragma once
 
+#include <palpate/collision/candidate_cache.h>
 #include <palpate/collision/lookahead.h>
-#include <palpate/collision/neighbourhood.h>
 
 namespace palpate {
 
 /// The contacts of SceneIndex::query, found faster where poses follow each other closely: it keeps the
-/// Neighbourhood of a slightly larger tool, and looks no further while the tool stays inside that. With a
+/// CandidateCache of a slightly larger tool, and looks no further while the tool stays inside that. With a
 /// Lookahead, another thread looks further, and farther, before the tool is there.
 ///
 /// However the tool moves, and however late that thread is, the contacts are those of a fresh query: the same
@@ -25,9 +25,9 @@ namespace palpate {
 /// a `result` that is too small.
 class ContactTracker {
  public:
-  /// `lookahead` must outlive it; null: it looks for itself. \param capacity see Neighbourhood
+  /// `lookahead` must outlive it; null: it looks for itself. \param capacity see CandidateCache
   explicit ContactTracker(const SceneIndex& index, Precision precision = Precision::kDouble,
-                          Lookahead* lookahead = nullptr, std::size_t capacity = Neighbourhood::kCapacity);
+                          Lookahead* lookahead = nullptr, std::size_t capacity = CandidateCache::kCapacity);
 
   /// Replaces `result` by the contacts of `tool`. ContactSet::candidates is that of the last search,
   /// `filtered` the number of Gaussians it left. \pre as ContactQuery::query.
@@ -42,7 +42,7 @@ class ContactTracker {
   const SceneIndex& index_;
   Precision precision_;
   Lookahead::Line* ahead_;
-  Neighbourhood near_;
+  CandidateCache near_;
   std::size_t searched_ = 0;
 };
 

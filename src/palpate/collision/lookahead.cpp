@@ -50,7 +50,7 @@ void Lookahead::Line::finish() {
   const Ellipsoid ahead{tool_.center + way_, tool_.axes};
   if (known_in_ == index_.epoch() && way_between(known_, ahead) + needed < kNear * margin_) return;
   double margin = std::max(kLeastMargin, needed);
-  Neighbourhood& found = found_.back();
+  CandidateCache& found = found_.back();
   for (int k = 0; k < kMostHalvings; ++k) {
     const Ellipsoid solid = enlarged(ahead, margin);
     bool fits = true;

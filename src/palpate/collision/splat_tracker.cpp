@@ -9,7 +9,7 @@ SplatTracker::SplatTracker(const SceneIndex& index, Lookahead* lookahead, std::s
       splats_(std::make_unique<LocalSplats>(capacity)) {}
 
 bool SplatTracker::update(const Ellipsoid& solid, std::size_t most) {
-  const Neighbourhood* known = &near_;
+  const CandidateCache* known = &near_;
   if (ahead_ != nullptr) {
     ahead_->want(index_, solid);
     if (ahead_->newest().covers(index_, solid)) known = &ahead_->newest();
@@ -19,14 +19,14 @@ bool SplatTracker::update(const Ellipsoid& solid, std::size_t most) {
   if (!known->covers(index_, solid)) {
     known = &near_;
     has_searched_ = !known->covers(index_, solid);
-    const Ellipsoid larger{solid.center, (1.0 + Neighbourhood::kMargin) * solid.axes};
+    const Ellipsoid larger{solid.center, (1.0 + CandidateCache::kMargin) * solid.axes};
     if (has_searched_ && !near_.search_drawn(index_, larger, most)) return false;
   }
   if (known != filled_from_ || known->searches() != filled_at_) fill_from(*known);
   return true;
 }
 
-void SplatTracker::fill_from(const Neighbourhood& known) {
+void SplatTracker::fill_from(const CandidateCache& known) {
   known.splats(index_, *splats_);
   filled_from_ = &known;
   filled_at_ = known.searches();

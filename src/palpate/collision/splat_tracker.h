@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <memory>
 
+#include <palpate/collision/candidate_cache.h>
 #include <palpate/collision/local_splats.h>
 #include <palpate/collision/lookahead.h>
-#include <palpate/collision/neighbourhood.h>
 
 namespace palpate {
 
@@ -17,11 +17,11 @@ namespace palpate {
 /// become another as that of a ContactTracker may. Takes nothing from the heap after construction.
 class SplatTracker {
  public:
-  /// `lookahead` must outlive it; null: it looks for itself. \param capacity see Neighbourhood
+  /// `lookahead` must outlive it; null: it looks for itself. \param capacity see CandidateCache
   explicit SplatTracker(const SceneIndex& index, Lookahead* lookahead = nullptr,
-                        std::size_t capacity = Neighbourhood::kCapacity);
+                        std::size_t capacity = CandidateCache::kCapacity);
 
-  /// All Gaussians that splatting draws something of inside `solid` (Neighbourhood::kDrawn), and some
+  /// All Gaussians that splatting draws something of inside `solid` (CandidateCache::kDrawn), and some
   /// besides; the same until the next call. Where they are more than LocalSplats has room for, a sample that
   /// hides as much; see find_magnified(). \pre as ContactQuery::query.
   const LocalSplats& around(const Ellipsoid& solid) {
@@ -38,20 +38,20 @@ class SplatTracker {
   std::size_t taken_up() const { return taken_up_; }
   /// True if the last call had to search.
   bool has_searched() const { return has_searched_; }
-  /// \name What that cost, see Neighbourhood.
+  /// \name What that cost, see CandidateCache.
   /// @{
   std::size_t walked() const { return has_searched_ ? near_.walked() : 0; }
   std::size_t passed() const { return has_searched_ ? near_.passed() : 0; }
   /// @}
 
  private:
-  void fill_from(const Neighbourhood& known);
+  void fill_from(const CandidateCache& known);
 
   const SceneIndex& index_;
   Lookahead::Line* ahead_;
-  Neighbourhood near_;
-  const Neighbourhood* filled_from_ = nullptr;
-  std::uint64_t filled_at_ = 0;  ///< Neighbourhood::searches() then
+  CandidateCache near_;
+  const CandidateCache* filled_from_ = nullptr;
+  std::uint64_t filled_at_ = 0;  ///< CandidateCache::searches() then
   std::size_t taken_up_ = 0;
   bool has_searched_ = false;
   std::unique_ptr<LocalSplats> splats_;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/rosbridge/wake.h>
 #include <palpate/servo/haptic_device.h>
 
@@ -46,7 +46,7 @@ class ClientHand {
   std::uint64_t seen() const { return seen_.load(std::memory_order_acquire); }
 
  private:
-  LatestValue<Sample> samples_;
+  TripleBuffer<Sample> samples_;
   std::uint64_t count_ = 0;
   std::uint32_t hand_ = 0;
   std::atomic<std::uint64_t> seen_ = 0;

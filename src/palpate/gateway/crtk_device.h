@@ -13,7 +13,7 @@
 #include <string_view>
 #include <thread>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/gateway/local_model.h>
 #include <palpate/gateway/stamp_clock.h>
@@ -158,7 +158,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< when each came last
   std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
   std::array<std::atomic<double>, 256> stamp_of_{};  ///< by number of the pose
-  LatestValue<Twist> velocity_;
+  TripleBuffer<Twist> velocity_;
   std::atomic<double> velocity_at_ = -kSilence;
   /// @}
 
@@ -172,12 +172,12 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   double good_at_ = 0.0;   ///< Unit: [s].
   double answered_ = 0.0;  ///< stamp of the pose that the last wrench answers. Unit: [s].
   double begin_ = 0.0;     ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
-  LatestValue<CrtkWrench> wrench_;
+  TripleBuffer<CrtkWrench> wrench_;
   struct Surface {
     LocalModel model;
     double stamp = 0.0;  ///< of the pose it answers, on the publisher's clock. Unit: [s].
   };
-  LatestValue<Surface> surface_;
+  TripleBuffer<Surface> surface_;
   /// @}
   std::atomic<bool> wants_local_model_ = false;
   std::atomic<bool> stopped_ = true, ends_ = true;

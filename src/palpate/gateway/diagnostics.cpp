@@ -54,7 +54,7 @@ LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const R
   number("torque_nm", tick.sent.torque.norm());
   number("margin", tick.margin);
   number("energy_mj", kMilli * tick.energy);
-  number("stored_mj", std::isnan(tick.felt.stored) ? 0.0 : kMilli * tick.felt.stored);
+  number("stored_mj", std::isnan(tick.felt.stored_energy) ? 0.0 : kMilli * tick.felt.stored_energy);
   number("put_out_mj", kMilli * tick.put_out);
   number("damping", tick.added_damping);
   number("clients", static_cast<double>(context.clients));

@@ -2,7 +2,7 @@
 /// The newest tick, for the gateway's thread.
 #pragma once
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/servo/servo_loop.h>
 
@@ -39,7 +39,7 @@ class TickFeed final : public TickObserver {
 
  private:
   const ClientHand& hand_;
-  LatestValue<Tick> ticks_;
+  TripleBuffer<Tick> ticks_;
   Wake wake_;
 };
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include <palpate/collision/candidate_cache.h>
 #include <palpate/collision/instruction_sets.h>
-#include <palpate/collision/neighbourhood.h>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpate/haptics/depth_view.cpp"
@@ -39,7 +39,7 @@ struct DepthViewLanes {
 
   static constexpr std::size_t kRegular = DepthView::kRegular, kRays = DepthView::kRays;
   /// Where a splat ends, in standard deviations.
-  static constexpr float kEnd = Neighbourhood::kDrawn;
+  static constexpr float kEnd = CandidateCache::kDrawn;
   static constexpr std::uint32_t kBins = DepthView::kBins;
   static constexpr float kMostAlpha = 0.99F;
   /// What the mean depth is the mean over.

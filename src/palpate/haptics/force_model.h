@@ -33,7 +33,7 @@ struct ForceOutput {
   double confidence = 1.0;
   /// In the spring that makes the wrench, and wherever else energy is kept: what may come back as work. NaN
   /// where the model has no potential. Unit: [J].
-  double stored = 0.0;
+  double stored_energy = 0.0;
   /// Of that spring, as it is felt now; 0 where nothing is. Unit: [N/m].
   double stiffness = 0.0;
   LocalSurface local = {};  ///< about the tool, world frame

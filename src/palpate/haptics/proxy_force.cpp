@@ -117,8 +117,8 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
 std::size_t enough_for(const ToolPart& part, double detail) {
   constexpr double kPerDetail = 64.0;
   const double wanted = kPerDetail * std::numbers::pi * section(part) / (detail * detail);
-  return std::clamp(static_cast<std::size_t>(std::min(wanted, 1e9)), Neighbourhood::kLeastCapacity,
-                    Neighbourhood::kCapacity);
+  return std::clamp(static_cast<std::size_t>(std::min(wanted, 1e9)), CandidateCache::kLeastCapacity,
+                    CandidateCache::kCapacity);
 }
 
 ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters,
@@ -130,7 +130,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
       radius_(tool.radius()),
       step_(std::numeric_limits<double>::infinity()) {
   const double extent = index.usual_extent();
-  const std::size_t capacity = Neighbourhood::capacity_for(tool.parts().size());
+  const std::size_t capacity = CandidateCache::capacity_for(tool.parts().size());
   std::vector<ToolPart> larger;
   for (const ToolPart& part : tool.parts()) {
     parts_.emplace_back(index, part, parameters, extent, lookahead, capacity, budget_);
@@ -138,7 +138,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
     larger.push_back(parts_.back().larger);
   }
   const std::vector<PartGroup> groups = group_parts(larger);
-  const std::size_t splat_capacity = Neighbourhood::capacity_for(groups.size());
+  const std::size_t splat_capacity = CandidateCache::capacity_for(groups.size());
   for (const PartGroup& group : groups) {
     const bool single = group.members.size() == 1;
     const std::size_t enough =

@@ -35,7 +35,7 @@ void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, Con
 
 ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision, Lookahead* lookahead)
     : tool_(tool) {
-  const std::size_t parts = tool.parts().size(), capacity = Neighbourhood::capacity_for(parts);
+  const std::size_t parts = tool.parts().size(), capacity = CandidateCache::capacity_for(parts);
   for (std::size_t k = 0; k < parts; ++k) trackers_.emplace_back(index, precision, lookahead, capacity);
   of_part_.contacts.reserve(kRoom);
 }

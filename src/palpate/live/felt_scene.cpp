@@ -21,7 +21,7 @@ FeltScene::FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, 
     ForceModel* felt = model.felt.get();
     if (contacts == ContactSearch::kHold) {
       if (felt->wants_contacts()) model.asked = std::make_unique<ToolTracker>(*index_, tool_);
-      model.held = std::make_unique<HeldForce>(*felt, model.asked.get());
+      model.held = std::make_unique<ZeroOrderHold>(*felt, model.asked.get());
       work.push_back(model.held.get());
       felt = model.held.get();
     }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include <palpate/haptics/held_force.h>
+#include <palpate/haptics/zero_order_hold.h>
 #include <palpate/live/factories.h>
 #include <palpate/live/live_config.h>
 #include <palpate/servo/servo_tick.h>
@@ -39,7 +39,7 @@ class FeltScene {
   struct Model {
     std::unique_ptr<ForceModel> felt;
     std::unique_ptr<ToolTracker> asked;  ///< for `felt` where that is held
-    std::unique_ptr<HeldForce> held;
+    std::unique_ptr<ZeroOrderHold> held;
     std::unique_ptr<ForceModel> around;  ///< either of them
   };
 

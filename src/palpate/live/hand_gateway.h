@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/gateway/live_topics.h>
 #include <palpate/live/gateway_metrics.h>
 #include <palpate/live/gateway_notices.h>
@@ -92,7 +92,7 @@ class HandGateway {
   Surroundings around_;
   WorkspaceMap map_;
   TickFeed feed_;
-  LatestValue<TickFeed::Tick> tick_for_pages_;
+  TripleBuffer<TickFeed::Tick> tick_for_pages_;
   RecordingSwitch recording_;
   Topic& parameters_topic_;
   std::unique_ptr<LiveTopics> topics_;

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include <palpate/base/latest_value.h>
 #include <palpate/base/progress.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/gateway/client_hand.h>
 #include <palpate/live/felt_scene.h>
 #include <palpate/live/live_config.h>
@@ -185,7 +185,7 @@ class LiveSystem {
   bool explores_ = false;
   Trajectory path_;  ///< in the world; once it is played back, of the device
   /// Where the simulated hand goes: in the world; written by one thread at a time.
-  LatestValue<std::shared_ptr<const HandPath>> way_;
+  TripleBuffer<std::shared_ptr<const HandPath>> way_;
   ClientHand client_hand_;
   std::atomic<bool> moves_itself_ = true;
   double length_ = 0.0;

@@ -125,7 +125,7 @@ bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bo
       const Eigen::Vector3d force = sign * stiffness * contact.depth * contact.normal;
       felt.wrench.force += force;
       felt.wrench.torque += (contact.point - handle.position).cross(force);
-      felt.stored += 0.5 * stiffness * contact.depth * contact.depth;
+      felt.stored_energy += 0.5 * stiffness * contact.depth * contact.depth;
       felt.stiffness += stiffness;
     }
   }

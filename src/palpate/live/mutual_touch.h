@@ -9,7 +9,7 @@
 #include <mutex>
 #include <vector>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool.h>
 
@@ -53,7 +53,7 @@ class MutualTouch {
   };
   /// From one hand to another.
   struct Link {
-    LatestValue<Place> place;
+    TripleBuffer<Place> place;
     // Of the thread of the other:
     std::uint64_t presence = 0;  ///< of the place that was looked at last
     bool were_apart = false;     ///< since both are there

@@ -126,7 +126,7 @@ const auto& columns() {
     worded(column(kLive, "state", "word", "state of the safety governor", [](auto& r) -> auto& { return live(r).state; }), "a state", state_words()),
     worded(column(kLive, "fault", "word", "why force is held back", [](auto& r) -> auto& { return live(r).fault; }), "a fault", fault_words()),
     column(kLive, "energy", "J", "net energy put into the hand", [](auto& r) -> auto& { return live(r).energy; }),
-    column(kLive, "stored", "J", "energy of the model's spring; 0 for a model without a potential", [](auto& r) -> auto& { return live(r).stored; }),
+    column(kLive, "stored", "J", "energy of the model's spring; 0 for a model without a potential", [](auto& r) -> auto& { return live(r).stored_energy; }),
     column(kLive, "damping", "N s/m", "added by the passivity controller", [](auto& r) -> auto& { return live(r).damping; }, 0),
     column(kLive, "margin", "1", "how many times stiffer the spring may be before it is active; 0 if unknown", [](auto& r) -> auto& { return live(r).margin; }, 0),
     column(kLive, "age_us", "us", "of the force when it was sent, from the reading it answers", [](auto& r) -> auto& { return live(r).age_us; }, 4),

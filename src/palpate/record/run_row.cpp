@@ -19,7 +19,7 @@ RunRow run_row(const TickRecord& record, const TickTimes& times) {
   row.proxy = record.felt.proxy.position;
   row.compute_us = kMicro * times.compute;
   if (record.reading.user) row.user_force = record.map.rotation * record.reading.user->force;
-  const double stored = std::isnan(record.felt.stored) ? 0.0 : record.felt.stored;
+  const double stored = std::isnan(record.felt.stored_energy) ? 0.0 : record.felt.stored_energy;
   row.live =
       LiveColumns{record.velocity, record.sent_world,    record.state,  record.fault,      record.energy,
                   stored,          record.added_damping, record.margin, kMicro * times.age};

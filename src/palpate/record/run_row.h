@@ -22,11 +22,11 @@ struct LiveColumns {
   Wrench sent;
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
-  double energy = 0.0;   ///< SafetyGovernor::energy(): net, put into the hand. Unit: [J].
-  double stored = 0.0;   ///< ForceOutput::stored; 0 for a model without a potential. Unit: [J].
-  double damping = 0.0;  ///< added by the passivity controller. Unit: [N s/m].
-  double margin = 0.0;   ///< how many times stiffer the spring may be before it is active; 0 if unknown
-  double age_us = 0.0;   ///< of the force when it was sent, from the reading it answers. Unit: [us].
+  double energy = 0.0;         ///< SafetyGovernor::energy(): net, put into the hand. Unit: [J].
+  double stored_energy = 0.0;  ///< ForceOutput::stored_energy; 0 for a model without a potential. Unit: [J].
+  double damping = 0.0;        ///< added by the passivity controller. Unit: [N s/m].
+  double margin = 0.0;         ///< how many times stiffer the spring may be before it is active; 0 if unknown
+  double age_us = 0.0;         ///< of the force when it was sent, from the reading it answers. Unit: [us].
 };
 
 /// One tick.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/servo/admittance_controller.h>
 #include <palpate/servo/haptic_device.h>
 #include <palpate/servo/least_admittance.h>
@@ -94,7 +94,7 @@ class AdmittanceLoop final : public HapticDevice {
   DeviceCapabilities capabilities_;
   MotionGovernor governor_;
   AdmittanceController controller_;
-  LatestValue<Admittance> next_;
+  TripleBuffer<Admittance> next_;
   MotionReading said_;
   bool heard_ = false, started_ = false;
   double t_ = 0.0, written_at_ = 0.0;  ///< Unit: [s].

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/servo/servo_loop.h>
 
 namespace palpate {
@@ -48,7 +48,7 @@ class LiveView final : public TickObserver {
 
   void add(const TickRecord& record);
 
-  LatestValue<Snapshot> newest_;
+  TripleBuffer<Snapshot> newest_;
   std::array<GovernorTransition, kRemembered> transitions_;
   std::atomic<std::size_t> remembered_ = 0;
   // Of the servo thread.

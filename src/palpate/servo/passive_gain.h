@@ -27,7 +27,7 @@ class PassiveGain {
   double at(double gain, double stored, double given = 0.0);
 
   /// U at the last call of at(). Unit: [J].
-  double stored() const { return root_ * root_; }
+  double stored_energy() const { return root_ * root_; }
 
   /// Nothing is pressed.
   void reset() { lag_ = 0.0; }

@@ -95,13 +95,13 @@ void ServoTick::feel() {
   asked_ = true;
   asked_at_ = reading.t;
   held_for_ += -std::expm1(-passed / kHeldFilter) * (passed - held_for_);
-  const double margin = keep_passive(record_.felt.stiffness, passive_gain_.stored() == 0.0);
+  const double margin = keep_passive(record_.felt.stiffness, passive_gain_.stored_energy() == 0.0);
 
   ForceOutput& felt = record_.felt;
-  const double gain = passive_gain_.at(gain_, felt.stored, unfelt);
+  const double gain = passive_gain_.at(gain_, felt.stored_energy, unfelt);
   felt.wrench.force *= gain;
   felt.wrench.torque *= gain;
-  felt.stored = passive_gain_.stored();
+  felt.stored_energy = passive_gain_.stored_energy();
   felt.stiffness *= gain_;
   // Who renders the surface without this loop's delay has no need of a softer one.
   felt.local.stiffness *= wanted_gain_.load(std::memory_order_relaxed);
@@ -112,8 +112,9 @@ void ServoTick::feel() {
   // holds, a force that is clamped to the share rho gives back S (2 rho - rho^2) along the way that S was
   // stored on.
   const double rho = share_shown(wanted, device_.capabilities());
-  const double stored = std::isnan(felt.stored) ? std::numeric_limits<double>::infinity()
-                                                : map_.to_device(felt.stored) * (2.0 * rho - rho * rho);
+  const double stored = std::isnan(felt.stored_energy)
+                            ? std::numeric_limits<double>::infinity()
+                            : map_.to_device(felt.stored_energy) * (2.0 * rho - rho * rho);
   wanted_ = passivity_.correct({rho * wanted.force, rho * wanted.torque}, stored, record_.sent, reading.pose,
                                passed);
 }

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/servo/haptic_device.h>
@@ -158,7 +158,7 @@ class ServoTick {
     FeltModel model;
     std::uint64_t number = 0;  ///< of the calls of use()
   };
-  LatestValue<Next> next_;
+  TripleBuffer<Next> next_;
   std::uint64_t given_ = 0;  ///< number of the last of them
   std::atomic<std::uint64_t> taken_ = 0;
   bool changing_ = false;  ///< next_.front() waits until no force is on
@@ -167,7 +167,7 @@ class ServoTick {
     Pose pose;           ///< X_WT
     double reach = 0.0;  ///< Unit: [m].
   };
-  LatestValue<Place> places_;
+  TripleBuffer<Place> places_;
   bool brings_ = false;  ///< places_.front() waits until no force is on
   std::atomic<double> wanted_gain_, delay_ = 0.0;
 };

@@ -71,7 +71,7 @@ class TimedForce final : public ForceModel {
   ForceOutput held(const ForceInput& input) const {
     ForceOutput output = shown_.value_or(ForceOutput{});
     output.proxy = input.tool;
-    output.stored = std::numeric_limits<double>::quiet_NaN();  // nothing is known of it
+    output.stored_energy = std::numeric_limits<double>::quiet_NaN();  // nothing is known of it
     return output;
   }
 

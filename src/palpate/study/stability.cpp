@@ -7,7 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <palpate/haptics/density_force.h>
-#include <palpate/haptics/held_force.h>
+#include <palpate/haptics/zero_order_hold.h>
 #include <palpate/record/playback.h>
 #include <palpate/study/touch_path.h>
 
@@ -84,7 +84,7 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   Lookahead* const ahead = trial.worker_delay > 0.0 ? &lookahead : nullptr;
   const std::unique_ptr<ForceModel> model = trial.model(ahead);
   ToolTracker contacts(*trial.index, trial.tool, Precision::kDouble, ahead), asked(*trial.index, trial.tool);
-  HeldForce held(*model, model->wants_contacts() ? &asked : nullptr);
+  ZeroOrderHold held(*model, model->wants_contacts() ? &asked : nullptr);
   FeltModel felt{model.get(), &contacts};
   std::vector<BackgroundWork*> work{&lookahead};
   if (trial.hold > 0.0) {

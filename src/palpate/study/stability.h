@@ -31,7 +31,7 @@ struct StabilityTrial {
   std::function<std::unique_ptr<ForceModel>(Lookahead* lookahead)> model;
   double gain = 1.0;          ///< ServoTickOptions::gain
   double worker_delay = 0.0;  ///< of the thread that looks for contacts ahead; 0: the loop looks. Unit: [s].
-  double hold = 0.0;     ///< for how long a force is computed and then held (HeldForce); 0: not. Unit: [s].
+  double hold = 0.0;  ///< for how long a force is computed and then held (ZeroOrderHold); 0: not. Unit: [s].
   bool governed = true;  ///< false: the governor does not end what puts out energy, so that it is seen whole
 
   static constexpr double kTick = 1e-3;   ///< Unit: [s].

@@ -1,4 +1,4 @@
-#include <palpate/collision/neighbourhood.h>
+#include <palpate/collision/candidate_cache.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,18 +14,18 @@ constexpr double kRounding = 1e-10;
 
 }  // namespace
 
-Neighbourhood::Neighbourhood(std::size_t capacity) : candidates_(std::make_unique<CandidateSet>(capacity)) {
+CandidateCache::CandidateCache(std::size_t capacity) : candidates_(std::make_unique<CandidateSet>(capacity)) {
   static_assert(kCapacity == CandidateSet::kCapacity && kLeastCapacity == CandidateSet::kLeastCapacity);
 }
 
-std::size_t Neighbourhood::capacity_for(std::size_t solids) {
+std::size_t CandidateCache::capacity_for(std::size_t solids) {
   constexpr std::size_t kTogether = 16 * kCapacity;
   return std::clamp(kTogether / solids, kLeastCapacity, kCapacity);
 }
 
-Neighbourhood::~Neighbourhood() = default;
+CandidateCache::~CandidateCache() = default;
 
-bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Precision precision) {
+bool CandidateCache::search(const SceneIndex& index, const Ellipsoid& solid, Precision precision) {
   center_ = solid.center;
   W_ = WhitenedTool(solid).W;
   const bool fits = find_candidates(index.view(), ToolFrame(solid, index.frame()), precision, *candidates_);
@@ -35,7 +35,7 @@ bool Neighbourhood::search(const SceneIndex& index, const Ellipsoid& solid, Prec
   return fits;
 }
 
-bool Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid, std::size_t most) {
+bool CandidateCache::search_drawn(const SceneIndex& index, const Ellipsoid& solid, std::size_t most) {
   const ToolFrame frame(solid, index.frame());
   const Eigen::Matrix3d W = WhitenedTool(solid).W;
   walked_ = passed_ = 0;
@@ -61,7 +61,7 @@ bool Neighbourhood::search_drawn(const SceneIndex& index, const Ellipsoid& solid
   return true;
 }
 
-void Neighbourhood::remember(const SceneIndex& index, bool fits) {
+void CandidateCache::remember(const SceneIndex& index, bool fits) {
   ++searches_;
   epoch_ = fits ? index.epoch() : 0;
   crowded_ = fits ? 0 : index.epoch();
@@ -70,30 +70,30 @@ void Neighbourhood::remember(const SceneIndex& index, bool fits) {
 
 /// Seen from where the solid is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the
 /// sphere of radius |c| + ||M||_2; ||M||_2^2 is the largest eigenvalue of M^T M, at most its largest row sum.
-bool Neighbourhood::holds(const Ellipsoid& tool) const {
+bool CandidateCache::holds(const Ellipsoid& tool) const {
   const Eigen::Vector3d c = W_ * (tool.center - center_);
   const Eigen::Matrix3d M = W_ * tool.axes;
   const double largest = (M.transpose() * M).cwiseAbs().rowwise().sum().maxCoeff();
   return c.norm() + std::sqrt(largest) <= 1.0 - kRounding;
 }
 
-bool Neighbourhood::covers(const SceneIndex& index, const Ellipsoid& tool) const {
+bool CandidateCache::covers(const SceneIndex& index, const Ellipsoid& tool) const {
   return epoch_ == index.epoch() && holds(tool);
 }
 
-bool Neighbourhood::is_crowded_around(const SceneIndex& index, const Ellipsoid& tool) const {
+bool CandidateCache::is_crowded_around(const SceneIndex& index, const Ellipsoid& tool) const {
   return crowded_ == index.epoch() && holds(tool);
 }
 
-void Neighbourhood::contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision,
-                             QueryLimit limit, ContactSet& result) {
+void CandidateCache::contacts(const SceneIndex& index, const Ellipsoid& tool, Precision precision,
+                              QueryLimit limit, ContactSet& result) {
   contacts_among(*candidates_, index.view(), ToolFrame(tool, index.frame()), precision, limit, result);
 }
 
-void Neighbourhood::splats(const SceneIndex& index, LocalSplats& result) const {
+void CandidateCache::splats(const SceneIndex& index, LocalSplats& result) const {
   fill_splats(*candidates_, index.frame(), kDrawn, result);
 }
 
-std::size_t Neighbourhood::size() const { return candidates_->size; }
+std::size_t CandidateCache::size() const { return candidates_->size; }
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 
 #include <atomic>
 #include <thread>
@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-TEST(LatestValue, ThereIsNothingNewUntilSomethingIsPublished) {
-  LatestValue<int> value;
+TEST(TripleBuffer, ThereIsNothingNewUntilSomethingIsPublished) {
+  TripleBuffer<int> value;
   EXPECT_FALSE(value.update());
   value.back() = 1;
   EXPECT_FALSE(value.update());
@@ -20,8 +20,8 @@ TEST(LatestValue, ThereIsNothingNewUntilSomethingIsPublished) {
   EXPECT_EQ(value.front(), 1);
 }
 
-TEST(LatestValue, TheReaderSeesTheNewest) {
-  LatestValue<int> value;
+TEST(TripleBuffer, TheReaderSeesTheNewest) {
+  TripleBuffer<int> value;
   for (int k = 1; k <= 5; ++k) {
     value.back() = k;
     value.publish();
@@ -31,8 +31,8 @@ TEST(LatestValue, TheReaderSeesTheNewest) {
   EXPECT_FALSE(value.update());
 }
 
-TEST(LatestValue, WhatTheReaderHoldsIsNotWrittenTo) {
-  LatestValue<int> value;
+TEST(TripleBuffer, WhatTheReaderHoldsIsNotWrittenTo) {
+  TripleBuffer<int> value;
   value.back() = 1;
   value.publish();
   value.update();
@@ -44,12 +44,12 @@ TEST(LatestValue, WhatTheReaderHoldsIsNotWrittenTo) {
 }
 
 // Two threads: no value is torn, none comes after a later one, and the last arrives.
-TEST(LatestValue, GoesFromThreadToThread) {
+TEST(TripleBuffer, GoesFromThreadToThread) {
   struct Pair {
     long a = 0, b = 0;
   };
   constexpr long kLast = 200000;
-  LatestValue<Pair> value;
+  TripleBuffer<Pair> value;
   std::thread writer([&] {
     for (long k = 1; k <= kLast; ++k) {
       value.back() = {k, -k};

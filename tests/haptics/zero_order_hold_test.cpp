@@ -1,4 +1,4 @@
-#include <palpate/haptics/held_force.h>
+#include <palpate/haptics/zero_order_hold.h>
 
 #include <cmath>
 
@@ -29,17 +29,17 @@ ForceInput at(double x, double dt) {
   return input;
 }
 
-TEST(HeldForce, IsZeroUntilThereIsAnAnswer) {
+TEST(ZeroOrderHold, IsZeroUntilThereIsAnAnswer) {
   Echo echo;
-  HeldForce held(echo, nullptr);
+  ZeroOrderHold held(echo, nullptr);
   held.finish();  // nothing was asked
   EXPECT_EQ(held.evaluate(at(3, 0)).wrench.force.x(), 0.0);
   EXPECT_EQ(held.evaluate(at(4, 1e-3)).wrench.force.x(), 0.0);
 }
 
-TEST(HeldForce, HoldsWhatWasFeltWhenItWasAsked) {
+TEST(ZeroOrderHold, HoldsWhatWasFeltWhenItWasAsked) {
   Echo echo;
-  HeldForce held(echo, nullptr);
+  ZeroOrderHold held(echo, nullptr);
   held.evaluate(at(1, 0));
   held.take();
   held.evaluate(at(2, 1e-3));
@@ -53,12 +53,12 @@ TEST(HeldForce, HoldsWhatWasFeltWhenItWasAsked) {
   held.take();
   held.finish();
   EXPECT_DOUBLE_EQ(echo.dt, 1e-3);  // since the last of them, not since the first
-  EXPECT_TRUE(std::isnan(held.evaluate(at(5, 1e-3)).stored));
+  EXPECT_TRUE(std::isnan(held.evaluate(at(5, 1e-3)).stored_energy));
 }
 
-TEST(HeldForce, AnAnswerFromBeforeAResetIsNotTold) {
+TEST(ZeroOrderHold, AnAnswerFromBeforeAResetIsNotTold) {
   Echo echo;
-  HeldForce held(echo, nullptr);
+  ZeroOrderHold held(echo, nullptr);
   held.evaluate(at(1, 0));
   held.take();
   held.reset();

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <palpate/base/background_work.h>
-#include <palpate/base/latest_value.h>
+#include <palpate/base/triple_buffer.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/tool_query.h>
 
@@ -15,18 +15,18 @@ namespace palpate {
 /// held by a hand, a spring that is late by 50 ms swings by centimetres.
 ///
 /// One thread calls evaluate() and reset(), another one take() and finish().
-class HeldForce final : public ForceModel, public BackgroundWork {
+class ZeroOrderHold final : public ForceModel, public BackgroundWork {
  public:
   /// All must outlive it, and are used by take() and finish() alone. \param contacts null if the model wants
   /// none
-  HeldForce(ForceModel& model, ToolTracker* contacts) : model_(model), contacts_(contacts) {
+  ZeroOrderHold(ForceModel& model, ToolTracker* contacts) : model_(model), contacts_(contacts) {
     found_.contacts.reserve(ToolTracker::kRoom);
   }
 
   bool wants_contacts() const override { return false; }
   /// What is being computed at that moment is not for the new beginning, and not told.
   void reset() override;
-  /// ForceOutput::stored is NaN: nothing is known of the energy in a force that is late.
+  /// ForceOutput::stored_energy is NaN: nothing is known of the energy in a force that is late.
   ForceOutput evaluate(const ForceInput& input) override;
 
   void take() override;
@@ -45,8 +45,8 @@ class HeldForce final : public ForceModel, public BackgroundWork {
 
   ForceModel& model_;
   ToolTracker* contacts_;
-  LatestValue<Question> question_;
-  LatestValue<Answer> answer_;
+  TripleBuffer<Question> question_;
+  TripleBuffer<Answer> answer_;
   // Of the servo thread.
   double t_ = 0.0;
   unsigned beginning_ = 1;

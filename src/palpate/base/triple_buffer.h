@@ -13,12 +13,12 @@ namespace palpate {
 ///
 /// One thread writes, one reads. T is never copied here.
 template <class T>
-class LatestValue {
+class TripleBuffer {
  public:
-  LatestValue() = default;
+  TripleBuffer() = default;
   /// Each of the three is T(argument).
   template <class Argument>
-  explicit LatestValue(const Argument& argument) : places_{T(argument), T(argument), T(argument)} {}
+  explicit TripleBuffer(const Argument& argument) : places_{T(argument), T(argument), T(argument)} {}
 
   /// \name The writer's
   /// @{

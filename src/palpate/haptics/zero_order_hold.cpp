@@ -1,12 +1,12 @@
-#include <palpate/haptics/held_force.h>
+#include <palpate/haptics/zero_order_hold.h>
 
 #include <limits>
 
 namespace palpate {
 
-void HeldForce::reset() { ++beginning_; }
+void ZeroOrderHold::reset() { ++beginning_; }
 
-ForceOutput HeldForce::evaluate(const ForceInput& input) {
+ForceOutput ZeroOrderHold::evaluate(const ForceInput& input) {
   t_ += input.dt;
   question_.back() = {input, t_, beginning_};
   question_.publish();
@@ -16,16 +16,16 @@ ForceOutput HeldForce::evaluate(const ForceInput& input) {
     held = answer_.front().output;
   else
     held.proxy = input.tool;
-  held.stored = std::numeric_limits<double>::quiet_NaN();
+  held.stored_energy = std::numeric_limits<double>::quiet_NaN();
   return held;
 }
 
-void HeldForce::take() {
+void ZeroOrderHold::take() {
   asked_ = question_.update();
   if (asked_) taken_ = question_.front();
 }
 
-void HeldForce::finish() {
+void ZeroOrderHold::finish() {
   if (!asked_) return;
   const bool first = taken_.beginning != asked_since_;
   if (first) model_.reset();

@@ -14,11 +14,11 @@ struct CandidateSet;
 
 /// The Gaussians that a solid touches, and where their K was least: enough to answer for every tool inside
 /// that solid. Takes nothing from the heap after construction.
-class Neighbourhood {
+class CandidateCache {
  public:
   /// \param capacity Gaussians to keep at most, see capacity_for()
-  explicit Neighbourhood(std::size_t capacity = kCapacity);
-  ~Neighbourhood();
+  explicit CandidateCache(std::size_t capacity = kCapacity);
+  ~CandidateCache();
 
   /// For one solid alone.
   static constexpr std::size_t kCapacity = 4096;
