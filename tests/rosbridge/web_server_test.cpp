@@ -3,6 +3,7 @@
 #include <palpate/rosbridge/web_server.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
 #include <cstdint>
@@ -1211,6 +1212,53 @@ TEST_F(WebServerTest, SaysWhereItCannotListen) {
   }
   options.address = "192.0.2.1";  // of nobody (RFC 5737)
   EXPECT_THAT(message_of<Error>(listen), HasSubstr("cannot listen on 192.0.2.1"));
+}
+
+// What has been sent is let go of while its reader stays.
+TEST_F(WebServerTest, KeepsNoPageThatHasBeenSent) {
+  std::weak_ptr<const std::string> sent;
+  WebServerOptions options;
+  options.port = 0;
+  server = std::make_unique<WebServer>(
+      hub,
+      [&](const std::string&) {
+        auto made = std::make_shared<const std::string>(file);
+        sent = made;
+        WebPage page;
+        page.bytes = *made;
+        page.keeps = std::move(made);
+        return page;
+      },
+      options);
+  server->start();
+  Connection stays(server->port());
+  stays.send(request("GET /"));
+  EXPECT_EQ(stays.response().body, file);
+  EXPECT_TRUE(in_time([&] { return sent.expired(); }));
+  stays.send(request("GET /"));
+  EXPECT_EQ(stays.response().body, file);
+}
+
+// A server that ends leaves its sides of connections waiting: its port can be had again at once all the same.
+TEST_F(WebServerTest, ListensWhereAnotherHasJustEnded) {
+  start();
+  WebServerOptions options;
+  options.port = server->port();
+  const auto socket = web_socket();
+  EXPECT_TRUE(answers(*socket));
+  server->stop();
+  server.reset();
+  EXPECT_NO_THROW(WebServer(
+      hub, [](const std::string&) { return text_page(200, ""); }, options));
+}
+
+TEST_F(WebServerTest, OnEveryAddressItIsCalledByItsHostName) {
+  WebServerOptions options;
+  options.address = "0.0.0.0";
+  start(options);
+  std::array<char, 256> name{};
+  ASSERT_EQ(::gethostname(name.data(), name.size()), 0);
+  EXPECT_EQ(server->url(), "http://" + std::string(name.data()) + ":" + std::to_string(server->port()) + "/");
 }
 
 TEST_F(WebServerTest, ServersOfPortZeroAreApart) {

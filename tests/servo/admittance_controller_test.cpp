@@ -45,6 +45,45 @@ TEST(AdmittanceController, IsAMassWithADamper) {
               0.05 / a.angular_damping.x() * (1 - std::exp(-a.angular_damping.x() / a.inertia.x())), 1e-3);
 }
 
+// At the end of each step, M a = F - D v to rounding, whatever the mass and the length of the step.
+TEST(AdmittanceController, KeepsItsEquationInEveryStep) {
+  for (const double dt : {1e-3, 20e-3}) {
+    Admittance a;
+    a.mass = {0.5, 2.0, 20.0};
+    a.damping = {80.0, 10.0, 1.0};
+    a.inertia = {0.01, 0.02, 0.05};
+    a.angular_damping = {0.5, 0.1, 0.0};
+    AdmittanceController controller(a, wide());
+    controller.start({});
+    for (int k = 0; k < 50; ++k) {
+      const Wrench user{{3.0 + 0.1 * k, -1.0, 2.0}, {0.05, -0.01 * k, 0.02}};
+      const MotionSetpoint& m = controller.step(user, {}, dt);
+      const Vector3d force = user.force - a.damping.cwiseProduct(m.velocity.linear);
+      const Vector3d torque = user.torque - a.angular_damping.cwiseProduct(m.velocity.angular);
+      EXPECT_LT((a.mass.cwiseProduct(m.acceleration.linear) - force).norm(), 1e-9) << k;
+      EXPECT_LT((a.inertia.cwiseProduct(m.acceleration.angular) - torque).norm(), 1e-9) << k;
+    }
+  }
+}
+
+TEST(AdmittanceController, TurnsByItsAngularVelocity) {
+  Admittance a;
+  a.inertia.setConstant(0.02);
+  a.angular_damping.setConstant(0.1);
+  AdmittanceController controller(a, wide());
+  controller.start({});
+  double turned = 0.0, before = 0.0;
+  for (int k = 0; k < 500; ++k) {
+    const double w = controller.step({{}, {0, 0, 0.2}}, {}, kTick).velocity.angular.z();
+    turned += 0.5 * kTick * (before + w);
+    before = w;
+  }
+  ASSERT_GT(turned, 0.5);
+  const Eigen::AngleAxisd turn(controller.motion().pose.orientation);
+  EXPECT_NEAR(turn.angle(), turned, 1e-4);
+  EXPECT_NEAR(turn.axis().z(), 1.0, 1e-9);
+}
+
 // v = F / (D + B) where the scene pushes, F / D along it and after it.
 TEST(AdmittanceController, ContactDampsAlongTheScenesForceAlone) {
   Admittance a;
@@ -167,6 +206,21 @@ TEST(AdmittanceController, GoesOnFromWhereTheDeviceIs) {
   EXPECT_EQ(controller.motion().velocity.linear.norm(), 0.0);
   const MotionSetpoint& m = controller.step({{30, 0, 0}, {}}, {}, kTick);
   EXPECT_NEAR(m.pose.position.x(), held.position.x(), 1e-5);
+}
+
+// Where the device moves otherwise than it was told, its acceleration is what its velocity says, within
+// limits.
+TEST(AdmittanceController, TakesTheAccelerationOfTheDeviceFromItsVelocity) {
+  MotionLimits limits;
+  limits.acceleration = 10.0;
+  limits.angular_acceleration = 20.0;
+  AdmittanceController controller({}, limits);
+  controller.start({});
+  controller.follow({}, {{0.002, -0.1, 0.0}, {0.0, 0.01, 1.0}}, 2e-3);
+  EXPECT_LT((controller.motion().acceleration.linear - Vector3d(1.0, -10.0, 0.0)).norm(), 1e-12);
+  EXPECT_LT((controller.motion().acceleration.angular - Vector3d(0.0, 5.0, 20.0)).norm(), 1e-12);
+  controller.follow({}, {{0.004, -0.1, 0.0}, {}}, 0.0);
+  EXPECT_TRUE(controller.motion().acceleration.linear.isZero(0.0)) << "no time has passed";
 }
 
 TEST(AdmittanceController, TakesNothingFromTheHeap) {

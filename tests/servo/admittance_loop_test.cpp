@@ -52,6 +52,95 @@ TEST(AdmittanceLoopCheck, WantsTheLeastDampingOfEachAxisHalfATickLater) {
   }
 }
 
+/// Says nothing until it is told to, and then follows.
+struct Quiet final : MotionDevice {
+  const DeviceCapabilities& capabilities() const override { return can; }
+  bool read(double t, MotionReading& reading) override {
+    if (!speaks) return false;
+    reading.t = reading.user_t = t;
+    reading.pose = at;
+    return true;
+  }
+  MotionAnswer move(const MotionSetpoint& motion, double) override {
+    at = motion.pose;
+    ++moves;
+    return {motion};
+  }
+  void stop() noexcept override {}
+
+  DeviceCapabilities can;
+  DevicePose at;
+  bool speaks = false;
+  int moves = 0;
+};
+
+AdmittanceLoopOptions stable_loop() {
+  AdmittanceLoopOptions options = loop();
+  options.admittance.damping = {300.0, 250.0, 400.0};
+  options.admittance.angular_damping.setConstant(3.0);
+  return options;
+}
+
+TEST(AdmittanceLoop, IsADeviceOfItsControllersDampingAndItsLoopsDelay) {
+  AdmittanceLoopOptions options = stable_loop();
+  options.along.lag = 4e-3;
+  options.along.sensor_lag = 2e-3;
+  options.margin = 0.0;
+  Quiet quiet;
+  quiet.can.damping = 7.0;
+  quiet.can.force_max = 33.0;
+  const AdmittanceLoop loop(quiet, options);
+  const DeviceCapabilities& can = loop.capabilities();
+  EXPECT_EQ(can.kind, Causality::kAdmittance);
+  EXPECT_EQ(can.damping, 250.0);
+  EXPECT_EQ(can.damping_max, 125.0);
+  EXPECT_EQ(can.damping_source, DampingSource::kSimulated);
+  EXPECT_DOUBLE_EQ(can.delay, 9e-3);
+  EXPECT_EQ(can.force_max, 33.0) << "the rest is the device's";
+}
+
+TEST(AdmittanceLoop, MovesNothingBeforeTheDeviceHasSpoken) {
+  AdmittanceLoopOptions options = stable_loop();
+  options.margin = 0.0;
+  Quiet quiet;
+  AdmittanceLoop loop(quiet, options);
+  loop.open();
+  loop.enable();
+  DeviceReading reading;
+  for (int k = 1; k < 10; ++k) {
+    EXPECT_FALSE(loop.read(k * options.period, reading));
+    loop.write({{5, 0, 0}, {}});
+  }
+  EXPECT_EQ(quiet.moves, 0);
+  quiet.speaks = true;
+  quiet.at.position = {0.1, 0.2, 0.3};
+  EXPECT_TRUE(loop.read(10 * options.period, reading));
+  EXPECT_EQ(reading.pose, quiet.at);
+  loop.write({{5, 0, 0}, {}});
+  EXPECT_EQ(quiet.moves, 1);
+  EXPECT_EQ(quiet.at.position, Eigen::Vector3d(0.1, 0.2, 0.3)) << "the gate is shut";
+}
+
+TEST(AdmittanceLoop, TellsNoReadingThatIsOldAndNoneInAFault) {
+  AdmittanceLoopOptions options = stable_loop();
+  options.margin = 0.0;
+  Quiet quiet;
+  AdmittanceLoop loop(quiet, options);
+  loop.open();
+  loop.enable();
+  DeviceReading reading;
+  quiet.speaks = true;
+  EXPECT_TRUE(loop.read(options.period, reading));
+  quiet.speaks = false;
+  EXPECT_FALSE(loop.read(2 * options.period, reading));
+  EXPECT_EQ(loop.status(), DeviceStatus::kEnabled);
+  quiet.speaks = true;
+  EXPECT_TRUE(loop.read(3 * options.period, reading));
+  loop.stop();
+  EXPECT_FALSE(loop.read(4 * options.period, reading));
+  EXPECT_EQ(loop.status(), DeviceStatus::kFault);
+}
+
 TEST(AdmittanceLoopCheck, WithoutAMarginIsNone) {
   AdmittanceLoopOptions options = loop();
   options.admittance.damping.setZero();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,6 +93,47 @@ TEST(LeastAdmittance, IsTheClosedFormOfADamperThatIsLate) {
       ASSERT_GT(damping, 0.0);
       EXPECT_NEAR(least_damping(mass, loop, 1.0), damping, 1e-3 * damping) << mass << ", " << delay;
     }
+}
+
+// Without a delay or a lag, s (M s + D) (1 + 2 z s / w + s^2 / w^2) + K (1 + 2 z s / w) is of degree 4:
+// Hurwitz has the bound.
+TEST(LeastAdmittance, IsThatOfHurwitzForAResonance) {
+  const double M = 2.0, K = 3000.0;
+  for (const double w : {60.0, 150.0})
+    for (const double z : {0.02, 0.1, 0.3}) {
+      const auto stable = [&](double D) {
+        const double a4 = M / (w * w), a3 = D / (w * w) + 2.0 * z * M / w, a2 = M + 2.0 * z * D / w,
+                     a1 = D + 2.0 * z * K / w;
+        return a3 * a2 * a1 > a4 * a1 * a1 + a3 * a3 * K;
+      };
+      double low = 0.0, high = 1e5;
+      if (stable(low)) continue;
+      for (int k = 0; k < 200; ++k) {
+        const double middle = 0.5 * (low + high);
+        (stable(middle) ? high : low) = middle;
+      }
+      AdmittanceLoopModel loop;
+      loop.contact_stiffness = K;
+      loop.resonance = w;
+      loop.resonance_damping = z;
+      EXPECT_NEAR(least_damping(M, loop, 1.0), high, 2e-3 * high) << w << ", " << z;
+    }
+}
+
+// The lag of the sensor filters what the hand's mass does, of which more than the virtual one would be too
+// much.
+TEST(LeastAdmittance, ASensorWithALagBearsAHandOfGreaterMass) {
+  AdmittanceLoopModel loop;
+  loop.hand_mass = 0.3;
+  loop.hand_stiffness = 500.0;
+  loop.hand_damping = 5.0;
+  loop.sensor_lag = 5e-3;
+  // (M + D T + m) (D + b) > M T k
+  EXPECT_TRUE(is_stable({0.2, 5.0}, loop));
+  std::swap(loop.sensor_lag, loop.lag);
+  EXPECT_TRUE(is_stable({0.2, 5.0}, loop));
+  loop.lag = 0.0;
+  EXPECT_FALSE(is_stable({0.2, 5.0}, loop));
 }
 
 TEST(LeastAdmittance, NeedsNothingWhereNothingIsLate) {

@@ -56,6 +56,14 @@ TEST(LimitedAxis, UsesAllThatItMay) {
   EXPECT_NEAR(s.velocity, free.velocity, 1e-4);
 }
 
+// The most that ends at full speed: v + a dt / 2 + a^2 / 2 J = V for 0.15 mm/s below it, a^2 + 0.3 a - 0.09 =
+// 0.
+TEST(LimitedAxis, GoesAsFarTowardsWhatIsWantedAsItMay) {
+  const AxisLimits limits{300.0, 6.0, 1.2};
+  const AxisState end = stepped({0.0, 1.2 - 0.15e-3, 0.0}, limits, 6.0, 1e-3);
+  EXPECT_NEAR(end.acceleration, -0.15 + std::sqrt(0.0225 + 0.09), 2e-4);
+}
+
 TEST(LimitedAxis, FollowsWhatIsWithinTheLimitsExactly) {
   AxisState s;
   for (int k = 0; k < 1000; ++k) {
@@ -65,6 +73,21 @@ TEST(LimitedAxis, FollowsWhatIsWithinTheLimitsExactly) {
     ASSERT_DOUBLE_EQ(s.acceleration, wanted);
     ASSERT_NEAR(s.velocity, before.velocity + 0.5e-3 * (before.acceleration + wanted), 1e-15);
   }
+}
+
+// Downward, and already turning: v t + a t^2 / 2 - J t^3 / 6 at v + a t - J t^2 / 2 = 0 is 0.2544 mm below.
+TEST(LimitedAxis, CountsWhereItTurns) {
+  const double v = -0.05, a = 6.0, J = 300.0, t = (a - std::sqrt(a * a + 2.0 * J * v)) / J;
+  const double lowest = v * t + a * t * t / 2.0 - J * t * t * t / 6.0;
+  ASSERT_NEAR(lowest, -0.2544e-3, 1e-7);
+  AxisLimits limits{J, 6.0, 1.2, lowest - 1e-6, 1.0};
+  EXPECT_TRUE(can_stop({0.0, v, a}, limits));
+  limits.lower = lowest + 1e-6;
+  EXPECT_FALSE(can_stop({0.0, v, a}, limits));
+  limits = {J, 6.0, 1.2, -1.0, -lowest + 1e-6};
+  EXPECT_TRUE(can_stop({0.0, -v, -a}, limits));
+  limits.upper = -lowest - 1e-6;
+  EXPECT_FALSE(can_stop({0.0, -v, -a}, limits));
 }
 
 // At full speed as soon as the acceleration, which is full, is gone.

@@ -213,5 +213,15 @@ TEST(PassivityController, OnlyObservesWhatHasNoPotential) {
   EXPECT_EQ(controller.added_damping(), 0.0);
 }
 
+TEST(PassivityController, AddsNothingToAHandleThatStandsStill) {
+  PassivityController controller(kPeriod, 0.0, 20.0);
+  const Wrench push{{0, 0, 5}, Vector3d::Zero()};
+  controller.correct(push, 1.0, push, at(0.0), kPeriod);
+  controller.correct({}, 1.0, push, at(1e-4), kPeriod);
+  EXPECT_GT(controller.added_damping(), 0.0);
+  controller.correct({}, 1.0, {}, at(1e-4), kPeriod);
+  EXPECT_EQ(controller.added_damping(), 0.0);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -434,6 +434,26 @@ TEST(SafetyGovernor, WhatIsKnownOfADeviceIsWhatIsAllowed) {
   EXPECT_DOUBLE_EQ(SafetyLimits::of(d, 0.05).late_max, 0.15);
 }
 
+TEST(SafetyGovernor, SaysWhatShareItLetsThrough) {
+  DeviceCapabilities d = device();
+  d.force_sustained = 2.0;
+  Loop loop(d);
+  loop.tick();
+  EXPECT_EQ(loop.governor.let_through(), 0.0) << "the gate is shut";
+  loop.feel({0, 0, 0});
+  EXPECT_EQ(loop.governor.let_through(), 1.0) << "all of nothing";
+  loop.wanted = force({0, 0, 1.5});
+  loop.run(0.1);
+  EXPECT_EQ(loop.governor.let_through(), 1.0);
+  loop.wanted = force({0, 0, 6.0});
+  loop.run(60.0);
+  EXPECT_NEAR(loop.governor.let_through(), loop.sent.force.norm() / 6.0, 1e-6);
+  EXPECT_LT(loop.governor.let_through(), 0.5);
+  loop.governor.stop();
+  loop.tick();
+  EXPECT_EQ(loop.governor.let_through(), 0.0);
+}
+
 // What has come out is paid for with that fault: it is not told again for the same energy.
 TEST(SafetyGovernor, EnergyIsReproachedOnce) {
   Loop loop;

@@ -176,6 +176,33 @@ TEST_F(ServoTickTest, AStifferSpringUnderAHandHasNoMoreEnergy) {
   go_to(-0.008);
   run(0.05);
   EXPECT_NEAR(device.shown.force.x(), 1000.0 * 0.008, 0.01) << "pressed anew, it is as stiff as it was set";
+  EXPECT_NEAR(loop->look().felt.stored_energy, 0.5 * 1000.0 * 0.008 * 0.008, 1e-4);
+}
+
+// What the loop makes of a model is what a passivity controller of the device's rate, damping and arm makes
+// of it.
+TEST_F(ServoTickTest, ThePassivityControllerIsThatOfTheDevice) {
+  device.can.damping = 0.2;
+  ServoTickOptions options;
+  options.keeps_passive = false;
+  begin(options);
+  device.pose.position.x() = 0.01;
+  run(1.0);
+  PassivityController reference(1.0 / device.can.rate, 0.2, 20.0, 0.5 / 10.0);
+  TickRecord before = run(kTick);
+  reference.correct(before.felt.wrench, before.felt.stored_energy, before.sent, before.reading.pose, kTick);
+  int damped = 0;
+  for (int k = 0; k < 400; ++k) {
+    device.pose.position.x() = 0.01 * std::cos(0.1 * k);
+    const TickRecord& now = run(kTick);
+    reference.correct(now.felt.wrench, now.felt.stored_energy, before.sent, now.reading.pose,
+                      now.reading.t - before.reading.t);
+    ASSERT_NEAR(now.added_damping, reference.added_damping(), 1e-9 * reference.added_damping()) << k;
+    damped += now.added_damping > 0.0 ? 1 : 0;
+    before = now;
+  }
+  EXPECT_EQ(before.state, GovernorState::kActive);
+  EXPECT_GT(damped, 50);
 }
 
 // A hand that presses on what is soft and lets go of what is stiff, and the other way round, over and over.
