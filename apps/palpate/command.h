@@ -1,5 +1,5 @@
 /// \file
-/// The shape of a subcommand: one file each, one function that declares it.
+/// Interface of subcommands: one file and one declaring function each.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace palpate::cli {
 
-/// A declared subcommand: its options, and what it does once they are parsed.
+/// A declared subcommand: its options, and the function to run once they are parsed.
 struct Command {
   CLI::App* app;
   std::function<void()> run;  ///< throws Error

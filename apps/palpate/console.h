@@ -1,5 +1,5 @@
 /// \file
-/// What a person at the terminal sees and does while `palpate run` runs.
+/// Terminal status display and keyboard control of `palpate run`.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ namespace palpate::cli {
 /// One of each hand, in the order of LiveHands::all().
 using LiveViews = std::vector<std::unique_ptr<LiveView>>;
 
-/// A line a hand, keys, and what there is to be told. On the main thread.
+/// Shows one status line per hand and all notices, and handles keys. Main thread.
 class Console {
  public:
   /// All must outlive it. \param gateway whose pages show what is told, too; may be null
@@ -27,19 +27,18 @@ class Console {
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
 
-  /// Looks, and waits a little for a key. \returns false once someone wants to end.
+  /// Updates the display, and waits briefly for a key. \returns false once the user wants to quit.
   bool look();
   void tell_transitions();
   void tell(const std::string& message);
 
-  /// Until a fall that was asked for is over, so that its reason is told, and recorded where that is
-  /// possible.
+  /// Waits until a requested force ramp is over, so that its reason is shown, and recorded if possible.
   void wait_for_no_force();
 
   static constexpr const char* kHelp =
       "keys: space pause and go on, e emergency stop, r resume after a fault, m model, + - stiffness, c "
       "clutch, q quit";
-  /// Besides, where there are several.
+  /// Additional help for several hands.
   static constexpr const char* kHelpOfHands = "space, e and r are for all hands, the others for the first";
 
  private:

@@ -1,6 +1,6 @@
 /// \file
-/// How commands declare themselves and their options. Behind it is CLI11, whose headers take the compiler
-/// longer than all commands together: only what looks into its tree of options includes them.
+/// Declaration of commands and options. Wraps CLI11, whose headers take longer to compile than all commands
+/// together: only code that inspects its option tree includes them.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ class Option;
 
 namespace palpate::cli {
 
-/// An option that was just declared, for saying more about it.
+/// A declared option, for setting further properties.
 class DeclaredOption {
  public:
   explicit DeclaredOption(CLI::Option* option) : option_(option) {}
@@ -44,7 +44,7 @@ class DeclaredOption {
 /// @{
 CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& description);
 
-/// One that --help does not list.
+/// Adds a command that --help does not list.
 CLI::App& add_hidden_command(CLI::App& parent, const std::string& name, const std::string& description);
 DeclaredOption add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& description);
 
@@ -71,7 +71,7 @@ DeclaredOption add_files(CLI::App& app, const std::string& name, std::vector<std
 DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                          const std::string& type, const std::string& description);
 
-/// Usage is refused unless one of both options is given.
+/// Requires at least one of the two options.
 void need_one(CLI::App& app, const std::string& a, const std::string& b);
 
 std::string command_name(const CLI::App& app);
@@ -80,7 +80,7 @@ std::string command_name(const CLI::App& app);
 /// default: long names without dashes, and text.
 std::vector<std::pair<std::string, std::string>> other_options(const CLI::App& app);
 
-/// True if the option was said on the command line or in its file.
+/// Returns whether the option was given on the command line or in its configuration file.
 bool is_given(const CLI::App& app, const std::string& option);
 
 /// A whole number from `low` to `high`. A default out of that range means "not given", and is not shown.
@@ -102,7 +102,7 @@ DeclaredOption add_seed(CLI::App& app, std::uint64_t& seed, const std::string& d
 DeclaredOption add_vector3(CLI::App& app, const std::string& name, Eigen::Vector3d& value,
                            const std::string& unit, const std::string& description);
 
-/// An option whose text `set` takes apart, or refuses with BadValue.
+/// Adds an option whose text is parsed by `set`, which throws BadValue to reject it.
 DeclaredOption add_parsed(CLI::App& app, const std::string& name, const std::string& type,
                           const std::string& description, const std::function<void(const std::string&)>& set);
 /// @}

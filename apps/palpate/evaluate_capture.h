@@ -1,5 +1,5 @@
 /// \file
-/// `palpate evaluate --scene`: force models on a captured scene, held against what is seen of it.
+/// `palpate evaluate --scene`: force models on a captured scene, compared with its visible surface.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct CaptureOptions {
   void declare(CLI::App& app);
 };
 
-/// What else the command was asked for.
+/// Other options of the command.
 struct CaptureTask {
   CommonOptions common;
   Tool tool;

@@ -21,7 +21,7 @@ struct TrialOptions {
   void declare(CLI::App& app);
 };
 
-/// What else the command was asked for.
+/// Other options of the command.
 struct TrialTask {
   CommonOptions common;
   ForceConfig force;

@@ -1,5 +1,5 @@
 /// \file
-/// Keys, as they are pressed.
+/// Single key presses from the terminal.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace palpate::cli {
 
-/// Takes single keys from the terminal on standard input, without echo, and gives it back as it was. Where
-/// standard input is no terminal there are no keys.
+/// Reads single keys from the terminal on standard input, without echo, and restores its mode on destruction.
+/// Without a terminal there are no keys.
 class Keyboard {
  public:
   Keyboard();
@@ -18,7 +18,7 @@ class Keyboard {
   Keyboard& operator=(const Keyboard&) = delete;
 
   bool there() const { return there_; }
-  /// The next key, if one is pressed within `seconds`.
+  /// Returns the next key, if one is pressed within `seconds`.
   std::optional<char> key(double seconds);
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// How the results of a command are made.
+/// Provenance of the results of a command.
 #pragma once
 
 #include <initializer_list>

@@ -1,5 +1,5 @@
 /// \file
-/// Options that several commands share.
+/// Options shared by several commands.
 #pragma once
 
 #include <memory>
@@ -39,7 +39,7 @@ void declare_force_parameters(CLI::App& app, LiveConfig& config);
 /// Loads and filters; warns on stderr if nothing is left. \throws Error.
 LoadedScene load(const SceneConfig& config, const Progress& progress);
 
-/// What answers poses: one of the two.
+/// Contact query pipeline: exactly one of the two is set.
 struct Pipeline {
   std::unique_ptr<SceneIndex> index;     ///< the exact one
   std::unique_ptr<PaperPipeline> paper;  ///< the paper's
@@ -47,7 +47,7 @@ struct Pipeline {
   const ContactQuery& query() const { return index ? static_cast<const ContactQuery&>(*index) : *paper; }
 };
 
-/// How contacts are found, and what feels them.
+/// Options of contact query and force model.
 struct QueryOptions {
   std::string pipeline = "exact";
   std::optional<double> search_radius;

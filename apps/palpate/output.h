@@ -1,5 +1,5 @@
 /// \file
-/// Pieces of output that several commands share.
+/// Output functions shared by several commands.
 #pragma once
 
 #include <initializer_list>

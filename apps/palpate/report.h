@@ -1,5 +1,5 @@
 /// \file
-/// Runs as pages.
+/// Report page of a recording.
 #pragma once
 
 #include <string>

@@ -1,6 +1,5 @@
 /// \file
-/// How a run was made, from its own file, for `palpate replay --from RUN` and `palpate report RUN --scene
-/// SCENE`.
+/// Provenance read from a run's file, for `palpate replay --from RUN` and `palpate report RUN --scene SCENE`.
 #pragma once
 
 #include <string>
@@ -12,10 +11,10 @@
 
 namespace palpate::cli {
 
-/// Whether the file of a run has a head. \throws Error if it cannot be read.
+/// Returns whether a run's file has a provenance header. \throws Error if it cannot be read.
 bool says_how_it_was_made(const std::string& run);
 
-/// What the head of a run's file says (to_toml(const Provenance&)).
+/// Content of the header of a run's file (to_toml(const Provenance&)).
 class RunOrigin {
  public:
   /// \throws Error if the file cannot be read, or does not say it.

@@ -1,5 +1,5 @@
 /// \file
-/// What a person sees while a command runs.
+/// Terminal output while a command runs.
 #pragma once
 
 #include <string_view>

@@ -1,5 +1,5 @@
 /// \file
-/// The viewer, which is part of the program.
+/// Files of the viewer, embedded in the program.
 #pragma once
 
 #include <string_view>

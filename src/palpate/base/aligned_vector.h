@@ -1,5 +1,5 @@
 /// \file
-/// Arrays for SIMD whose length is chosen when they are made.
+/// Cache-line-aligned std::vector for SIMD.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Allocates on cache lines, so that no vector load crosses one.
+/// Allocator that aligns to cache lines, so that no vector load crosses one.
 template <class T>
 struct CacheLineAllocator {
   using value_type = T;

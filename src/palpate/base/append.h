@@ -1,5 +1,5 @@
 /// \file
-/// One vector behind another.
+/// Appends one vector to another.
 #pragma once
 
 #include <vector>

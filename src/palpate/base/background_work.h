@@ -1,18 +1,18 @@
 /// \file
-/// What a slower thread does for a faster one.
+/// Interface of background work that a slower thread does for a faster one.
 #pragma once
 
 namespace palpate {
 
-/// Work that is done over and over beside a loop that must not wait for it: what is asked for is taken at one
-/// time, and the answer is there at a later one.
+/// Work repeated on a background thread beside a loop that must not wait for it: each round takes the current
+/// request and later publishes its result.
 class BackgroundWork {
  public:
   virtual ~BackgroundWork() = default;
 
-  /// Takes what is asked for now.
+  /// Takes the current request.
   virtual void take() = 0;
-  /// Does what was taken, and hands it over.
+  /// Processes the request that take() took, and publishes the result.
   virtual void finish() = 0;
 };
 

@@ -1,21 +1,20 @@
 /// \file
-/// The clock of everything that is live.
+/// Monotonic clock of all live loops.
 #pragma once
 
 namespace palpate {
 
-/// Seconds on a clock that never jumps or goes back, from an arbitrary beginning. Any thread; no system call
-/// where the kernel can help it.
+/// Seconds on a monotonic clock with an arbitrary origin. Any thread; no system call where the kernel
+/// supports that.
 double monotonic_now();
 
-/// What the calling thread has spent of a processor's time: where the machine stops for a while, this does
-/// not go on. Unit: [s].
+/// Processor time consumed by the calling thread; it does not advance while the machine stalls. Unit: [s].
 double thread_time();
 
-/// Sleeps until monotonic_now() is `t`, or a little later.
+/// Sleeps until monotonic_now() is `t` or slightly later.
 void sleep_until(double t);
 
-/// The time of one loop: 0 where it began. Any thread.
+/// Time since the start of one loop, 0 at its start. Any thread.
 class LoopClock {
  public:
   double now() const { return monotonic_now() - begin_; }

@@ -1,5 +1,5 @@
 /// \file
-/// The one exception type of the library.
+/// The library's only exception type.
 #pragma once
 
 #include <stdexcept>
@@ -16,15 +16,15 @@ namespace palpate {
 /// an escape sequence.
 std::string printable(std::string_view text);
 
-/// `text` as one printable line of bounded length: a long one loses its middle.
+/// `text` as one printable line of bounded length; the middle of a long one is cut out.
 std::string message_line(std::string_view text);
 
-/// strerror(), safe on any thread.
+/// Thread-safe strerror().
 std::string error_text(int error_number);
 
-/// Bad input or a failed operation on a file. The message is one line that says what is wrong,
-/// where (file and offset, property or field) and what to do; programs print it as it is.
-/// Thrown by loading, configuration and writing only: nothing in the servo path throws.
+/// Invalid input or a failed file operation. The message is one line that says what is wrong, where (file and
+/// offset, property or field) and what to do; programs print it unchanged. Thrown by loading, configuration
+/// and writing only: nothing in the servo path throws.
 class Error : public std::runtime_error {
  public:
   template <typename... Args>

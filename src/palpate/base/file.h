@@ -1,5 +1,5 @@
 /// \file
-/// Reading and writing files so that nothing is half-read, half-written or silently lost.
+/// Input and output files with complete error checking and atomic replacement.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A regular file open for reading at any offset. Move-only. Any number of threads may read at once.
+/// Regular file open for reading at any offset. Move-only. Any number of threads may read concurrently.
 class InputFile {
  public:
   /// \throws Error if `path` is missing, unreadable or not a regular file.
@@ -27,8 +27,8 @@ class InputFile {
   /// \throws Error when the read fails.
   std::size_t read_some(std::uint64_t offset, std::span<char> out) const;
 
-  /// Fills all of `out` from byte `offset`.
-  /// \throws Error when the read fails or the file ends early (it shrank while it was read).
+  /// Fills all of `out` from byte `offset`. \throws Error when the read fails or the file ends early (it was
+  /// truncated in the meantime).
   void read(std::uint64_t offset, std::span<char> out) const;
 
  private:
@@ -37,18 +37,18 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
-/// \throws Error "PATH: cannot ACTION: REASON", and what a person can do about it, for a system call that
-/// failed. \param error_number errno
+/// \throws Error "PATH: cannot ACTION: REASON", with a remedy for the user, for a system call that failed.
+/// \param error_number errno
 [[noreturn]] void throw_file_error(const std::string& path, std::string_view action, int error_number);
 
-/// The whole of a text file of at most `max_bytes`. \throws Error if it is larger or unreadable.
+/// The contents of a text file of at most `max_bytes`. \throws Error if it is larger or unreadable.
 std::string read_text_file(const std::string& path, std::uint64_t max_bytes);
 
-/// A file that appears whole or not at all: bytes go to an unnamed file in the target's folder,
-/// which takes the target's name in commit(). Without a commit (an exception, a kill) nothing is
-/// left behind and an earlier file of that name is untouched; after one, the new file has the earlier one's
-/// mode. A symbolic link is followed. A target that exists and is not a regular file (a pipe, /dev/stdout) is
-/// written through directly.
+/// File that is written atomically: bytes go to an unnamed file in the target's folder, which takes the
+/// target's name in commit(). Without a commit (an exception, a kill) nothing is left behind and an existing
+/// file of that name is untouched; after a commit, the new file has the mode of the one it replaced. Symbolic
+/// links are followed. A target that exists and is not a regular file (a pipe, /dev/stdout) is written to
+/// directly.
 class OutputFile {
  public:
   /// \throws Error if the folder is missing or cannot be written.
@@ -60,11 +60,11 @@ class OutputFile {
   /// Appends `bytes`. \throws Error when the disk is full or the write fails.
   void write(std::string_view bytes);
 
-  /// Whether commit() waits until the bytes are on the disk. What can be made again at any time, and is
-  /// checked when it is read, need not wait.
+  /// Whether commit() waits until the data is on disk. A file that can be regenerated at any time and is
+  /// validated when read need not wait.
   enum class Sync { kYes, kNo };
 
-  /// Gives the file its name. \throws Error on failure; the target is then as it was before.
+  /// Gives the file its name. \throws Error on failure; the target is then unchanged.
   void commit(Sync sync = Sync::kYes);
 
  private:
@@ -81,16 +81,17 @@ class OutputFile {
   bool direct_ = false;  ///< the target is a pipe or a device
 };
 
-/// A file without a name, for what does not fit memory. Gone with the object, or with the process.
+/// Unnamed temporary file for data that does not fit memory. Deleted with the object or when the process
+/// ends.
 class TemporaryFile {
  public:
-  /// In `folder`. \throws Error if that cannot be written.
+  /// Creates the file in `folder`. \throws Error if that is not writable.
   explicit TemporaryFile(std::string folder);
   ~TemporaryFile();
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-  /// Bytes at `offset`. \throws Error when the disk is full or fails.
+  /// Writes bytes at `offset`. \throws Error when the disk is full or fails.
   void write(std::uint64_t offset, std::span<const char> bytes);
   void read(std::uint64_t offset, std::span<char> out) const;
 
@@ -99,11 +100,11 @@ class TemporaryFile {
   int descriptor_ = -1;
 };
 
-/// What tells that a file is not the one that was seen before.
+/// Size and timestamps of a file, to detect that it has changed.
 struct FileStamp {
   std::uint64_t size = 0;
   std::int64_t modified_ns = 0;  ///< mtime
-  std::int64_t changed_ns = 0;   ///< ctime, which nobody can set back
+  std::int64_t changed_ns = 0;   ///< ctime, which cannot be set back
 
   bool operator==(const FileStamp&) const = default;
 };
@@ -111,14 +112,14 @@ struct FileStamp {
 /// \throws Error if there is no such file.
 FileStamp stamp_of(const std::string& path);
 
-/// True if a file could be made in the folder of `path`. A folder that its permissions let nobody write to is
-/// left alone, also by a superuser, whom they do not bind.
+/// True if a file can be created in the folder of `path`. A folder whose permissions allow nobody to write
+/// counts as not writable even for a superuser, whom permissions do not restrict.
 bool folder_is_writable(const std::string& path);
 
-/// Writes `bytes` as an OutputFile in one go.
+/// Writes `bytes` atomically, as an OutputFile.
 void write_file(const std::string& path, std::string_view bytes);
 
-/// True if both paths exist and are one file (so that writing one would destroy the other).
+/// True if both paths exist and name the same file (so that writing one would destroy the other).
 bool same_file(const std::string& a, const std::string& b);
 
 }  // namespace palpate

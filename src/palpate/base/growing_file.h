@@ -1,5 +1,5 @@
 /// \file
-/// A file that can be read while it is written, and after its writer was killed.
+/// Append-only text file that can be read while it is written, and after its writer was killed.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace palpate {
 
-/// A new file of lines that grows in place. What append() has taken is seen by every reader at once and stays
-/// when the process is killed at any instant, which cuts one line at most. (What must appear whole or not at
-/// all is an OutputFile.) It need not survive the death of the machine before finish(). Used by one thread at
-/// a time.
+/// New file that grows in place, line by line. Appended lines are visible to every reader immediately and
+/// survive a kill of the process at any instant, which truncates at most one line. (For a file that must
+/// appear atomically, use OutputFile.) Survival of a machine crash is guaranteed only after finish(). One
+/// thread at a time.
 class GrowingFile {
  public:
-  /// \param lines go in first. \throws Error if `path` exists, its folder is missing or cannot be written, or
-  /// the disk is full; there is no new file then.
+  /// \param lines the first content. \throws Error if `path` exists, its folder is missing or not writable,
+  /// or the disk is full; no new file is left then.
   GrowingFile(std::string path, std::string_view lines);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
@@ -23,15 +23,15 @@ class GrowingFile {
 
   const std::string& path() const { return path_; }
 
-  /// Hands whole lines to the system. \throws Error when the disk is full or fails; the file then ends with
-  /// the last whole line that went in, and size() tells where that is.
+  /// Appends whole lines. \throws Error when the disk is full or fails; the file then ends with the last
+  /// whole line written, and size() is the offset of its end.
   void append(std::string_view lines);
 
-  /// Of the lines that are in it. Unit: [bytes].
+  /// Size of the lines written. Unit: [bytes].
   std::uint64_t size() const { return size_; }
 
-  /// Waits until all is on the disk, which may take seconds, and closes the file; nothing can be appended
-  /// then. \throws Error when the disk fails.
+  /// Waits until all data is on disk, which may take seconds, and closes the file; nothing can be appended
+  /// afterwards. \throws Error when the disk fails.
   void finish();
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// A file as memory.
+/// Memory-mapped file.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,20 @@
 
 namespace palpate {
 
-/// Whose memory a file's bytes are in.
+/// Where the bytes of a mapped file reside.
 enum class FileMemory {
-  /// Shared with every process that maps the file: pages are read when they are first touched, and take no
-  /// memory that the system could not have back. The file must not be cut or written to meanwhile: touching
-  /// a page that is gone raises SIGBUS. Who replaces it should rename another over it.
+  /// Shared with every process that maps the file: pages are read on first access, and the system can reclaim
+  /// their memory. The file must not be truncated or written to meanwhile: accessing a page that is gone
+  /// raises SIGBUS. To replace it, rename another file over it.
   kShared,
-  kOwn,  ///< a SharedCopy: nothing that happens to the file afterwards reaches it
+  kOwn,  ///< a SharedCopy: unaffected by later changes to the file
 };
 
-/// A regular file as memory, for reading, whole. Immutable; any thread.
+/// A whole regular file as read-only memory. Immutable; any thread.
 class MappedFile {
  public:
   /// \throws Error if `path` is missing, unreadable, empty or not a regular file; or, for a copy, if there is
-  /// no memory for it, or it is cut while it is read.
+  /// not enough memory, or the file is truncated while it is read.
   explicit MappedFile(const std::string& path, FileMemory memory = FileMemory::kShared);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
@@ -35,7 +35,7 @@ class MappedFile {
 
  private:
   std::string path_;
-  std::optional<SharedCopy> copy_;  ///< none: it is a map
+  std::optional<SharedCopy> copy_;  ///< unset: the file is mapped
   std::span<const std::byte> bytes_;
 };
 

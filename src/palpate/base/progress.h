@@ -1,5 +1,5 @@
 /// \file
-/// How long work tells its caller how far it is.
+/// Progress callback of long operations.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,11 @@
 
 namespace palpate {
 
-/// Called now and then on the thread that does the work. `stage` names the work ("reading"),
-/// `fraction` is in [0, 1]. An empty function means that nobody watches.
+/// Called from time to time on the thread that does the work. `stage` names the current step ("reading"),
+/// `fraction` is in [0, 1]. An empty function disables reporting.
 using Progress = std::function<void(std::string_view stage, double fraction)>;
 
-/// Calls `progress` if there is one.
+/// Calls `progress` unless it is empty.
 inline void report(const Progress& progress, std::string_view stage, double fraction) {
   if (progress) progress(stage, fraction);
 }

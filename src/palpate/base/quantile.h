@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// The q-quantile of `values`, which are reordered: the value of nearest rank, so always one of
-/// them; 0 if there are none. \pre q in [0, 1] and no value is NaN.
+/// The q-quantile of `values`, which are reordered: the nearest-rank value, hence always an element; 0 if
+/// `values` is empty. \pre q in [0, 1] and no value is NaN.
 inline double quantile(std::vector<double>& values, double q) {
   if (values.empty()) return 0.0;
   const auto rank = static_cast<std::ptrdiff_t>(std::llround(q * static_cast<double>(values.size() - 1)));

@@ -1,5 +1,5 @@
 /// \file
-/// What an operating system can do for a thread that must not be late.
+/// Real-time settings of a thread: memory locking and SCHED_FIFO priority.
 #pragma once
 
 #include <optional>
@@ -8,21 +8,22 @@
 
 namespace palpate {
 
-/// Locks all memory of the process, now and to come, so that no tick waits for a page; of which each thread
-/// to come has 2 MiB as stack. \returns a line that says why not and what to do, where it is not allowed.
+/// Locks all current and future memory of the process, so that no tick waits for a page fault, and sets the
+/// stack of threads started later to 2 MiB. \returns if locking is not permitted: a line that says why and
+/// what to do.
 std::optional<std::string> lock_memory();
 
-/// Gives the calling thread a name, as `top -H` shows it. \param name 15 characters at most
+/// Names the calling thread, as `top -H` shows it. \param name at most 15 characters
 void name_thread(const char* name);
 
-/// What is asked for a thread.
+/// Requested scheduling of a thread.
 struct ThreadPriority {
-  int priority = 80;       ///< of SCHED_FIFO, 1 to 99
-  std::optional<int> cpu;  ///< to stay on; unset: any
+  int priority = 80;       ///< SCHED_FIFO priority, 1 to 99
+  std::optional<int> cpu;  ///< processor to pin to; unset: any
 };
 
-/// Makes the calling thread one of real time. \returns a line for everything that is not allowed; the thread
-/// goes on without it.
+/// Applies `wanted` to the calling thread. \returns a line for each setting that is not permitted; the thread
+/// continues without it.
 std::vector<std::string> make_real_time(const ThreadPriority& wanted);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// A copy of a file in memory, which processes share.
+/// In-memory copy of a file, shared between processes.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,16 @@
 
 namespace palpate {
 
-/// The bytes of a file as they were when it was opened: nothing that happens to the file afterwards reaches
-/// them, and nobody can change them any more. They are in memory once for all processes of a user that have a
-/// copy of the same file: a sealed memfd (F_SEAL_WRITE, F_SEAL_SHRINK, F_SEAL_GROW), which whoever comes
-/// later finds through a symbolic link in the folder for such ($XDG_RUNTIME_DIR, else the one for temporary
-/// files). What is found there counts only if it is sealed and the user's own. Where there is nothing to be
-/// found, or whoever made it has gone, the file is copied once more. Immutable; any thread.
+/// Immutable snapshot of a file's bytes, taken when it was opened: later changes to the file do not affect
+/// it, and nothing can modify it. All processes of a user that copy the same file share one instance in
+/// memory: a sealed memfd (F_SEAL_WRITE, F_SEAL_SHRINK, F_SEAL_GROW), which later processes find through a
+/// symbolic link in the runtime folder ($XDG_RUNTIME_DIR, else the one for temporary files). A memfd found
+/// there is used only if it is sealed and owned by the same user. If none is found, or the process that made
+/// it has exited, the file is copied again. Any thread.
 class SharedCopy {
  public:
-  /// \throws Error if `path` is missing, unreadable, empty or not a regular file, is cut while it is read, or
-  /// there is no memory for it.
+  /// \throws Error if `path` is missing, unreadable, empty or not a regular file, is truncated while it is
+  /// read, or there is not enough memory for it.
   explicit SharedCopy(const std::string& path);
   ~SharedCopy();
   SharedCopy(const SharedCopy&) = delete;
@@ -26,8 +26,8 @@ class SharedCopy {
   std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
-  int descriptor_ = -1;  ///< of the memory, read-only: for those who come later
-  std::string link_;     ///< by which they find it, if it was made here
+  int descriptor_ = -1;  ///< of the memory, read-only: for later processes
+  std::string link_;     ///< by which they find it, if created by this process
   std::span<const std::byte> bytes_;
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// TOML files, asked for what they must have; whatever is wrong with one is said with file, line and key.
+/// TOML reader with validated access; every error names file, line and key.
 ///
 ///     const TomlFile file("rubber.toml");
 ///     TomlTable root = file.root();
@@ -25,15 +25,16 @@ namespace palpate {
 
 class TomlTable;
 
-/// A parsed file. What it hands out belongs to it and must not outlive it.
+/// A parsed file. The values it returns refer to it and must not outlive it.
 class TomlFile {
  public:
-  /// The parser takes some ten times the size of a file.
+  /// The parser needs about ten times the size of the file in memory.
   static constexpr std::uint64_t kMaxBytes = 1 << 16;
 
-  /// \throws Error if `path` cannot be read, is larger than `max_bytes`, is nested absurdly or is no TOML.
+  /// \throws Error if `path` cannot be read, is larger than `max_bytes`, is nested too deeply or is not valid
+  /// TOML.
   explicit TomlFile(const std::string& path, std::uint64_t max_bytes = kMaxBytes);
-  /// Text that is there already. \param path that messages name it by
+  /// Parses text in memory. \param path name of the text in messages
   TomlFile(const std::string& path, std::string_view text);
   ~TomlFile();
   TomlFile(TomlFile&&) noexcept;
@@ -48,10 +49,11 @@ class TomlFile {
   std::unique_ptr<const Parsed> parsed_;
 };
 
-/// What a key has, or an item of its array. Getters throw Error if it is not what they are asked for.
+/// Value of a key, or an item of its array. Getters throw Error if the value is not of the requested type or
+/// range.
 class TomlValue {
  public:
-  std::string_view key() const { return key_; }  ///< an item's is that of its array
+  std::string_view key() const { return key_; }  ///< of an array item: the key of the array
   std::size_t line() const;                      ///< from 1
   std::string where() const;                     ///< "FILE: line N", to begin a message with
 
@@ -59,7 +61,7 @@ class TomlValue {
   std::string text() const;
   /// A whole number in [low, high].
   std::int64_t integer(std::int64_t low, std::int64_t high) const;
-  /// A finite number in [low, high], written with or without a point.
+  /// A finite number in [low, high], with or without a decimal point.
   double number(double low = -kAny, double high = kAny) const;
   /// An array of exactly N such numbers.
   template <std::size_t N>
@@ -74,10 +76,10 @@ class TomlValue {
   TomlTable table() const;
   std::vector<TomlTable> tables() const;  ///< of an array of tables, [[key]]
 
-  /// What stands there if it is text, a number, true or false; numbers read back exactly.
+  /// The value as text if it is a string, number or boolean; numbers read back exactly.
   std::optional<std::string> scalar() const;
 
-  /// "FILE: line N: 'KEY' must be EXPECTED, not what it is".
+  /// Error "FILE: line N: 'KEY' must be EXPECTED, not ACTUAL".
   Error must_be(std::string_view expected) const;
 
  private:
@@ -93,20 +95,20 @@ class TomlValue {
   std::string_view key_;
 };
 
-/// Keys and values. Remembers what it was asked for, so that the rest can be refused.
+/// Table of keys and values. Remembers which keys were requested, so that unknown ones can be rejected.
 class TomlTable {
  public:
   std::size_t line() const;   ///< where it begins, from 1
   std::string where() const;  ///< "FILE: line N", to begin a message with
 
-  /// What `key` has, if it is there.
+  /// The value of `key`, if present.
   std::optional<TomlValue> find(std::string_view key);
-  /// \throws Error if `key` is not there.
+  /// \throws Error if `key` is missing.
   TomlValue at(std::string_view key);
-  /// All of it, in the order of the keys.
+  /// All values, in the order of the keys.
   std::vector<TomlValue> values() const;
 
-  /// \throws Error for a key that find() and at() were not asked for, naming those that they were.
+  /// \throws Error for a key that neither find() nor at() requested; the message lists the requested ones.
   void refuse_others() const;
 
  private:

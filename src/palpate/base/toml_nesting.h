@@ -1,5 +1,5 @@
 /// \file
-/// How deeply a TOML text nests, without parsing it.
+/// Nesting depth of a TOML text, without parsing it.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// The line, from 1, where `text` is nested more than `most` deep for the first time; nothing if it never is.
-/// A bracket, a brace and a dot of a key are a level each. Up to the first mistake in `text` the answer is
-/// exact; a parser stops there.
+/// The first line, from 1, at which `text` is nested more than `most` levels deep; nothing if there is none.
+/// A bracket, a brace and a dot of a key are one level each. Exact up to the first syntax error in `text`,
+/// where a parser stops.
 std::optional<std::size_t> line_nested_deeper(std::string_view text, std::size_t most);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// The newest value from one thread to another.
+/// Triple buffer: passes the newest value from one thread to another.
 #pragma once
 
 #include <array>
@@ -7,29 +7,29 @@
 
 namespace palpate {
 
-/// Three places for a T: one that the writer fills, one that the reader looks at, and one between them that
-/// changes hands. Neither ever waits, for the other or for anything else; the reader sees the newest that was
-/// published, and values that it was too slow for are gone.
+/// Wait-free triple buffer with three slots of T: one that the writer fills, one that the reader reads, and
+/// one between them that is exchanged. Neither thread ever waits; the reader sees the newest published value,
+/// and values it did not read in time are lost.
 ///
-/// One thread writes, one reads. T is never copied here.
+/// One writer thread, one reader thread. T is never copied.
 template <class T>
 class TripleBuffer {
  public:
   TripleBuffer() = default;
-  /// Each of the three is T(argument).
+  /// Constructs each slot as T(argument).
   template <class Argument>
   explicit TripleBuffer(const Argument& argument) : places_{T(argument), T(argument), T(argument)} {}
 
-  /// \name The writer's
+  /// \name Writer thread
   /// @{
   T& back() { return places_[back_]; }
-  /// Hands over back(), which is then another place, with an old value in it.
+  /// Publishes back(), which then refers to another slot that holds an old value.
   void publish() { back_ = between_.exchange(back_ | kFresh, std::memory_order_acq_rel) & kPlace; }
   /// @}
 
-  /// \name The reader's
+  /// \name Reader thread
   /// @{
-  /// True if front() is another value than before.
+  /// Fetches the newest value into front(). \returns true if it is a new one.
   bool update() {
     if ((between_.load(std::memory_order_relaxed) & kFresh) == 0U) return false;
     front_ = between_.exchange(front_, std::memory_order_acq_rel) & kPlace;

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// "0.1.0", as CMake has it.
+/// "0.1.0", as defined in CMake.
 std::string_view version();
 
 }  // namespace palpate

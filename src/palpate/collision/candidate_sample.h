@@ -1,5 +1,5 @@
 /// \file
-/// Where more Gaussians are near than there is room for: a sample of the smaller ones stands for all.
+/// Stochastic thinning of small Gaussians where the candidates exceed the capacity.
 #pragma once
 
 #include <palpate/collision/contact_kernel.h>
@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// Leaves out what is not in the sample of a grain, that of the candidates themselves; see find_magnified().
-/// Of single precision. \pre the grain is positive
+/// Removes the pairs or candidates that are not in the sample of a grain (for candidates, their own grain);
+/// see find_magnified(). Single precision. \pre the grain is positive
 void sample(PairBuffer& pairs, float grain);
 void sample(CandidateSet& candidates);
 
-/// Makes room, with a larger grain. \pre more than three quarters of it are taken
+/// Frees room by enlarging the grain. \pre more than three quarters of the capacity are used
 void coarsen(CandidateSet& candidates);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// The contacts of many tools, as columns.
+/// Contacts of many tools as a structure of arrays.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,18 @@
 
 namespace palpate {
 
-/// What ContactQuery::query_batch() answers with: a structure of arrays, which a machine that answers
-/// elsewhere can fill, and a program in another language take, without a look at Contact. Vectors are n x 3
-/// numbers, row by row.
+/// Result of ContactQuery::query_batch(): a structure of arrays, which a remote backend can fill and a
+/// program in another language can read without knowing Contact. Vectors are [n, 3] numbers, row-major.
 struct ContactColumns {
-  /// The contacts of tool i are those from first[i] to before first[i + 1]: one number more than tools.
+  /// The contacts of tool i are those from first[i] to before first[i + 1]. Shape: [tools + 1].
   std::vector<std::size_t> first = {0};
 
-  /// \name A row a tool: see ContactSet
+  /// \name One row per tool, see ContactSet
   /// @{
   std::vector<std::size_t> candidates, filtered;
   /// @}
 
-  /// \name A row a contact: see Contact
+  /// \name One row per contact, see Contact
   /// @{
   std::vector<std::uint32_t> id;
   std::vector<double> k_min, lambda, opacity;
@@ -35,12 +34,13 @@ struct ContactColumns {
 
   std::size_t tools() const { return first.size() - 1; }
   std::size_t contacts() const { return id.size(); }
-  /// Row `i`; Contact::part is left at 0.
+  /// Contact `i`; Contact::part is left at 0.
   Contact contact(std::size_t i) const;
 
-  /// Keeps its memory.
+  /// Empties all columns but keeps their memory.
   void clear();
-  /// Those of as many tools more, in parallel on the calling thread's oneTBB arena.
+  /// Appends the contacts of further tools, one set per tool, in parallel on the calling thread's oneTBB
+  /// arena.
   void append(std::span<const ContactSet> sets);
 };
 

@@ -18,28 +18,28 @@ namespace palpate::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Newton's steps in ln t, at most. After the search one or two do; a plateau takes more. What is not
-/// certified by then, one pair in a million, goes to the scalar code, which always is.
+/// Maximum number of Newton steps in ln t. After the search one or two suffice; a plateau takes more. Pairs
+/// not certified by then, one in a million, go to the scalar code, which always converges.
 constexpr int kMostSteps = 10;
 
-/// When a lane is done.
+/// Convergence criteria of a lane.
 template <typename T>
 struct Done;
 template <>
 struct Done<double> {
-  /// The last step. Its square, 1e-10, is the error that it leaves in ln t, and with it in direction; the
-  /// error in K is the square of that.
+  /// Length of the last step. Its square, 1e-10, is the error that remains in ln t, and with it in direction;
+  /// the error in K is the square of that.
   static constexpr double kLastStep = 1e-5;
-  /// Largest bound on K - K_min (see minimize). A contact nearer to touching than its bound goes to the
+  /// Largest bound on K - K_min (see minimize). A contact closer to touching than its bound goes to the
   /// scalar code too, so that verdicts do not depend on this.
   static constexpr double kCertificate = 1e-5;
   /// Absolute rounding of g, a sum of numbers up to 3.
   static constexpr double kSlopeRounding = 2e-15;
-  /// Where h is not below minus this, its rounding makes a Newton step no better than kLastStep.
+  /// If h is not below minus this, its rounding makes a Newton step no better than kLastStep.
   static constexpr double kLeastBend = 1e-9;
   /// Stands for infinity: 1 - lambda is then below the resolution of lambda.
   static constexpr double kInfiniteT = 1e16;
-  /// Of the centres, in tool radii: nearer ones have a normal that only the scalar code tells.
+  /// Distance of the centres in tool radii below which only the scalar code determines the normal.
   static constexpr double kLeastDistance = 1e-10;
 };
 template <>
@@ -61,7 +61,7 @@ HWY_INLINE auto least_at_infinity(const KLanes<L>& k) {
   return (k.e.z == T{0}) & ((T{1} + e) - p > T{1e5} * Done<T>::kSlopeRounding * ((T{1} + e) + p));
 }
 
-/// Bound of the relative error of f, where that is near 1 or above: DoubleRounding or SingleRounding.
+/// Bound on the relative error of f where that is near 1 or above: DoubleRounding or SingleRounding.
 template <class L>
 class RoundingBound;
 
@@ -79,7 +79,7 @@ class RoundingBound<TwoDoubles> {
     const L x = x_per_t_ * t, beyond = max(-slope.g, L(0.0)) + Done<double>::kSlopeRounding;
     return sqrt(fma(x, fma(L(128.0), x, beyond), at_minimum_));
   }
-  /// Where K falls towards lambda = 1.
+  /// At lambda = 1, where K falls towards that.
   HWY_INLINE L at_infinity() const { return sqrt(at_minimum_); }
 
  private:
@@ -106,10 +106,10 @@ class RoundingBound<TwoFloats> {
   const ToolFrame& tool_;
 };
 
-/// In double: makes the place of the minimum, t, and K there functions of the pair alone. Of t Newton's
-/// method leaves kLastStep^2 to where it began, which is another place for a fresh query than for a tool that
-/// was near by a moment ago; and a force on the edge between two surfaces makes newtons of that. Rounded, t
-/// no longer knows of it, and a step from there, 2^-18 in ln t, is as near as before.
+/// In double: makes t, the argmin, and K there functions of the pair alone. Newton's method leaves an error
+/// of kLastStep^2 in t that depends on the start, which differs between a fresh query and a tracked tool; a
+/// force on the edge between two surfaces would amplify that to newtons. Rounding t removes the dependence,
+/// and one step from there, 2^-18 in ln t, is as accurate as before.
 template <class L>
 HWY_INLINE void settle(const KLanes<L>& k, L& t, L& k_min) {
   if constexpr (sizeof(typename L::T) == sizeof(double)) {
@@ -123,14 +123,15 @@ HWY_INLINE void settle(const KLanes<L>& k, L& t, L& k_min) {
   }
 }
 
-/// Minimises K for the lanes from i on that are open, from t, which becomes the place of the minimum.
+/// Minimises K for the open lanes from i on, starting at t, which becomes the argmin.
 ///
-/// K is convex in lambda, so that from any lambda it can only fall by |K'| times the way to the end of [0,
-/// 1]; with K' = -f g / (lambda (1 - lambda)) that is
+/// K is convex in lambda, so that from any lambda it can decrease by at most |K'| times the distance to the
+/// end of [0, 1]; with K' = -f g / (lambda (1 - lambda)) that is
 ///
 ///     K - K_min <= f g / lambda (g > 0)    or    f |g| / (1 - lambda) (g < 0),
 ///
-/// whatever Newton's method believes: the certificate. Where g is no more than its rounding, both ends count.
+/// independent of Newton's convergence: the certificate. Where |g| is within its rounding error, both ends
+/// count.
 template <class L>
 HWY_INLINE void minimize(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool) {
   using T = typename L::T;
@@ -192,7 +193,7 @@ HWY_INLINE Vec3<L> adjugate_times_distance(const Vec3<L>& d, const Vec3<L> (&l)[
   return fma(t, fma(t, second, first), d);
 }
 
-/// As many numbers as L has lanes, as doubles in memory.
+/// One number per lane of L, read from memory as doubles.
 template <class L>
 struct InMemory {
   alignas(64) typename L::T number[hn::MaxLanes(L::d())];
@@ -208,8 +209,8 @@ struct InMemory {
   }
 };
 
-/// Points of as many pairs as L has lanes, relative to the tool's centre in the world frame; in memory, for
-/// the numbers that are doubles there.
+/// Points of one pair per lane of L, relative to the tool's centre in the world frame; in memory, to be read
+/// as doubles.
 template <class L>
 struct PointsInMemory {
   InMemory<L> x, y, z;
@@ -217,7 +218,7 @@ struct PointsInMemory {
   HWY_INLINE PointsInMemory(const Vec3<L>& v) : x(v.x), y(v.y), z(v.z) {}
 };
 
-/// All that follows from the place of the minimum, for the lanes from i on.
+/// Computes the contacts at the minimum, for the lanes from i on.
 template <class L>
 HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& tool) {
   using T = typename L::T;
@@ -258,7 +259,7 @@ HWY_INLINE void contacts_at(PairsOf<L>& pairs, std::size_t i, const ToolFrame& t
   }
 }
 
-/// Minimum and contact of the first `n` pairs.
+/// Computes minimum and contact of the first `n` pairs.
 template <typename T, class Two, class One>
 HWY_INLINE void solve(WhitenedPairs<T>& pairs, std::size_t n, const ToolFrame& tool) {
   for (std::size_t i = 0; i < n; i += 2 * Two::width()) minimize<Two>(pairs, i, tool);
@@ -267,7 +268,7 @@ HWY_INLINE void solve(WhitenedPairs<T>& pairs, std::size_t n, const ToolFrame& t
   }
 }
 
-/// The coefficients of `n` pairs to single precision, for the search.
+/// Rounds the coefficients of `n` pairs to single precision, for the search.
 HWY_INLINE void round_coefficients(const WhitenedPairs<double>& pairs, std::size_t n,
                                    WhitenedPairs<float>& rounded) {
   const hn::Rebind<float, DDouble> half;
@@ -277,7 +278,7 @@ HWY_INLINE void round_coefficients(const WhitenedPairs<double>& pairs, std::size
   }
 }
 
-/// Takes over what the search found.
+/// Adopts the results of the search.
 HWY_INLINE void adopt(const WhitenedPairs<float>& searched, std::size_t n, WhitenedPairs<double>& pairs) {
   for (std::size_t i = 0; i < n; i += Doubles::width()) {
     const auto t = hn::Load(hn::Rebind<float, DDouble>(), &searched.t[i]);

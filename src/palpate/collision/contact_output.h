@@ -1,5 +1,5 @@
 /// \file
-/// What of a contact does not come out of lanes.
+/// Parts of a contact that are computed outside the SIMD lanes.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,9 @@
 
 namespace palpate {
 
-/// The contact of one Gaussian by the scalar code of k_function.h, but for what its label has; false if it is
-/// apart. Nearer to touching than double resolves, the verdict is that of exact_k_min(), and K_min with it.
+/// Computes the contact of one Gaussian by the scalar code of k_function.h, without the fields of its label;
+/// returns false if there is none. If double cannot resolve whether they touch, the verdict and K_min are
+/// those of exact_k_min().
 bool scalar_contact(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, Contact& contact);
 
 /// The root of the sum of the squares of a Gaussian's semi-axes, see Contact::extent. Unit: [captured units].
@@ -22,10 +23,10 @@ inline float extent_of(const GaussianBlock& block, std::size_t lane) {
   return std::sqrt(length(0) * length(0) + length(1) * length(1) + length(2) * length(2));
 }
 
-/// What of a contact is the Gaussian's own.
+/// Fields of a contact that depend on the Gaussian only.
 struct GaussianLabel {
   std::uint32_t id;
-  float extent;  ///< extent_of() it. Unit: [captured units].
+  float extent;  ///< extent_of(). Unit: [captured units].
   double opacity;
 
   static GaussianLabel of(const GaussianBlock& block, std::size_t lane, float extent) {

@@ -1,5 +1,5 @@
 /// \file
-/// From the id of a contact to the ellipsoid that was touched.
+/// Lookup of ellipsoids by Gaussian id.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace palpate {
 
-/// The ellipsoids of an index by their ids, for who shows them: a query itself has no need of it. Eight bytes
-/// a Gaussian, sorted once. Immutable.
+/// Ellipsoids of an index by id, for visualisation; queries do not need it. Eight bytes per Gaussian, sorted
+/// once. Immutable.
 class EllipsoidLookup {
  public:
-  /// `index` must outlive it, and be of that memory: registered() anew it may be.
+  /// `index` must outlive it and keep its memory; it may be re-registered (SceneIndex::registered()).
   explicit EllipsoidLookup(const SceneIndex& index);
 
-  /// In the world. \pre the index has a Gaussian of that id
+  /// The ellipsoid of `id` in the world frame. \pre the index has a Gaussian of that id
   Ellipsoid at(std::uint32_t id) const;
-  /// All of them, by id, in the world; without colours.
+  /// All ellipsoids in order of id, in the world frame; without colours.
   EllipsoidScene all() const;
 
  private:

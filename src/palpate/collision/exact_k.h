@@ -1,5 +1,5 @@
 /// \file
-/// K of paper eqs. 5-6 to more digits than double has, for verdicts that double cannot tell.
+/// Extended-precision K of paper eqs. 5-6, for verdicts that double cannot decide.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace palpate {
 
-/// K_min of a Gaussian and the tool, from the numbers of the block and from ToolFrame::W and center as they
-/// are, in 113 bits: good to 1e-33 times the pair's size ratio, and its sign is the verdict. Where that is
-/// negative it may be any K below zero. \param log_t near the minimum, see KMinimum::log_t; nearer is faster.
-/// Takes 20 us or so; throws nothing, allocates nothing; any thread.
+/// K_min of a Gaussian and the tool in 113-bit arithmetic, taking the numbers of the block and ToolFrame::W
+/// and center as exact: accurate to 1e-33 times the pair's size ratio, and its sign is the verdict. If
+/// negative, it may be any value of K below zero. \param log_t initial guess, see KMinimum::log_t; the
+/// closer, the faster. Takes about 20 us; throws nothing, allocates nothing; any thread.
 double exact_k_min(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, double log_t);
 
 }  // namespace palpate

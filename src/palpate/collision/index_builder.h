@@ -1,5 +1,5 @@
 /// \file
-/// Builds the tree of a SceneIndex.
+/// Builder of the bounding volume hierarchy of a SceneIndex.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// A Gaussian on its way into a block, see GaussianBlock.
+/// A Gaussian to be stored in a block, see GaussianBlock.
 struct GaussianRecord {
   std::array<float, 3> position;  ///< relative to the origin
   std::array<float, 3> length_high, length_low;
@@ -22,36 +22,36 @@ struct GaussianRecord {
 };
 static_assert(sizeof(GaussianRecord) == 64, "what a spilled build writes");
 
-/// Records that a tree is built over at once; more are built in parts. Bounds the memory that a build takes.
+/// Maximum number of records of one tree; larger scenes are built in parts. Bounds the memory of a build.
 inline constexpr std::size_t kMaxTreeRecords = std::size_t{1} << 23;
 
 /// A tree over part of a scene, or all of it.
 struct IndexTree {
   std::vector<IndexNode> nodes;  ///< the root first; children are indices into this and into `blocks`
   std::vector<GaussianBlock> blocks;
-  Eigen::AlignedBox3f box;  ///< of all
+  Eigen::AlignedBox3f box;  ///< of all records
 };
 
-/// The box of a Gaussian in single precision, rounded outwards: it contains { position + axes u : |u| <= 1 },
+/// The single-precision box of a Gaussian, rounded outwards: it contains { position + axes u : |u| <= 1 },
 /// whose half extents along the frame's axes are `half`.
 Eigen::AlignedBox3f outer_box(const Eigen::Vector3f& position, const Eigen::Vector3d& half);
 
-/// A tree over `records`, whose boxes are `boxes`, by the surface area heuristic over binned box centres
-/// (Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007), sixteen ways at a time and
-/// with full blocks: splits are moved to the next multiple of sixteen. Runs on the calling thread's task
-/// arena; the result is the same on any number of threads. Time O(n log n). \pre 1 to kMaxTreeRecords
-/// records.
+/// Builds a tree over `records`, whose boxes are `boxes`, by the surface area heuristic over binned box
+/// centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007), sixteen ways at a
+/// time and with full blocks: splits are moved to the next multiple of sixteen. Runs on the calling thread's
+/// task arena; the result does not depend on the number of threads. Time O(n log n). \pre 1 to
+/// kMaxTreeRecords records.
 IndexTree build_tree(std::span<const GaussianRecord> records, std::span<const Eigen::AlignedBox3f> boxes);
 
-/// Trees over the parts of a scene, on their way to one.
+/// Joins the trees of the parts of a scene into one.
 class IndexForest {
  public:
-  /// Adds a tree, all but its blocks, which are returned: they come next in the order of the leaves, and need
-  /// not be held. Trees that are neighbours in space should follow each other. \throws Error if there are
-  /// more than kMaxIndexBlocks.
+  /// Adds a tree and returns its blocks, which follow those of earlier trees in the order of the leaves and
+  /// need not be kept in memory. Trees that are neighbours in space should be added consecutively. \throws
+  /// Error if there are more than kMaxIndexBlocks.
   std::vector<GaussianBlock> plant(IndexTree tree);
 
-  /// The nodes of all trees, under one root, which is the first. Takes them away.
+  /// Moves out the nodes of all trees, under one root, which is the first.
   std::vector<IndexNode> join();
 
  private:

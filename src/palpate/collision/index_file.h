@@ -1,8 +1,8 @@
 /// \file
-/// The index of a scene as a file, `SCENE.palpate` beside the scene: mapped into memory as it is, shared by
-/// all processes that use the scene, and made anew when anything about it does not fit.
+/// Index file, `SCENE.palpate` beside the scene: memory-mapped as it is, shared by all processes that use the
+/// scene, and rebuilt when anything about it does not match.
 ///
-/// All integers and floats in the byte order of the processor that wrote it, which the front tells:
+/// All integers and floats are in the byte order of the processor that wrote them, which IndexFront records:
 ///
 ///     offset              bytes          what
 ///     0                   4096           IndexFront
@@ -11,7 +11,8 @@
 ///     ..                  8 c            XXH3 of every MiB before this table, the last one being shorter
 ///     ..                  4096           IndexTrailer
 ///
-/// What is only known at the end is at the end, so that an index is written front to back while it is made.
+/// Data known only at the end is stored at the end, so that an index is written front to back while it is
+/// built.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,7 @@
 
 namespace palpate {
 
-/// The scene file that an index was made of.
+/// The scene file that an index was built from.
 struct IndexSource {
   FileStamp stamp;
   std::uint64_t content = 0;  ///< XXH3 of the bytes of the file, see content_hash()
@@ -40,21 +41,21 @@ struct IndexSource {
 /// XXH3 over the XXH3 of every 16 MiB of a file. Reads it on all cores. \throws Error.
 std::uint64_t content_hash(const std::string& path);
 
-/// The options that decide what an index holds, as text: equal if and only if the indices are. The
-/// registration is among them only where the filter depends on it.
+/// The options that determine the contents of an index, as text: equal if and only if the indices are. The
+/// registration is included only if the filter depends on it.
 std::string index_options(const SceneFilter& filter, const Similarity& world_from_scene);
 
-/// What an index file says about itself, apart from the arrays.
+/// Metadata of an index file.
 struct IndexDescription {
   IndexSource source;
   std::string options;  ///< see index_options()
-  FilterReport report;  ///< of the scene it was made of
+  FilterReport report;  ///< of the scene it was built from
   std::uint64_t gaussians = 0;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< IndexView::origin
 };
 
-/// What the index file `path` was made of, from its last page alone; nothing where that is none of this
-/// version.
+/// The source of the index file `path`, read from its last page alone; nothing if it is not an index file of
+/// this version.
 std::optional<IndexSource> index_source(const std::string& path);
 
 /// Writes an index file front to back.
@@ -64,27 +65,27 @@ class IndexWriter {
   explicit IndexWriter(const std::string& path);
 
   void add(std::span<const GaussianBlock> blocks);
-  /// What comes after the blocks, and the end. The file appears at `path`, whole, or an Error is thrown and
-  /// nothing has happened.
+  /// Writes the nodes and the trailer. The file appears at `path` atomically; if an Error is thrown, nothing
+  /// has changed.
   void finish(std::span<const IndexNode> nodes, const IndexDescription& description);
 
  private:
   void write(std::string_view bytes);
 
   OutputFile file_;
-  std::string chunk_;  ///< of the bytes written, those that are not hashed yet
+  std::string chunk_;  ///< written bytes that are not hashed yet
   std::vector<std::uint64_t> hashes_;
   std::uint64_t size_ = 0;
   std::uint64_t blocks_ = 0;
 };
 
-/// An index file in memory.
+/// Index file loaded into memory.
 class IndexFile final : public IndexStorage {
  public:
-  /// Takes in `path`, the index of the scene file `scene` under `options`, and reads all of it once, on all
-  /// cores, to check it: a damaged one must not decide what a hand feels. \throws Error, whose message begins
-  /// with `path`, if it is no index, of another version or byte order, cut, changed, of another scene, of an
-  /// earlier state of the scene, or made with other options.
+  /// Opens `path`, the index of the scene file `scene` under `options`, and reads all of it once, on all
+  /// cores, to verify it: a damaged index must not determine the forces on a hand. \throws Error, whose
+  /// message begins with `path`, if it is not an index, of another version or byte order, truncated,
+  /// modified, of another scene, of an earlier state of the scene, or built with other options.
   IndexFile(const std::string& path, const std::string& scene, const std::string& options,
             FileMemory memory = FileMemory::kShared);
 

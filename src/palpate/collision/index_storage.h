@@ -1,5 +1,5 @@
 /// \file
-/// An index in the memory of this process.
+/// In-memory storage of an index.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// Arrays of nodes and blocks.
+/// Index that owns arrays of nodes and blocks.
 class IndexArrays final : public IndexStorage {
  public:
   std::vector<IndexNode> nodes;
@@ -24,12 +24,12 @@ class IndexArrays final : public IndexStorage {
   IndexView view() const override;
 };
 
-/// Adds a part of a scene to a forest, as one tree or, above kMaxTreeRecords, as several; hands the blocks to
-/// `sink` in order.
+/// Adds a part of a scene to a forest, as one tree or, above kMaxTreeRecords, as several; passes the blocks
+/// to `sink` in order.
 void plant(std::span<const GaussianRecord> records, IndexForest& forest,
            const std::function<void(std::vector<GaussianBlock>)>& sink);
 
-/// The index of `records`, whose positions are relative to `origin`.
+/// Builds the index of `records`, whose positions are relative to `origin`.
 std::shared_ptr<const IndexArrays> build_arrays(const std::vector<GaussianRecord>& records,
                                                 const Eigen::Vector3d& origin, const Progress& progress);
 

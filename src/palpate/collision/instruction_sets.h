@@ -1,5 +1,5 @@
 /// \file
-/// The instruction sets that the kernels are compiled for. To be included before Highway.
+/// Instruction sets that the kernels are compiled for. Include before Highway.
 #pragma once
 
 // AVX-512 ("AVX3"), AVX2, SSE4, NEON, and the portable baseline, one lane of plain C++. Left out is what

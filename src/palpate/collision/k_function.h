@@ -1,6 +1,6 @@
 /// \file
-/// The overlap test of two ellipsoids: the function K of paper eqs. 5-6 (after Gilitschenski and
-/// Hanebeck), in a form in which nothing cancels, and its minimum.
+/// Overlap test of two ellipsoids: the function K of paper eqs. 5-6 (after Gilitschenski and Hanebeck), in a
+/// form free of cancellation, and its minimum.
 ///
 /// With tool covariance B, Gaussian covariance A and d = c_tool - c_gaussian, eqs. 5-6 are
 ///
@@ -24,7 +24,7 @@
 
 namespace palpate {
 
-/// The tool, prepared once a query.
+/// The tool, preprocessed once per query.
 struct WhitenedTool {
   /// \pre all semi-axes of `tool` are positive.
   explicit WhitenedTool(const Ellipsoid& tool);
@@ -56,9 +56,9 @@ inline constexpr double kMaxLogT = 120.0;
 /// The minimum of K.
 struct KMinimum {
   double k_min;   ///< in (-inf, 1]; the solids overlap iff it is positive
-  double lambda;  ///< where; 0.5 if the centres coincide (K is then 1 everywhere)
-  /// ln(lambda / (1 - lambda)): tells lambda near 0 or 1 exactly, as size ratios need. Finite;
-  /// at the end of its range if the minimum is at lambda = 1 (a point or a disc seen end on).
+  double lambda;  ///< argmin; 0.5 if the centres coincide (K is then 1 everywhere)
+  /// ln(lambda / (1 - lambda)): resolves lambda near 0 or 1 exactly, as size ratios require. Finite; at the
+  /// end of its range if the minimum is at lambda = 1 (a point or a disc seen end on).
   double log_t;
 };
 

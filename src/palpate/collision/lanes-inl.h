@@ -1,7 +1,7 @@
 /// \file
-/// Lanes: mathematics on as many pairs at once as the processor has lanes, written as on one. Thin: every
-/// operation is one instruction of the processor by way of Highway, or a few where that is said. Included
-/// once for every instruction set, by Highway's foreach_target.h; hence no plain include guard.
+/// SIMD lanes: arithmetic on one pair per lane, written like scalar code. A thin layer: every operation is
+/// one processor instruction by way of Highway, or a few where noted. Included once for every instruction
+/// set, by Highway's foreach_target.h; hence no plain include guard.
 // clang-format off
 #if defined(PALPATE_COLLISION_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef PALPATE_COLLISION_LANES_INL_H_
@@ -26,15 +26,15 @@ namespace palpate::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A yes or no for each lane of Lanes<D, N>.
+/// A boolean for each lane of Lanes<D, N>.
 template <class D, std::size_t N>
 struct LaneMask {
   HWY_INLINE LaneMask() {}  // one that is implicit would not be for the target
   hn::Mask<D> m[N];
 };
 
-/// N vectors of the processor, taken as one. With two, the processor always has work on one while it waits
-/// for the other: by itself it does not look far enough ahead to find work on later pairs.
+/// N processor vectors, treated as one. With two, the processor works on one while it waits for the other:
+/// its out-of-order window is too small to find work on later pairs.
 template <class D, std::size_t N = 1>
 struct Lanes {
   using T = hn::TFromD<D>;
@@ -149,14 +149,14 @@ PALPATE_LANES LaneMask<D, N> and_not(const LaneMask<D, N>& a, const LaneMask<D, 
   return r;
 }
 
-/// How many lanes of the mask are set.
+/// Number of set lanes of the mask.
 PALPATE_LANES std::size_t count_of(const LaneMask<D, N>& mask) {
   std::size_t count = 0;
   for (std::size_t j = 0; j < N; ++j) count += hn::CountTrue(D(), mask.m[j]);
   return count;
 }
 
-/// The first `n` lanes.
+/// A mask of the first `n` lanes.
 template <class L>
 HWY_INLINE LaneMask<decltype(L::d()), 1> first_lanes(std::size_t n) {
   LaneMask<decltype(L::d()), 1> mask;
@@ -164,14 +164,14 @@ HWY_INLINE LaneMask<decltype(L::d()), 1> first_lanes(std::size_t n) {
   return mask;
 }
 
-/// Where a number is: not NaN.
+/// A mask of the lanes that are not NaN.
 PALPATE_LANES LaneMask<D, N> is_number(const Lanes<D, N>& a) {
   LaneMask<D, N> r;
   for (std::size_t j = 0; j < N; ++j) r.m[j] = hn::Eq(a.v[j], a.v[j]);
   return r;
 }
 
-/// Where the sign bit is set, also of what is no number.
+/// A mask of the lanes whose sign bit is set, including NaN.
 PALPATE_LANES LaneMask<D, N> is_negative(const Lanes<D, N>& a) {
   const hn::RebindToSigned<D> signed_lanes;
   LaneMask<D, N> r;
@@ -181,7 +181,7 @@ PALPATE_LANES LaneMask<D, N> is_negative(const Lanes<D, N>& a) {
   return r;
 }
 
-/// To the nearest number with `kDigits` binary digits behind the first.
+/// Rounds to the nearest number with `kDigits` binary digits after the first.
 template <int kDigits, class D, std::size_t N>
 HWY_INLINE Lanes<D, N> rounded(const Lanes<D, N>& a) {
   const hn::RebindToUnsigned<D> bits;
@@ -206,7 +206,7 @@ PALPATE_LANES std::uint32_t bits_of(const LaneMask<D, N>& mask) {
   return bits;
 }
 
-/// The opposite.
+/// The inverse of bits_of().
 template <class D, std::size_t N>
 HWY_INLINE LaneMask<D, N> mask_of(std::uint32_t bits) {
   LaneMask<D, N> mask;
@@ -230,8 +230,8 @@ PALPATE_LANES Lanes<D, N> reciprocal(const Lanes<D, N>& a) {
   }
 }
 
-/// 1 / a to a dozen bits or more, for |a| from 1e-37 to 1e37. A division takes the processor's divider, which
-/// has no second, for ten cycles or sixteen.
+/// 1 / a to a dozen bits or more, for |a| from 1e-37 to 1e37. A division would occupy the processor's only
+/// divider for ten to sixteen cycles.
 PALPATE_LANES Lanes<D, N> quick_reciprocal(const Lanes<D, N>& a) {
   if constexpr (sizeof(hn::TFromD<D>) == sizeof(double)) {
     using F = Lanes<hn::Rebind<float, D>>;
@@ -324,8 +324,8 @@ HWY_INLINE Vec3<L> operator*(const Matrix3<L>& m, const Vec3<L>& v) {
   return {dot(m.row[0], v), dot(m.row[1], v), dot(m.row[2], v)};
 }
 
-/// Moves the lanes of a mask to the front, in their order, for any number of vectors. Highway's Compress
-/// where that is an instruction; elsewhere it would look up its table anew, on the stack, for every vector.
+/// Packs the lanes of a mask to the front, in order, for any number of vectors. Uses Highway's Compress where
+/// that is an instruction; elsewhere Compress would look up its table again, on the stack, for every vector.
 template <class D>
 class LanePacker {
  public:

@@ -1,6 +1,6 @@
 /// \file
-/// From WhitenedPairs to contacts in memory: scalar, but compiled for every instruction set, since leaving
-/// one for another on the way costs more than the work itself.
+/// Output of contacts from WhitenedPairs to memory: scalar, but compiled for every instruction set, since
+/// switching between instruction sets costs more than the work itself.
 // clang-format off
 #if defined(PALPATE_COLLISION_OUTPUT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef PALPATE_COLLISION_OUTPUT_LANES_INL_H_
@@ -23,7 +23,7 @@ namespace palpate::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Pairs by number.
+/// List of pair indices.
 struct PairList {
   std::size_t size = 0;
   PairBuffer::Lane<std::uint32_t> pair;
@@ -31,8 +31,7 @@ struct PairList {
   std::span<const std::uint32_t> span() const { return {pair.data(), size}; }
 };
 
-/// Those of the first `n` pairs whose bit is set. Without a branch on them, which the processor could not
-/// predict.
+/// Lists those of the first `n` pairs whose bit is set. Branchless, since the bits are unpredictable.
 HWY_INLINE void list_set(const PairBits& bits, std::size_t n, PairList& list) {
   const hn::Rebind<std::uint32_t, DFloat> numbers;
   list.size = 0;
@@ -51,8 +50,8 @@ static_assert(offsetof(Contact, lambda) == offsetof(Contact, k_min) + sizeof(dou
               offsetof(Contact, normal) == offsetof(Contact, point) + 3 * sizeof(double) &&
               offsetof(Contact, depth) == offsetof(Contact, normal) + 3 * sizeof(double));
 
-/// Copies row `k` of a pair to `to` and its neighbour at once: number by number, the copies of a contact
-/// would take as long as its certificate.
+/// Copies both numbers of row `k` of a pair to `to` in one step: number by number, copying a contact would
+/// take as long as its certificate.
 template <typename T>
 HWY_INLINE void copy_row(std::size_t k, const WhitenedPairs<T>& pairs, std::size_t pair, double* to) {
   const hn::CappedTag<double, 2> two;
@@ -60,9 +59,9 @@ HWY_INLINE void copy_row(std::size_t k, const WhitenedPairs<T>& pairs, std::size
   for (std::size_t i = 0; i < 2; i += hn::Lanes(two)) hn::StoreU(hn::Load(two, from + i), two, to + i);
 }
 
-/// Appends the contacts among the pairs `touching`, whose Gaussians are in `slot`. Pairs that the lanes left
-/// open but not sure go through the scalar code. \param end where to write to in `contacts`, which grows if
-/// it must; `label(pair)` is the pair's GaussianLabel. \returns the end of what was written.
+/// Appends the contacts among the pairs `touching`, whose Gaussians are in `slot`. Pairs that are open but
+/// not sure go through the scalar code. \param end where to write to in `contacts`, which grows if needed;
+/// `label(pair)` is the pair's GaussianLabel. \returns the end of what was written.
 template <typename T, class LabelOf>
 HWY_INLINE std::size_t write_contacts(const WhitenedPairs<T>& pairs, std::span<const std::uint32_t> touching,
                                       const GaussianSlot* slot, std::span<const GaussianBlock> blocks,

@@ -1,5 +1,5 @@
 /// \file
-/// Which lanes move where when the lanes of a mask are moved to the front.
+/// Permutation table that packs the selected lanes of a mask to the front.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ constexpr std::array<std::array<std::int32_t, N>, (std::size_t{1} << N)> make_pa
   return table;
 }
 
-/// For up to eight lanes: 8 KB at most. Wider targets have an instruction.
+/// For up to eight lanes: 8 KB at most. Wider instruction sets have a compress instruction.
 template <std::size_t N>
 inline constexpr auto kPackTable = make_pack_table<N>();
 

@@ -1,5 +1,5 @@
 /// \file
-/// Between the stages of the contact kernel: pairs that might touch.
+/// Batch buffer of potentially touching pairs between the stages of the contact kernel.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Where a Gaussian is in an index: its block, and in that its lane.
+/// Position of a Gaussian in an index: block and lane.
 struct GaussianSlot {
   std::uint32_t number;  ///< kIndexWidth times the block, plus the lane
 
@@ -18,14 +18,14 @@ struct GaussianSlot {
   std::size_t lane() const { return number % kIndexWidth; }
 };
 
-/// Gaussians that passed the cull, as their blocks have them.
+/// Gaussians that passed the cull, as stored in their blocks.
 struct PairBuffer {
-  /// Pairs that are taken through the later stages at once: as few as keep a processor busy while some wait,
-  /// since with what the later stages find out about them they take 40 KB, a first-level cache.
+  /// Batch size of the later stages: small, since with the intermediate results of those stages a batch takes
+  /// 40 KB, a first-level cache, yet large enough to hide latencies.
   static constexpr std::size_t kCapacity = 192;
 
   template <typename T>
-  using Lane = std::array<T, kCapacity + kIndexWidth>;  // so that whole vectors may be stored at the end
+  using Lane = std::array<T, kCapacity + kIndexWidth>;  // padding for whole-vector stores at the end
 
   std::size_t size = 0;
   alignas(64) std::array<Lane<float>, 3> position;
@@ -33,7 +33,7 @@ struct PairBuffer {
   alignas(64) std::array<Lane<float>, 3> length_low;  ///< for Precision::kDouble only
   alignas(64) std::array<Lane<float>, 4> rotation;
   alignas(64) Lane<GaussianSlot> slot;
-  alignas(64) Lane<float> extent;  ///< extent_of() the Gaussian, from the screen on
+  alignas(64) Lane<float> extent;  ///< extent_of() the Gaussian, set from the screening on
 
   bool has_room_for_block() const { return size + kIndexWidth <= kCapacity; }
 };

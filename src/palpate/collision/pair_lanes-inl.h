@@ -25,7 +25,7 @@ using Doubles = Lanes<DDouble>;
 using TwoFloats = Lanes<DFloat, 2>;
 using TwoDoubles = Lanes<DDouble, 2>;
 
-/// Gaussians as solids, one a lane: semi-axis vectors k sigma_i r_i in the captured frame.
+/// Gaussians as solids, one per lane: semi-axis vectors k sigma_i r_i in the captured frame.
 template <class L>
 struct Solid {
   Vec3<L> center;  ///< relative to the origin
@@ -55,7 +55,7 @@ struct KLanes {
   Vec3<L> e;  ///< e1 e2 e3
 };
 
-/// For d' and the columns of L.
+/// Computes the coefficients from d' and the columns of L.
 template <class L>
 HWY_INLINE KLanes<L> k_function(const Vec3<L>& d, const Vec3<L> (&l)[3]) {
   const Vec3<L> c01 = cross(l[0], l[1]), c12 = cross(l[1], l[2]), c20 = cross(l[2], l[0]);
@@ -111,7 +111,8 @@ struct FSlope {
   }
 };
 
-/// A Newton step in ln t towards the maximum of f, at most by 1; where f is not concave, a full step uphill.
+/// A Newton step in ln t towards the maximum of f, clamped to length 1; where f is not concave, a step of
+/// length 1 uphill.
 template <class L>
 HWY_INLINE L newton_step(const FSlope<L>& s) {
   const L newton = -s.g * quick_reciprocal(s.h);
@@ -119,7 +120,7 @@ HWY_INLINE L newton_step(const FSlope<L>& s) {
   return max(L(-1.0F), min(L(1.0F), step));
 }
 
-/// t e^s for |s| <= 1, to second order: all a step needs.
+/// t e^s for |s| <= 1, to second order, which suffices for a step.
 template <class L>
 HWY_INLINE L advance(const L& t, const L& s) {
   return t * fma(s, fma(s, L(0.5F), L(1.0F)), L(1.0F));

@@ -1,5 +1,5 @@
 /// \file
-/// The contact query exactly as the paper describes it, to compare with.
+/// Contact query as the paper describes it: the baseline for comparison.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@ namespace palpate {
 /// minimum of K. K itself is evaluated in the form of k_function.h, because eqs. 5-6 taken
 /// literally are wrong for flat Gaussians; what is reproduced here is the pipeline.
 ///
-/// Its known faults, which can_miss() counts and tests show: a Gaussian that is larger than the
-/// search radius less the tool is not found when its centre is out of reach, and a minimum within
-/// golden section's last bracket of lambda = 0 or 1 is not resolved.
+/// Known limitations, which can_miss() counts and tests demonstrate: a Gaussian that is larger than the
+/// search radius less the tool is not found when its centre is out of reach, and a minimum within golden
+/// section's last bracket of lambda = 0 or 1 is not resolved.
 class PaperPipeline final : public ContactQuery {
  public:
   static constexpr int kDefaultIterations = 30;  ///< the last bracket is 0.618^30 = 5e-7 wide

@@ -1,5 +1,5 @@
 /// \file
-/// From the Gaussians of a scene to those that an index is built over.
+/// Collects the records that an index is built over.
 #pragma once
 
 #include <vector>
@@ -13,19 +13,19 @@
 
 namespace palpate {
 
-/// Collects what a filter keeps from one part of a scene after the other.
+/// Collects the Gaussians that a filter keeps, from consecutive parts of a scene.
 class RecordCollector {
  public:
   RecordCollector(const SceneFilter& filter, const Similarity& world_from_scene)
       : filter_(filter), world_from_scene_(world_from_scene) {}
 
-  /// Appends what the filter keeps of `scene`. In parallel on the calling thread's task arena; the result
-  /// does not depend on the number of threads.
+  /// Appends the Gaussians of `scene` that the filter keeps. In parallel on the calling thread's task arena;
+  /// the result does not depend on the number of threads.
   void add(const GaussianScene& scene);
 
-  /// Makes room for `n` Gaussians.
+  /// Reserves capacity for `n` Gaussians.
   void reserve(std::size_t n) { records_.reserve(n); }
-  /// Forgets the records, not the report.
+  /// Removes the records, not the report.
   void clear() { records_.clear(); }
 
   const std::vector<GaussianRecord>& records() const { return records_; }
@@ -38,7 +38,7 @@ class RecordCollector {
   FilterReport report_;
 };
 
-/// The boxes of records.
+/// The bounding boxes of `records`.
 std::vector<Eigen::AlignedBox3f> boxes_of(std::span<const GaussianRecord> records);
 
 }  // namespace palpate

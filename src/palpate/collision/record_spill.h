@@ -1,5 +1,5 @@
 /// \file
-/// Records sorted into parts on disk, for a scene that does not fit memory.
+/// Out-of-core partitioning of records, for a scene that does not fit memory.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +13,25 @@
 
 namespace palpate {
 
-/// One temporary file, in which every part has a chain of extents. Holds one extent of every part in memory.
+/// One temporary file in which every part has a chain of extents. Buffers one extent per part in memory.
 class RecordSpill {
  public:
   /// \throws Error if `folder` cannot be written.
   RecordSpill(const std::string& folder, const SpacePartition& partition);
 
-  /// Puts every record into its part. \throws Error when the disk is full.
+  /// Appends every record to its part. \throws Error when the disk is full.
   void add(std::span<const GaussianRecord> records);
 
-  /// The records of a part, in the order in which they came. \throws Error.
+  /// The records of a part, in the order of insertion. \throws Error.
   std::vector<GaussianRecord> read(std::size_t part);
 
  private:
-  /// 0.8 MB: large enough for the disk, small enough to have one of every part.
+  /// Records per extent, 0.8 MB: large enough for efficient disk access, small enough to buffer one per part.
   static constexpr std::size_t kExtent = std::size_t{1} << 14;
 
   struct Part {
     std::vector<GaussianRecord> open;    ///< not written yet
-    std::vector<std::uint64_t> extents;  ///< where in the file
+    std::vector<std::uint64_t> extents;  ///< offsets in the file
   };
   void write(Part& part);
 

@@ -1,5 +1,5 @@
 /// \file
-/// The exact contact query over a scene.
+/// Exact contact query over a scene.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// Whoever owns the memory of an index: arrays, or a mapped file.
+/// Owner of the memory of an index: arrays, or a mapped file.
 class IndexStorage {
  public:
   virtual ~IndexStorage() = default;
@@ -24,34 +24,35 @@ class IndexStorage {
 
 /// A wide bounding volume hierarchy over the *ellipsoids*, not their centres, so that no Gaussian is missed
 /// whatever its size, and a SIMD narrow phase whose verdicts do not depend on the instruction set (see
-/// contact_kernel.h). It is laid out in the captured frame, and the tool brought there, so that registering
-/// the scene anew costs nothing. Copies share the memory, and the epoch; every other construction is one of
-/// its own, registered() too.
+/// contact_kernel.h). It is stored in the captured frame, and tools are transformed into that, so that
+/// re-registering the scene costs nothing. Copies share the memory and the epoch; every other construction,
+/// including registered(), has an epoch of its own.
 ///
-/// ContactSet::candidates counts the Gaussians in the blocks that the tool's box meets, and depends on the
-/// tree; ContactSet::filtered those that their bounding spheres do not separate from the tool.
+/// ContactSet::candidates counts the Gaussians in the blocks that the tool's box overlaps, and depends on the
+/// tree; ContactSet::filtered those whose bounding spheres overlap the tool.
 class SceneIndex final : public ContactQuery {
  public:
-  /// Over the Gaussians of `scene` that `filter` keeps. Builds in parallel on the calling thread's task
-  /// arena; the result is the same on any number of threads. Nothing kept is legal and is never touched.
+  /// Builds the index over the Gaussians of `scene` that `filter` keeps, in parallel on the calling thread's
+  /// task arena; the result does not depend on the number of threads. If the filter keeps none, the index is
+  /// valid and has no contacts.
   SceneIndex(const GaussianScene& scene, const SceneFilter& filter, const Similarity& world_from_scene,
              const Progress& progress = {});
 
-  /// Of memory that is there already.
+  /// Uses existing memory.
   SceneIndex(std::shared_ptr<const IndexStorage> storage, const Similarity& world_from_scene);
 
-  /// The same Gaussians, registered otherwise.
+  /// The same Gaussians under another registration.
   SceneIndex registered(const Similarity& world_from_scene) const { return {storage_, world_from_scene}; }
 
-  /// In double precision. Allocates only if the contacts do not fit the capacity of `result`.
+  /// Query in double precision. Allocates only if the contacts exceed the capacity of `result`.
   void query(const Ellipsoid& tool, ContactSet& result) const override;
   void query(const Ellipsoid& tool, Precision precision, ContactSet& result, QueryLimit limit = {}) const;
 
   const IndexView& view() const { return view_; }
-  /// Where the captured frame is in the world.
+  /// Pose and scale of the captured frame in the world.
   const CapturedFrame& frame() const { return frame_; }
 
-  /// Gaussians that can be touched.
+  /// Number of Gaussians in the index.
   std::size_t size() const { return view_.gaussians; }
 
   /// The median of Contact::extent over a sample of the Gaussians; 0 if there are none. Reads at most a

@@ -1,6 +1,6 @@
 /// \file
-/// Stage 3 of contact_kernel.h: in single precision, which pairs are certainly apart, and near which t the
-/// minimum of K is for the others.
+/// Stage 3 of contact_kernel.h: single-precision search that rejects pairs that are certainly apart, and
+/// approximates the argmin t of K for the others.
 // clang-format off
 #if defined(PALPATE_COLLISION_SEARCH_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef PALPATE_COLLISION_SEARCH_LANES_INL_H_
@@ -19,21 +19,21 @@ namespace palpate::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Largest t that the float lanes try: beyond, K differs from its value at lambda = 1 by no more than a few
-/// times what they resolve, and up to it P E (1 + t) stays a float for Gaussians up to a thousand times the
-/// tool.
+/// Largest t that the float lanes use: beyond, K differs from its value at lambda = 1 by no more than a few
+/// times the resolution, and up to it P E (1 + t) does not overflow a float for Gaussians up to a thousand
+/// times the tool.
 constexpr float kLatestT = 1e6F;
-/// Newton's steps in ln t, after the one that screens: always as many, as a loop that ends when its lanes are
-/// done keeps the processor from starting the next vector. After four from a guess, 99 in 100 pairs of flat
-/// Gaussians are as near as a float tells; two do from where the minimum was a tick ago. The others are seen
-/// to later.
+/// Number of Newton steps in ln t after the screening step: constant, as a loop with a data-dependent end
+/// keeps the processor from starting the next vector. After four from a guess, 99 in 100 pairs of flat
+/// Gaussians have converged to the resolution of a float; two suffice from the argmin of the previous tick.
+/// Stage 4 handles the others.
 constexpr int kStepsFromGuess = 3;
 constexpr int kStepsFromLast = 2;
 
-/// Where the search starts. If the Gaussian were a ball of its extent along d', f would peak at t = 1 /
-/// extent, with extent^2 = |L^T d'|^2 / p0 = e1 - p1 / p0. If it is flat, f has a plateau that ends where e3
-/// t^3 takes over: there g t = a - (e3 / e2) t^2 + O(1/t) with a = 1 + e1 / e2 - p1 / p2, hence t^2 = a e2 /
-/// e3. The later of the two.
+/// Initial guess of t. If the Gaussian were a ball of its extent along d', f would peak at t = 1 / extent,
+/// with extent^2 = |L^T d'|^2 / p0 = e1 - p1 / p0. If it is flat, f has a plateau that ends where e3 t^3
+/// dominates: there g t = a - (e3 / e2) t^2 + O(1/t) with a = 1 + e1 / e2 - p1 / p2, hence t^2 = a e2 / e3.
+/// The guess is the larger of the two.
 template <class L>
 HWY_INLINE L first_t(const KLanes<L>& k) {
   const L tiny(1e-20F);
@@ -44,8 +44,8 @@ HWY_INLINE L first_t(const KLanes<L>& k) {
   return min(sqrt(t_squared), L(kLatestT));
 }
 
-/// E and the bound of `rounding`: f = t P / ((1 + t) E) is above 1 beyond doubt where t P exceeds (1 + t)
-/// times this.
+/// Denominator E enlarged by the bound of `rounding`: f = t P / ((1 + t) E) is certainly above 1 where t P
+/// exceeds (1 + t) times this.
 template <class L>
 HWY_INLINE L denominator_bound(const FTerms<L>& x, const SingleRounding& rounding) {
   const L A = 1.0F + x.b1;
@@ -53,7 +53,7 @@ HWY_INLINE L denominator_bound(const FTerms<L>& x, const SingleRounding& roundin
   return fma(x.E, relative, (A * A) * (A * rounding.per_volume));
 }
 
-/// One step: which lanes are certainly apart at t, and a better t for the others.
+/// One search step: lanes that are certainly apart at t, and an improved t for the others.
 template <class L>
 struct SearchStep {
   decltype(L() > L()) apart;
@@ -69,9 +69,9 @@ struct SearchStep {
   }
 };
 
-/// From t on: closes those of the first `n` pairs that are apart, and brings t near the minimum of K for the
-/// others. Step by step for all pairs, so that the processor has others to work on while some wait for their
-/// reciprocals.
+/// Starting at t, closes those of the first `n` pairs that are apart, and moves t towards the minimum of K
+/// for the others. Each step is done for all pairs, so that the processor works on others while some wait for
+/// their reciprocals.
 HWY_INLINE void search(WhitenedPairs<float>& pairs, std::size_t n, const SingleRounding& rounding,
                        int steps) {
   using L = TwoFloats;

@@ -1,5 +1,5 @@
 /// \file
-/// Cutting a scene that is too large to be indexed at once into parts that are not.
+/// Spatial partition of a scene that is too large to be indexed in memory.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class PositionSample {
   const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
 
  private:
-  /// The share of a part of a hundred of these is known to a percent or so.
+  /// Maximum sample size: the share of a part that is a hundredth of the scene is known to about a percent.
   static constexpr std::size_t kMost = std::size_t{1} << 18;
 
   std::vector<Eigen::Vector3f> positions_;
@@ -28,20 +28,20 @@ class PositionSample {
   std::uint64_t stride_ = 1;
 };
 
-/// A k-d tree of planes that halve a sample, along its widest axis each time, until no part has more than its
-/// share. Parts that follow each other are neighbours.
+/// A k-d tree that halves a sample along its widest axis until no part exceeds its share. Consecutive parts
+/// are neighbours in space.
 class SpacePartition {
  public:
-  /// Parts of `sample` that stand for at most `most` of `total` records each.
+  /// Partitions `sample` into parts that represent at most `most` of `total` records each.
   SpacePartition(std::vector<Eigen::Vector3f> sample, std::uint64_t total, std::size_t most);
 
   std::size_t parts() const { return parts_; }
-  /// In [0, parts()). Any thread.
+  /// Index of the part that contains `position`, in [0, parts()). Any thread.
   std::size_t part_of(const std::array<float, 3>& position) const;
 
  private:
-  /// Inner: what is below `plane` along `axis` is in the next node, the rest in `right`. Leaf: axis is 3, and
-  /// `right` the part.
+  /// Inner node: positions below `plane` along `axis` are in the next node, the rest in `right`. Leaf: axis
+  /// is 3, and `right` is the part.
   struct Node {
     float plane;
     std::uint32_t axis, right;

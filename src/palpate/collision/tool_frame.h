@@ -1,5 +1,5 @@
 /// \file
-/// A tool, prepared for the SIMD query of one index: computed once a query, in double.
+/// A tool, preprocessed for the SIMD query of one index: once per query, in double precision.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// A registration and an index's origin, prepared once: from the captured frame, relative to the origin, to
-/// the world.
+/// The transform from the captured frame, relative to an index's origin, to the world, precomputed from the
+/// registration.
 struct CapturedFrame {
   CapturedFrame(const Similarity& world_from_scene, const Eigen::Vector3d& origin);
 
@@ -19,7 +19,7 @@ struct CapturedFrame {
   Eigen::Matrix3d captured_from_world;  ///< its inverse
   Eigen::Vector3d origin;               ///< of the captured frame and of the index, in the world: s R_g o + t
   double scale;                         ///< s
-  double size;                          ///< of the numbers that go into `origin`. Unit: [m].
+  double size;                          ///< magnitude of the terms summed in `origin`. Unit: [m].
 };
 
 /// Bound of the relative error of f = 1 - K in lanes of single precision, where f is near 1 or above:
@@ -100,7 +100,8 @@ struct BoxRounding {
   float constant, per_square;
 };
 
-/// The tool as the lanes want it. W and the boxes are in the captured frame, relative to the index's origin.
+/// The tool in the form that the lanes use. W and the boxes are in the captured frame, relative to the
+/// index's origin.
 struct ToolFrame {
   /// \pre the semi-axes of `tool` (world frame) are positive and all of it is finite.
   ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame);
@@ -118,7 +119,7 @@ struct ToolFrame {
   Eigen::Vector3f center_low;
   Eigen::Matrix3f metric;   ///< W^T W
   BoxRounding box;          ///< of the gap between tool and box in lanes of single precision
-  float reach_per_length;   ///< how far one captured unit reaches, at most, in tool radii
+  float reach_per_length;   ///< upper bound of one captured unit in tool radii
   float cull_slack;         ///< relative, of the squared distance in tool radii
   SingleRounding single;    ///< of K in lanes of single precision
   SingleRounding rounded;   ///< of K in lanes of single precision whose coefficients come from double

@@ -1,11 +1,11 @@
 /// \file
-/// A double as the sum of two floats.
+/// Split of a double into the sum of two floats.
 #pragma once
 
 namespace palpate {
 
-/// value = high + low, to 2^-48 of it. In a source of its own, because GCC 12 where it vectorises takes
-/// double(float(x)) for x, and low for 0.
+/// value = high + low, to a relative 2^-48. In its own source file, because GCC 12, when it vectorises,
+/// replaces double(float(x)) by x, and low by 0.
 void split(double value, float& high, float& low);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 /// \file
-/// Stages 1 and 2 of contact_kernel.h: the tree against the tool's box, a block's bounding spheres against
-/// the tool.
+/// Stages 1 and 2 of contact_kernel.h: tree traversal against the tool's box, and culling by bounding
+/// spheres.
 // clang-format off
 #if defined(PALPATE_COLLISION_WALK_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef PALPATE_COLLISION_WALK_LANES_INL_H_
@@ -24,14 +24,14 @@ namespace palpate::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Loads from the lanes of a node or block, from slot i on.
+/// Loads lanes of a node or block, from slot i on.
 struct From {
   std::size_t i;
 
   HWY_INLINE Floats operator()(const Lanes16<float>& lane) const {
     return Floats::load([&](std::size_t) HWY_ATTR { return &lane[i]; });
   }
-  /// As floats, whose bits they are not: to be moved only.
+  /// Loads integers reinterpreted as floats: only to be moved.
   HWY_INLINE Floats operator()(const Lanes16<std::uint32_t>& lane) const {
     return Floats(hn::BitCast(DFloat(), hn::Load(hn::Rebind<std::uint32_t, DFloat>(), &lane[i])));
   }
@@ -40,11 +40,11 @@ struct From {
   }
 };
 
-/// What a walk has come upon and not dealt with yet. Lists are longer than they can get by a whole vector,
-/// which may be stored at their end.
+/// Pending nodes and blocks of a traversal. Lists are a whole vector longer than their maximum size, so that
+/// whole vectors may be stored at their end.
 struct Pending {
-  /// Blocks are dealt with when there are at least so many: in small portions, so that their memory, which
-  /// was asked for when they were found, is there, and not gone again.
+  /// Number of blocks from which they are processed: in small portions, so that their memory, which was
+  /// prefetched when they were found, has arrived and is not yet evicted.
   static constexpr std::size_t kPortion = kIndexWidth;
 
   std::size_t node_count = 0, block_count = 0;
@@ -52,14 +52,14 @@ struct Pending {
   std::uint32_t blocks[kPortion + 2 * kIndexWidth];
 };
 
-/// True where the tool and the box [low, high] are certainly apart: where, as the tool sees it, a plane
-/// across the line of centres separates the two. With m from the tool's centre to the box's, h half the box's
-/// size and M = W^T W, it does where
+/// True where the tool and the box [low, high] are certainly disjoint: where, in the frame in which the tool
+/// is the unit sphere, a plane perpendicular to the line of centres separates the two. With m from the tool's
+/// centre to the box's, h half the box's size and M = W^T W, that is where
 ///
 ///     m^T M m - |M m| . h  >  sqrt(m^T M m).
 ///
-/// Here m and h are twice as long; the slack is derived in tool_frame.h. Of the boxes that meet the tool's
-/// own, which is twice as large as the tool, a third are apart.
+/// Here m and h are twice as long; the slack is derived in tool_frame.h. Of the boxes that overlap the tool's
+/// own, which is twice as large as the tool, this separates a third.
 HWY_INLINE LaneMask<DFloat, 1> is_apart(const Vec3<Floats>& low, const Vec3<Floats>& high,
                                         const ToolFrame& tool) {
   const Vec3<Floats> center = broadcast<Floats>(tool.center_high);
@@ -71,14 +71,14 @@ HWY_INLINE LaneMask<DFloat, 1> is_apart(const Vec3<Floats>& low, const Vec3<Floa
   return (gap > 0.0F) & (gap * gap > mm * 4.0F);
 }
 
-/// Takes Gaussians as they are.
+/// Gaussians at their original size.
 struct AsTheyAre {
   HWY_INLINE void grow(Vec3<Floats>&, Vec3<Floats>&) const {}
   HWY_INLINE void grow(Vec3<Floats>&) const {}
 };
 
-/// Takes them `times` as large, each about its own centre. What is in a box is then in one that is as many
-/// times as large about its centre, since no ellipsoid is larger than the box that it is in.
+/// Gaussians enlarged `times` times, each about its own centre. The contents of a box are then in the box
+/// enlarged as many times about its centre, since no ellipsoid is larger than its box.
 struct Magnified {
   float times;
 
@@ -95,9 +95,8 @@ struct Magnified {
   }
 };
 
-/// Appends the nodes and the blocks whose boxes meet the tool's. Without a branch: which slots meet, and
-/// which of them are blocks, is nothing that a processor could predict. \pre pending.block_count <=
-/// Pending::kPortion.
+/// Appends the nodes and the blocks whose boxes overlap the tool's. Branchless: which slots overlap, and
+/// which of them are blocks, cannot be predicted. \pre pending.block_count <= Pending::kPortion.
 template <class Size>
 HWY_INLINE void expand(const IndexNode& node, const ToolFrame& tool, const Size& size, Pending& pending) {
   const Vec3<Floats> low = broadcast<Floats>(tool.low), high = broadcast<Floats>(tool.high);
@@ -120,16 +119,16 @@ HWY_INLINE void expand(const IndexNode& node, const ToolFrame& tool, const Size&
   }
 }
 
-/// Asks for what cull() decides by, at once, so that the wait for memory is one. No more than that: the
-/// processor can only wait for so many lines, and finds the others by itself.
+/// Prefetches all that cull() reads, so that its memory latencies overlap. No more than that: the processor
+/// can only wait for a limited number of lines, and prefetches the others by itself.
 HWY_INLINE void prefetch(const GaussianBlock& block) {
   for (const auto& lane : block.position) hwy::Prefetch(&lane);
   for (const auto& lane : block.length_high) hwy::Prefetch(&lane);
 }
 
-/// Appends to `out` what may touch the tool: |d'| <= 1 + length_max / a_min, paper eq. 4 in the frame where
-/// the tool is a unit sphere, where it says more. \pre out.has_room_for_block(). \returns Gaussians in the
-/// block.
+/// Appends to `out` the Gaussians that may touch the tool: |d'| <= 1 + length_max / a_min, paper eq. 4 in the
+/// frame where the tool is a unit sphere, where it is sharper. \pre out.has_room_for_block(). \returns the
+/// number of Gaussians in the block.
 template <Precision kPrecision, class Size>
 HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t number,
                             const ToolFrame& tool, const Size& size, PairBuffer& out) {
@@ -167,11 +166,11 @@ HWY_INLINE std::size_t cull(std::span<const GaussianBlock> blocks, std::uint32_t
   return gaussians;
 }
 
-/// Walks the tree depth first from where `pending` has come, and fills `buffer`, calling `flush(buffer)`,
-/// which must empty it, whenever it is full, until that answers false, or `most` Gaussians and those of a few
-/// blocks have been gone through. What is left in it at the end is the caller's. \pre `pending` has no
-/// blocks; nor has it then, unless `flush` answered false. \returns the Gaussians in the blocks that were
-/// met.
+/// Traverses the tree depth first from the state of `pending` and fills `buffer`, calling `flush(buffer)`,
+/// which must empty it, whenever it is full, until that returns false, or `most` Gaussians and those of a few
+/// more blocks have been visited. The caller processes what remains in it at the end. \pre `pending` has no
+/// blocks; nor has it afterwards, unless `flush` returned false. \returns the number of Gaussians in the
+/// blocks visited.
 template <Precision kPrecision, class Size, class Flush>
 HWY_INLINE std::size_t walk_on(const IndexView& index, const ToolFrame& tool, const Size& size,
                                std::size_t most, Pending& pending, PairBuffer& buffer, const Flush& flush) {
@@ -196,7 +195,7 @@ HWY_INLINE std::size_t walk_on(const IndexView& index, const ToolFrame& tool, co
   return walked;
 }
 
-/// All of it.
+/// Traverses the whole tree.
 template <Precision kPrecision, class Size, class Flush>
 HWY_INLINE std::size_t walk(const IndexView& index, const ToolFrame& tool, const Size& size,
                             PairBuffer& buffer, const Flush& flush) {

@@ -1,5 +1,5 @@
 /// \file
-/// Pairs on their way through the last stages of the contact kernel.
+/// Pairs in the later stages of the contact kernel, in the frame where the tool is the unit sphere.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// One bit a pair.
+/// One bit per pair.
 struct PairBits {
   static constexpr std::size_t kWidth = 32;
   std::array<std::uint32_t, PairBuffer::kCapacity / kWidth + 1> words;
@@ -18,9 +18,9 @@ struct PairBits {
   bool operator[](std::size_t pair) const { return (words[pair / kWidth] >> (pair % kWidth) & 1U) != 0; }
 };
 
-/// Pairs as the tool sees them, where it is the unit sphere, and what is found out about them. The work on
-/// them is done in rounds, each over all of them before the next: while one vector waits for a division, the
-/// processor is busy with the others.
+/// Pairs in the frame where the tool is the unit sphere, with intermediate results. Each step is done for all
+/// pairs before the next, which hides latencies: while one vector waits for a division, the processor works
+/// on others.
 template <typename T>
 struct WhitenedPairs {
   static constexpr std::size_t kCapacity = PairBuffer::kCapacity;
@@ -30,14 +30,13 @@ struct WhitenedPairs {
   alignas(64) std::array<Lane<T>, 3> distance;  ///< d'
   alignas(64) std::array<Lane<T>, 9> l;         ///< columns of L
   alignas(64) std::array<Lane<T>, 6> k;         ///< KFunction: p0 p1 p2 e1 e2 e3
-  alignas(64) Lane<T> t;      ///< lambda / (1 - lambda): where to look for the minimum of K, then where it is
-  alignas(64) Lane<T> k_min;  ///< there
-  PairBits open;              ///< it may touch
-  PairBits sure;              ///< it does, with K_min as it is
+  alignas(64) Lane<T> t;                        ///< lambda / (1 - lambda): initial guess, then argmin of K
+  alignas(64) Lane<T> k_min;                    ///< minimum of K
+  PairBits open;                                ///< may touch
+  PairBits sure;                                ///< certainly touches, and k_min is final
 
-  /// What follows from where the minimum is, in the world frame, two numbers at a time as Contact has them:
-  /// k_min and lambda; centre x and y; centre z and point x; point y and z; normal x and y; normal z and
-  /// depth.
+  /// Results at the minimum, in the world frame, in pairs of numbers as laid out in Contact: k_min and
+  /// lambda; centre x and y; centre z and point x; point y and z; normal x and y; normal z and depth.
   alignas(64) std::array<Lane<std::array<double, 2>>, 6> row;
 };
 

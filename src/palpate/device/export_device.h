@@ -1,5 +1,5 @@
 /// \file
-/// Exports a driver in C++ as a device plug-in.
+/// Export of a C++ driver as a device plug-in.
 #pragma once
 
 #include <algorithm>
@@ -13,17 +13,17 @@
 
 namespace palpate {
 
-/// Makes a device from the arguments of a plug-in. \throws std::exception that says what to do.
+/// Creates a device from the arguments of a plug-in. \throws std::exception that says what to do.
 using DeviceFactory = std::unique_ptr<HapticDevice> (*)(const std::string& arguments);
 
-/// The plug-in of a HapticDevice that `kMake` makes. In one source of a shared library:
+/// Plug-in interface of the HapticDevice that `kMake` creates. In one source file of a shared library:
 ///
 ///     std::unique_ptr<palpate::HapticDevice> make(const std::string& arguments);
 ///     const PalpateDevicePlugin* palpate_device_plugin(uint32_t) { return
 ///     &palpate::ExportedDevice<make>::kPlugin; }
 template <DeviceFactory kMake>
 class ExportedDevice {
-  /// What wait() needs besides: the plug-in's own clock.
+  /// The device and the plug-in's own clock, which wait() needs.
   struct Held {
     std::unique_ptr<HapticDevice> device;
     LoopClock clock;

@@ -1,5 +1,5 @@
 /// \file
-/// A simulated room-scale device of the admittance type.
+/// Simulated room-scale device of the admittance type.
 #pragma once
 
 #include <array>
@@ -14,34 +14,34 @@
 
 namespace palpate {
 
-/// What its force sensor adds to the truth.
+/// Error model of the force sensor.
 struct ForceSensorProperties {
   double noise = 0.02, torque_noise = 0.002;  ///< of each axis, standard deviation. Unit: [N], [N m].
   Wrench bias;                                ///< F_H_D, torque about the TCP
   Wrench drift;                               ///< of the bias. Unit: [N/s], [N m/s].
   double lag = 2e-3;                          ///< of its filter. Unit: [s]. >= 0
-  double range = 150.0, torque_range = 15.0;  ///< of each axis: more is told as this. Unit: [N], [N m].
+  double range = 150.0, torque_range = 15.0;  ///< of each axis: saturates here. Unit: [N], [N m].
 };
 
-/// A device besides its mechanics.
+/// Properties of drives, sensor and motion of the device.
 struct GiantProperties {
   JointPlantProperties drives;
   ForceSensorProperties sensor;
-  double delay = 2e-3;       ///< from move() until the drives go for it; at most kMostDelay. Unit: [s].
-  double resolution = 2e-6;  ///< of the encoders at the joints; 0: exact. Unit: [m], [rad].
+  double delay = 2e-3;       ///< from move() until the drives follow it; at most kMostDelay. Unit: [s].
+  double resolution = 2e-6;  ///< of the encoders at the joints; 0 = exact. Unit: [m], [rad].
   JointMotionOptions motion;
 };
 
-/// A serial chain in a hand, as a device that measures the hand's wrench and takes a motion, which
-/// JointMotion brings to its joints within their limits. Readings are of encoders and sensor; they come with
-/// every read().
+/// A serial chain held by a simulated hand, as a device that measures the hand's wrench and follows a
+/// commanded motion, which JointMotion converts to joint motion within limits. Readings come from encoders
+/// and sensor; every read() has a new one.
 ///
-/// Time is the loop's, as of SimulatedDevice. Without a move() for kWatchdog, and after stop(), the joints
+/// Uses the loop's time, as SimulatedDevice. Without a move() for kWatchdog, and after stop(), the joints
 /// brake.
 class GiantDevice final : public MotionDevice {
  public:
-  /// \param chain checked \param plant made with this chain's shape; moved by this object alone
-  /// \param start X_DH of the TCP; must be within reach \throws Error if it is not.
+  /// \param chain checked \param plant created for this chain; advanced by this object alone \param start
+  /// X_DH of the TCP, within reach \throws Error if it is not.
   GiantDevice(const SerialChain& chain, std::unique_ptr<JointPlant> plant, const GiantProperties& properties,
               const Pose& start, std::uint64_t seed = 1);
 
@@ -50,7 +50,7 @@ class GiantDevice final : public MotionDevice {
   MotionAnswer move(const MotionSetpoint& motion, double dt) override;
   void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
 
-  /// Where the TCP really is, X_DH, and what the hand really exerts on it, F_H_D, torque about the TCP.
+  /// True pose of the TCP, X_DH, and true wrench of the hand on it, F_H_D, torque about the TCP.
   Pose pose() const;
   Wrench hand() const { return plant_->hand(); }
   const JointMotion& joints() const { return motion_; }
@@ -75,7 +75,7 @@ class GiantDevice final : public MotionDevice {
   mutable ChainKinematics kinematics_;
   bool started_ = false;
   double t_ = 0.0, read_at_ = 0.0, moved_at_ = 0.0;
-  std::array<Told, 64> told_;  ///< a ring of what move() has made, for the delay
+  std::array<Told, 64> told_;  ///< ring buffer of commands from move(), for the delay
   std::size_t told_count_ = 0, shown_ = 0;
   Pose seen_;
   Twist velocity_;
@@ -85,8 +85,8 @@ class GiantDevice final : public MotionDevice {
   std::atomic<bool> stopped_ = false;
 };
 
-/// What an AdmittanceLoop may take this device to be, along an axis: delay, lags, and the slowest mode of
-/// gears and belts. Contact and hand are left at nothing.
+/// Returns the loop model of this device along an axis, for an AdmittanceLoop: delay, lags, and the slowest
+/// mode of gears and belts. Contact and hand are left at zero.
 AdmittanceLoopModel loop_model(const SerialChain& chain, const GiantProperties& properties);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// JointPlant in MuJoCo, independent of the project's own integrator.
+/// Joint plant in MuJoCo, independent of the project's own integrator.
 #pragma once
 
 #include <memory>
@@ -10,21 +10,21 @@ namespace palpate {
 
 /// The chain as a MuJoCo model: its joints with damping and frictionloss, the drives as actuators with a
 /// filter before them, the hand's mass as a body that is welded to the last link, and a force and a torque
-/// sensor between the two. Centrifugal and Coriolis forces are there; no gravity, no contact. Runge-Kutta of
-/// fourth order in steps of at most kStep; the hand's spring and damper, and the speed of the drives, are
-/// held over a step. Of the target palpate::mujoco.
+/// sensor between the two. Includes centrifugal and Coriolis forces, but neither gravity nor contact.
+/// Fourth-order Runge-Kutta in steps of at most kStep; the force of the hand's spring and damper and the
+/// speed of the drives are constant over a step. Part of the target palpate::mujoco.
 ///
-/// Takes memory in advance(): for simulation and tests. Objects are used by one thread at a time, all of
-/// them.
+/// Allocates in advance(): for simulation and tests. All objects of this class together are used by one
+/// thread at a time.
 class GiantMujoco final : public JointPlant {
  public:
-  /// \param chain checked \throws Error if MuJoCo does not take the model.
+  /// \param chain checked \throws Error if MuJoCo rejects the model.
   GiantMujoco(const SerialChain& chain, const JointPlantProperties& properties, const GripProperties& grip,
               HandPath path);
   ~GiantMujoco() override;
 
   void start(const JointVector& q, double t) override;
-  /// Holds where it is once MuJoCo's state is no longer finite.
+  /// Keeps its last state once MuJoCo's state is no longer finite.
   void advance(double until, const JointVector& command) override;
   const JointVector& position() const override { return q_; }
   Wrench hand() const override;

@@ -1,5 +1,5 @@
 /// \file
-/// JointPlant in the project's own integrator.
+/// Joint plant with the project's own integrator.
 #pragma once
 
 #include <palpate/device/joint_plant.h>
@@ -7,16 +7,16 @@
 
 namespace palpate {
 
-/// Semi-implicit steps of at most kStep: springs, dampers and friction of the joints and of the hand act at
-/// the end of the step, so that every stiffness is stable; M(q) and J(q) are of its beginning, M of the last
-/// call of advance(). Centrifugal and Coriolis forces of the links are left out: the joints of a person who
-/// walks and reaches turn by some 1 rad/s, at which they are a few N. Dry friction is viscous below kCreep,
-/// and so does not hold.
+/// Semi-implicit steps of at most kStep: springs, dampers and friction of the joints and of the hand are
+/// implicit, so that every stiffness is stable; J(q) is taken at the beginning of the step, M(q) at the last
+/// call of advance(). Centrifugal and Coriolis forces of the links are left out: walking and reaching turn
+/// the joints at about 1 rad/s, where these forces are a few N. Dry friction is viscous below kCreep, and so
+/// does not stick.
 ///
-/// Takes nothing from the heap after its construction.
+/// Does not allocate after construction.
 class GiantPlant final : public JointPlant {
  public:
-  /// \param chain checked \param path what it needs must outlive the object
+  /// \param chain checked \param path whatever it refers to must outlive the object
   GiantPlant(const SerialChain& chain, const JointPlantProperties& properties, const GripProperties& grip,
              HandPath path);
 

@@ -1,5 +1,5 @@
 /// \file
-/// A recorded hand as a device.
+/// Playback device: a recorded hand motion as a haptic device.
 #pragma once
 
 #include <palpate/record/trajectory.h>
@@ -7,19 +7,19 @@
 
 namespace palpate {
 
-/// Tells the poses of a trajectory at their times, and takes every force without a move: what a run of
-/// `replay` is offline, live. The trajectory begins at the first read(), and its last pose is told for ever
-/// after.
+/// Reports the poses of a trajectory at their times and ignores all forces: the live counterpart of an
+/// offline `replay` run. The trajectory begins at the first read(); after its end the last pose is reported
+/// for ever.
 class PlaybackDevice final : public HapticDevice {
  public:
-  /// `capabilities` are those of the device that it stands for. \pre the trajectory is not empty
+  /// `capabilities` are those of the represented device. \pre the trajectory is not empty
   PlaybackDevice(const DeviceCapabilities& capabilities, Trajectory trajectory);
 
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
   bool read(double t, DeviceReading& reading) override;
   void write(const Wrench&) override {}
 
-  /// From the first pose to the last. Unit: [s].
+  /// Duration from the first pose to the last. Unit: [s].
   double length() const { return trajectory_.back().t - trajectory_.front().t; }
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// Devices from shared libraries.
+/// Loader of device plug-ins.
 #pragma once
 
 #include <memory>
@@ -9,13 +9,13 @@
 
 namespace palpate {
 
-/// A device of the plug-in at `path` (palpate/device/device_plugin.h), not open yet. The library stays loaded
-/// until the process ends. \param arguments for the plug-in; the kernel's loader must find what it links.
-/// \throws Error, one line with `path`, if there is no such file, it is no plug-in of this version, lacks a
-/// function, or cannot make the device.
+/// Creates a device from the plug-in at `path` (palpate/device/device_plugin.h), not open yet. The library
+/// stays loaded until the process ends; the dynamic loader must find the libraries it links. \param arguments
+/// for the plug-in. \throws Error, one line with `path`, if there is no such file, it is no plug-in of this
+/// version, lacks a function, or cannot create the device.
 std::unique_ptr<HapticDevice> make_plugin_device(const std::string& path, const std::string& arguments);
 
-/// A device by the text after --device:
+/// Creates a device from the argument of --device:
 ///
 ///     plugin:PATH.so[:ARGUMENTS]   the plug-in at PATH
 ///     NAME:ARGUMENTS               palpate_device_NAME.so beside the program, or in ../lib/palpate from
@@ -24,7 +24,7 @@ std::unique_ptr<HapticDevice> make_plugin_device(const std::string& path, const 
 /// \throws Error likewise, or if the text has neither form.
 std::unique_ptr<HapticDevice> make_plugin_device(const std::string& text);
 
-/// True for text of one of these forms.
+/// Returns true if the text has one of these forms.
 bool names_plugin(const std::string& text);
 
 }  // namespace palpate

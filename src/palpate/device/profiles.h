@@ -1,5 +1,5 @@
 /// \file
-/// Devices that are sold, as figures.
+/// Profiles of commercial haptic devices.
 #pragma once
 
 #include <span>
@@ -11,22 +11,21 @@
 
 namespace palpate {
 
-/// What a device can do, and its mechanics for a simulation.
+/// Capabilities of a device, and its mechanics for a simulation.
 struct DeviceProfile {
   DeviceCapabilities capabilities;
   PlantProperties plant;
 };
 
-/// Touch, omega, lambda.7, delta.3 and Falcon: forces and workspaces from the makers' data sheets; of the
-/// mechanics, what those leave out is assumed, of the usual size for the class. The damping that is credited
-/// is that of the plant (DampingSource::kSimulated); of a device of hardware nothing is credited that was not
-/// measured.
+/// Touch, omega, lambda.7, delta.3 and Falcon: forces and workspaces from the manufacturers' data sheets;
+/// mechanical figures missing there are assumed, at values typical of the class. The credited damping is that
+/// of the plant (DampingSource::kSimulated); for real hardware only measured damping is credited.
 std::span<const DeviceProfile> device_profiles();
 
-/// Of each, DeviceCapabilities::name.
+/// DeviceCapabilities::name of each profile.
 std::vector<std::string> profile_names();
 
-/// The profile of that name. \throws Error, which names those there are.
+/// Returns the profile of that name. \throws Error, which lists the available names.
 const DeviceProfile& device_profile(std::string_view name);
 
 }  // namespace palpate

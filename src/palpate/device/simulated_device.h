@@ -1,5 +1,5 @@
 /// \file
-/// A device and the hand that holds it, in place of both.
+/// Simulated device and operator.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace palpate {
 
-/// A hand, coupled to the handle by a spring and a damper to where it wants to be.
+/// A hand: a mass on the handle, pulled to the target pose by a spring and a damper.
 struct HandProperties {
-  double mass = 0.1;         ///< that moves with the handle. Unit: [kg]. >= 0
+  double mass = 0.1;         ///< moves with the handle. Unit: [kg]. >= 0
   double damping = 3.0;      ///< Unit: [N s/m]. >= 0
   double stiffness = 300.0;  ///< Unit: [N/m]. >= 0
 
@@ -25,30 +25,30 @@ struct PlantProperties {
   double mass = 0.1;             ///< at the handle. Unit: [kg]. > 0
   double damping = 0.5;          ///< Unit: [N s/m]. >= 0
   double coulomb = 0.0;          ///< dry friction. Unit: [N]. >= 0
-  double resolution = 0.0;       ///< of the encoders, at the handle; 0: exact. Unit: [m].
+  double resolution = 0.0;       ///< of the encoders, at the handle; 0 = exact. Unit: [m].
   double turn_resolution = 0.0;  ///< Unit: [rad].
-  double delay = 0.0;            ///< from write() until the motors show it; at most kMostDelay. Unit: [s].
-  double gyration = 0.03;        ///< radius that makes masses inertias and forces torques. Unit: [m]. > 0
+  double delay = 0.0;            ///< from write() until the motors apply it; at most kMostDelay. Unit: [s].
+  double gyration = 0.03;  ///< radius that converts masses to inertias and forces to torques. Unit: [m]. > 0
 };
 
-/// X_DH that the hand wants the handle to be at, at a time, in the device's frame D. Must not fail; is called
-/// by the thread of read().
+/// Target pose X_DH of the hand at a time, in the device's frame D. Must not fail; called by the thread of
+/// read().
 using HandPath = std::function<Pose(double t)>;
 
-/// A point mass with dry and viscous friction, and an inertia that turns likewise where the device has motors
-/// for that (elsewhere the hand turns the handle freely), held by a hand:
+/// A point mass with dry and viscous friction, held by a hand, and an inertia that rotates likewise if the
+/// device has actuated rotation (otherwise the hand turns the handle freely):
 ///
 ///     (m_device + m_hand) x'' = F + k (x_hand - x) + b (x_hand' - x') - b_device x' - coulomb x' / |x'|
 ///
 /// integrated implicitly in steps of kStep, so that every mass, hand and friction is stable, and a handle
-/// that dry friction holds is at rest. F is what was written `delay` ago, no more than the motors can.
+/// that dry friction holds is at rest. F is the force written `delay` ago, clamped to the peak of the motors.
 ///
-/// Time is the loop's: in virtual time all is the same at every run; in real time it follows the clock that
-/// read() is given. Starts where the hand is at the first read(). Has nothing to connect: it is enabled from
-/// its construction on. Where it senses no rotation it tells none.
+/// Uses the loop's time: in virtual time every run is identical; in real time it follows the clock passed to
+/// read(). Starts at the pose of the hand at the first read(). Needs no connection: it is enabled from
+/// construction on. Reports no rotation if it senses none.
 class SimulatedDevice final : public HapticDevice {
  public:
-  /// `path` must be good as long as the object is used.
+  /// `path` must be valid as long as the object is used.
   SimulatedDevice(const DeviceCapabilities& capabilities, const PlantProperties& plant,
                   const HandProperties& hand, HandPath path);
 
@@ -58,14 +58,14 @@ class SimulatedDevice final : public HapticDevice {
   void write(const Wrench& wrench) override;
   void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
 
-  /// What the motors show at the time of the last read(): F_H_D, torque about the handle.
+  /// Wrench of the motors at the time of the last read(): F_H_D, torque about the handle.
   Wrench motors() const;
-  /// What the encoders do not tell: where the handle really is, X_DH, and its velocity V_DH.
+  /// True pose X_DH of the handle, without encoder error, and its velocity V_DH.
   const Pose& pose() const { return pose_; }
   const Twist& velocity() const { return velocity_; }
-  /// Of the hand on the handle, expressed in D. Unit: [N].
+  /// Force of the hand on the handle, expressed in D. Unit: [N].
   const Eigen::Vector3d& hand_force() const { return hand_force_; }
-  /// That the motors have done on the handle, ever. Unit: [J].
+  /// Total work of the motors on the handle. Unit: [J].
   double motor_work() const { return motor_work_; }
 
   static constexpr double kStep = 5e-5;        ///< Unit: [s].
@@ -91,10 +91,10 @@ class SimulatedDevice final : public HapticDevice {
   Twist velocity_;
   Eigen::Vector3d hand_force_ = Eigen::Vector3d::Zero();
   double motor_work_ = 0.0;
-  Pose told_;                        ///< of the last reading
-  Twist told_velocity_;              ///< filtered differences, as drivers tell it
-  std::array<Written, 128> writes_;  ///< a ring: at 10 kHz more than kMostDelay
-  std::size_t written_ = 0;          ///< in all
+  Pose told_;                        ///< as reported in the last reading
+  Twist told_velocity_;              ///< filtered differences, as reported by drivers
+  std::array<Written, 128> writes_;  ///< ring buffer: at 10 kHz more than kMostDelay
+  std::size_t written_ = 0;          ///< number of writes in all
   std::atomic<bool> stopped_ = false;
 };
 

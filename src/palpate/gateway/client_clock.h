@@ -1,5 +1,5 @@
 /// \file
-/// What the stamps of a client say on this machine's clock.
+/// Clock offset estimation for gateway clients.
 #pragma once
 
 #include <array>
@@ -9,36 +9,36 @@
 
 namespace palpate {
 
-/// Compares a client's clock with the loop's by echoes: a number goes out at t1, the client answers with its
-/// own time s, and that comes at t4. On the loop's clock s was between t1 and t4. Here it is taken for t1, so
-/// that what a stamp is found to be old is never too little, and is too much by what the way to the client
-/// takes: which is what the answer to a pose takes, too. The age of a pose is therefore how old it is when
-/// the client's motors answer it.
+/// Estimates the offset between a client's clock and the loop's clock by echoes: a number is sent at t1, the
+/// client answers with its own time s, and the answer arrives at t4. On the loop's clock s lies between t1
+/// and t4. It is taken to be t1, so that the age of a stamp is never underestimated, and is overestimated by
+/// the latency to the client, which equals the latency of the wrench that answers a pose. The age of a pose
+/// is therefore its age when the client's motors respond to it.
 ///
-/// The shortest of the last kKept round trips counts (RFC 5905, 10, the clock filter). Used by one thread.
+/// Uses the shortest of the last kKept round trips (RFC 5905, section 10, clock filter). Used by one thread.
 class ClientClock {
  public:
-  /// \returns the number of an echo that is asked for at `t`. Unit: [s].
+  /// Starts an echo at time `t`. \returns its number. Unit: [s].
   std::uint64_t ask(double t);
-  /// The client's clock said `stamp` when it answered `number`; that came at `t`. What was not asked for, or
-  /// is answered twice, is left out. Unit: [s].
+  /// Takes the answer to echo `number`, which carries the client's time `stamp` and arrived at `t`.
+  /// Unsolicited and duplicate answers are ignored. Unit: [s].
   void answer(std::uint64_t number, double stamp, double t);
 
-  /// How old what was stamped `stamp` is when it comes at `t`; nothing where no echo has come back within
-  /// kGood. Unit: [s].
+  /// Returns the age of a message with stamp `stamp` that arrives at `t`; nothing if no echo was answered
+  /// within kGood. Unit: [s].
   std::optional<double> age(double stamp, double t) const;
-  /// The shortest of the last. Unit: [s]; infinite where there is none.
+  /// Returns the shortest recent round trip; infinite if there is none. Unit: [s].
   double round_trip() const { return best_.round_trip; }
 
   static constexpr std::size_t kKept = 16;
-  /// After which two clocks may be apart by a tenth of a millisecond again, at 20 ppm. Unit: [s].
+  /// Validity of an echo: after this time two clocks may have drifted by 0.1 ms, at 20 ppm. Unit: [s].
   static constexpr double kGood = 5.0;
 
  private:
   struct Echo {
     std::uint64_t number = 0;
     double asked = 0.0, stamp = 0.0;
-    double round_trip = std::numeric_limits<double>::infinity();  ///< until it is back
+    double round_trip = std::numeric_limits<double>::infinity();  ///< infinite until answered
   };
 
   std::array<Echo, kKept> echoes_;  ///< by number

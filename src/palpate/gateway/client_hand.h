@@ -1,5 +1,5 @@
 /// \file
-/// A hand at the other end of a network.
+/// Haptic device at the far end of a network connection.
 #pragma once
 
 #include <atomic>
@@ -12,37 +12,37 @@
 
 namespace palpate {
 
-/// Where a client's hand is, on its way from the gateway's thread to the servo's.
+/// Passes the poses of a client's hand from the gateway thread to the servo thread.
 class ClientHand {
  public:
   struct Sample {
     DevicePose pose;           ///< X_DH
-    double t = 0.0;            ///< when it was measured, as far as is known, on the loop's clock. Unit: [s].
+    double t = 0.0;            ///< estimated time of measurement, on the loop's clock. Unit: [s].
     std::uint64_t number = 0;  ///< from 1
-    std::uint32_t hand = 0;    ///< another number: another hand
+    std::uint32_t hand = 0;    ///< changes with the hand
   };
 
-  /// \name The gateway's thread
+  /// \name The gateway thread
   /// @{
-  /// \param pose X_DH \returns its number.
+  /// Publishes a pose. \param pose X_DH \returns its number.
   std::uint64_t put(const DevicePose& pose, double t);
-  /// What is put from now on is where another hand is.
+  /// Marks later poses as those of another hand.
   void change_hand() { ++hand_; }
-  /// Nobody holds on any longer.
+  /// Marks the hand as not held.
   void let_go() { held_.store(false, std::memory_order_relaxed); }
   /// @}
 
   /// \name The servo thread
   /// @{
-  /// The newest; the same one until another has come.
+  /// Returns the newest sample; the same one until another arrives.
   const Sample& newest();
-  /// Waits until something is put, for `seconds` at most.
+  /// Waits until a pose is put, at most `seconds`.
   void wait(double seconds) { arrived_.wait(seconds); }
   /// @}
 
-  /// Whether somebody holds on. Any thread.
+  /// Returns whether a client holds the hand. Any thread.
   bool is_held() const { return held_.load(std::memory_order_relaxed); }
-  /// Number of the sample that the servo thread has seen last. Any thread.
+  /// Returns the number of the sample that the servo thread read last. Any thread.
   std::uint64_t seen() const { return seen_.load(std::memory_order_acquire); }
 
  private:
@@ -54,11 +54,11 @@ class ClientHand {
   Wake arrived_;
 };
 
-/// A device that is a client: its poses are readings, and the wrenches go back as what a tick has sent. A
-/// reading ends the wait for the next tick.
+/// Haptic device that is a network client: its poses are the readings, and the wrenches of the ticks are sent
+/// back to it. A new reading ends the wait for the next tick.
 class ClientDevice final : public HapticDevice {
  public:
-  /// `hand` must outlive it. \param capabilities whose rate says how often the client sends at least
+  /// `hand` must outlive it. \param capabilities whose rate is the minimum rate of the client's poses
   ClientDevice(DeviceCapabilities capabilities, ClientHand& hand)
       : capabilities_(std::move(capabilities)), hand_(hand) {}
 
@@ -67,9 +67,9 @@ class ClientDevice final : public HapticDevice {
   void write(const Wrench&) override {}
   void wait(const LoopClock& clock, double until) override;
 
-  /// Of a velocity, from poses whose times of arrival jitter. Unit: [s].
+  /// Time constant of the velocity filter, for poses whose arrival times jitter. Unit: [s].
   static constexpr double kVelocityFilter = 5e-3;
-  /// Between two ticks at least, however fast a client sends. Unit: [s].
+  /// Minimum time between two ticks, however fast a client sends. Unit: [s].
   static constexpr double kLeastPeriod = 2.5e-4;
 
  private:

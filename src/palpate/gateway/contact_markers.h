@@ -1,5 +1,5 @@
 /// \file
-/// Contacts and tools as markers.
+/// Visualization markers of contacts and tools.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,17 @@
 
 namespace palpate {
 
-/// Makes the markers of contacts: a sphere in "contacts" and an arrow in "normals" for each, with the
-/// Gaussian's id, and a deletion for each that is gone, in as many messages as a client may miss.
+/// Creates the markers of contacts: a sphere in namespace "contacts" and an arrow in "normals" for each, with
+/// the Gaussian's id. A contact that has ended is deleted in kReach successive messages, so that a client may
+/// miss some.
 class ContactMarkers {
  public:
-  static constexpr std::size_t kMost = 256;    ///< contacts in a message, the deepest
-  static constexpr std::uint64_t kReach = 60;  ///< messages in which a contact that is gone is deleted
+  static constexpr std::size_t kMost = 256;    ///< contacts in a message; the deepest are kept
+  static constexpr std::uint64_t kReach = 60;  ///< messages in which an ended contact is deleted
 
-  /// Those of a message, until the next call. Reorders `contacts`.
+  /// Returns the markers of the next message, valid until the next call. Reorders `contacts`.
   const std::vector<Marker>& next(std::vector<Contact>& contacts, const EllipsoidLookup& ellipsoids);
-  /// For a client that missed more than kReach.
+  /// Returns the marker for a client that missed more than kReach messages.
   static Marker reset() { return all_deleted_marker(); }
 
  private:
@@ -32,11 +33,12 @@ class ContactMarkers {
   std::map<std::uint32_t, std::uint64_t> seen_;  ///< number of the message that an id was last in
 };
 
-/// The ellipsoids of a tool at a pose in the world, in the namespace "tool".
+/// Returns the ellipsoids of a tool at a pose in the world frame, in the namespace "tool".
 std::vector<Marker> tool_markers(const Tool& tool, const Pose& pose);
 
-/// One of several hands: its tool in the namespace `name`, and what its device is sent as an arrow from the
-/// tool in `name`/force, kForceArrow long a newton. \param number of the hand, by which its colour is chosen
+/// Returns the markers of one of several hands: its tool in the namespace `name`, and the commanded force as
+/// an arrow from the tool in `name`/force, of length kForceArrow per newton. \param number of the hand,
+/// selects its colour
 std::vector<Marker> hand_markers(const std::string& name, std::size_t number, const Tool& tool,
                                  const TickRecord& tick);
 /// Unit: [m/N].

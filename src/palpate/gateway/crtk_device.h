@@ -1,5 +1,5 @@
 /// \file
-/// A device whose driver speaks CRTK over a network, whatever carries the messages.
+/// Haptic device whose driver speaks CRTK over a network, independent of the transport.
 #pragma once
 
 #include <array>
@@ -24,21 +24,21 @@ namespace palpate {
 
 class CrtkDevice;
 
-/// A `measured_cp` or `measured_cv` as it came.
+/// Header of a received `measured_cp` or `measured_cv`.
 struct CrtkHeader {
   double stamp = 0.0;       ///< of the message, on the publisher's clock; 0: none. Unit: [s].
   std::string_view frame;   ///< frame_id
   std::string_view source;  ///< the publisher: a node's name, a writer's GUID
 };
 
-/// A `servo_cf`, the device's frame.
+/// A `servo_cf`, in the device's frame.
 struct CrtkWrench {
-  Wrench spatial;      ///< along the axes of the device's base
-  Wrench body;         ///< along those of the handle
+  Wrench spatial;      ///< expressed in the device's base frame
+  Wrench body;         ///< expressed in the handle's frame
   double stamp = 0.0;  ///< of the pose it answers, on the publisher's clock. Unit: [s].
 };
 
-/// What carries messages: ROS 1, DDS, a test. It calls CrtkDevice::take_*() from one thread at a time.
+/// Message transport: ROS 1, DDS, or a test. Calls CrtkDevice::take_*() from one thread at a time.
 class CrtkTransport {
  public:
   CrtkTransport() = default;
@@ -46,55 +46,57 @@ class CrtkTransport {
   CrtkTransport(const CrtkTransport&) = delete;
   CrtkTransport& operator=(const CrtkTransport&) = delete;
 
-  /// Begins to hand messages to `device`, also if no peer is there yet. Must not wait for one. \throws Error
+  /// Starts delivering messages to `device`, even if there is no peer yet. Must not wait for one. \throws
+  /// Error
   virtual void start(CrtkDevice& device) = 0;
-  /// Nothing is handed over after it returns.
+  /// Stops delivery. No message is delivered after it returns.
   virtual void stop() noexcept = 0;
-  /// Publishes; called for every tick, by the device's own thread.
+  /// Publishes a wrench; called for every tick, on the device's own thread.
   virtual void send(const CrtkWrench& wrench) = 0;
-  /// Whether anybody gets send_local_model(). Asked now and then by the device's own thread.
+  /// Returns whether the local model has subscribers. Polled by the device's own thread.
   virtual bool wants_local_model() = 0;
-  /// Publishes, where it is wanted; called for every tick, by the device's own thread. \param stamp as of the
-  /// wrench
+  /// Publishes the local model, if it has subscribers; called for every tick, on the device's own thread.
+  /// \param stamp as of the wrench
   virtual void send_local_model(const LocalModel& model, double stamp) = 0;
-  /// Asks the publisher for the time: to be answered by CrtkDevice::take_echo() with the same number.
+  /// Requests an echo of the publisher's time, to be answered through CrtkDevice::take_echo() with the same
+  /// number.
   virtual void send_echo(std::uint64_t number) = 0;
-  /// One line for a person. Any thread but the loop's.
+  /// Shows one line to the user. Any thread except the loop's.
   virtual void say(const std::string& line) = 0;
 };
 
-/// What is known of a device beforehand.
+/// Properties of a CRTK device known in advance.
 struct CrtkOptions {
-  /// Whose rate says how often poses come at least: without three of them (and at least 20 ms) there is no
-  /// force. A pose that is older when it comes is dropped.
+  /// The rate is the minimum rate of poses: the age limit is three periods, at least 20 ms. Without a pose
+  /// for that long there is no force, and a pose that is older on arrival is dropped.
   DeviceCapabilities capabilities;
-  std::string frame;      ///< frame_id of poses; empty: that of the first
-  double one_way = 5e-4;  ///< StampClock's, where no echo is answered. Unit: [s].
-  /// How far a pose is carried on by its velocity where the next is late; 0: not at all. Counted as delay.
-  /// Unit: [s], at most kMostExtrapolation.
+  std::string frame;      ///< expected frame_id of poses; empty: that of the first pose
+  double one_way = 5e-4;  ///< as for StampClock, if echoes are not answered. Unit: [s].
+  /// Maximum extrapolation of a pose by its velocity when the next is late; 0: none. Counted as delay. Unit:
+  /// [s], at most kMostExtrapolation.
   double extrapolation = 0.0;
 
   static constexpr double kMostExtrapolation = 0.01;
 };
 
-/// A device at the other end of a network: its poses come with stamps, wrenches go back with every tick.
+/// Haptic device at the far end of a network: it sends stamped poses and receives a wrench with every tick.
 ///
-/// What comes is checked where it arrives, and what is wrong with it is said once, through
-/// CrtkTransport::say(), and again only after a second without it:
+/// Messages are checked on arrival. Each problem is reported once, through CrtkTransport::say(), and again
+/// only after a second without it:
 ///
 ///  - A stamp that is older than the last (reordering, duplicates) or than the age limit, or of the future:
 ///    dropped.
 ///  - Another frame_id than expected: dropped.
 ///  - A second publisher: dropped, until the first has been silent for kSilence.
-///  - NaN, infinity, a quaternion that is not of unit norm: dropped, and no force until it comes back through
+///  - NaN, infinity, a quaternion that is not of unit norm: dropped, and no force until it returns through
 ///    the gate.
 ///
-/// Where nothing good comes for the age limit, the governor's stale-pose lets the force fall to zero, and the
-/// status becomes kFault with the reason once it has fallen. Good poses end that by themselves, through the
-/// gate. A publisher whose clock was set is believed after kSilence.
+/// Without a valid pose for the age limit, the governor's stale-pose fault ramps the force to zero, and the
+/// status then becomes kFault with the reason. Valid poses clear the fault automatically, through the start
+/// gate. A publisher whose clock was set is accepted after kSilence.
 class CrtkDevice final : public HapticDevice, public TickObserver {
  public:
-  /// \throws Error for an extrapolation that is too long.
+  /// \throws Error if the extrapolation is too long.
   CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> transport);
   ~CrtkDevice() override { close(); }
 
@@ -106,24 +108,24 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   void wait(const LoopClock& clock, double until) override { reader_.wait(clock, until); }
   void write(const Wrench& wrench) override;
   void stop() noexcept override;
-  /// Of its own loop: the surface about the handle goes to who wants it.
+  /// Observer of its own loop: publishes the surface around the handle to subscribers.
   void see(const TickRecord& record, const TickTimes& times) override;
 
   /// \name The transport's thread
   /// @{
   void take_pose(const CrtkHeader& header, const Pose& pose);
-  /// Velocity of the handle, used in place of differences of poses while it comes.
+  /// Velocity of the handle, used instead of differences of poses while it is received.
   void take_velocity(const CrtkHeader& header, const Twist& twist);
-  /// Of whose poses are felt; another's clock tells nothing of theirs. \param header its stamp is the
-  /// publisher's clock when it answered
+  /// Answer to an echo. Only answers of the active publisher are used. \param header its stamp is the
+  /// publisher's time when it answered
   void take_echo(std::uint64_t number, const CrtkHeader& header);
   /// @}
 
-  /// Poses that were felt, and that were dropped. Any thread.
+  /// Number of poses used and dropped. Any thread.
   std::uint64_t taken() const { return taken_.load(std::memory_order_relaxed); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
-  /// Of a publisher, after which another's poses are felt. Unit: [s].
+  /// Silence of a publisher after which another publisher is accepted. Unit: [s].
   static constexpr double kSilence = 1.0;
 
  private:
@@ -151,11 +153,12 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   ClientHand hand_;
   StampClock stamps_;
   std::string frame_, source_;
-  double stamp_ = 0.0;        ///< newest that was taken, the publisher's clock. Unit: [s].
-  double age_ = 0.0;          ///< of the pose that is looked at
-  double heard_ = -kSilence;  ///< when a good pose came last. Unit: [s].
-  double refused_since_ = std::numeric_limits<double>::infinity();  ///< nothing good has come. Unit: [s].
-  std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< when each came last
+  double stamp_ = 0.0;        ///< newest accepted, on the publisher's clock. Unit: [s].
+  double age_ = 0.0;          ///< of the pose being checked
+  double heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].
+  double refused_since_ =
+      std::numeric_limits<double>::infinity();  ///< start of the period without valid poses. Unit: [s].
+  std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< last occurrence of each
   std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
   std::array<std::atomic<double>, 256> stamp_of_{};  ///< by number of the pose
   TripleBuffer<Twist> velocity_;
@@ -167,7 +170,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   /// @{
   ClientDevice reader_;
   DeviceReading last_;  ///< as measured, on the loop's clock
-  double told_ = 0.0;   ///< DeviceReading::t of the last one. Unit: [s].
+  double told_ = 0.0;   ///< DeviceReading::t of the last reading. Unit: [s].
   bool read_ = false, came_back_ = false, shows_ = false;
   double good_at_ = 0.0;   ///< Unit: [s].
   double answered_ = 0.0;  ///< stamp of the pose that the last wrench answers. Unit: [s].

@@ -1,5 +1,5 @@
 /// \file
-/// State of a loop as a diagnostic status, whatever carries it.
+/// Diagnostic status of a servo loop, independent of the transport.
 #pragma once
 
 #include <cstddef>
@@ -14,24 +14,24 @@
 
 namespace palpate {
 
-/// What diagnostic_msgs/DiagnosticStatus holds; docs/gateway.md lists the values.
+/// Contents of a diagnostic_msgs/DiagnosticStatus; docs/gateway.md lists the values.
 struct LiveDiagnostics {
-  int level = 0;  ///< 0 fine, 1 held back by what passes by itself, 2 until a resume
+  int level = 0;  ///< 0 = OK, 1 = temporary limitation that clears by itself, 2 = fault until a resume
   std::string_view message;
   std::vector<std::pair<std::string_view, std::string>> values;
 };
 
-/// How fast a loop is, and how long its ticks take: over about a second. One thread.
+/// Measures the rate of a loop and the durations of its ticks over windows of about a second. One thread.
 class RateWatch {
  public:
   /// `statistics` must outlive it.
   explicit RateWatch(const LoopStatistics& statistics) : statistics_(statistics) {}
 
-  /// Begins a new second if one has passed. \param now of the loop's clock. Unit: [s].
+  /// Starts a new window if a second has passed. \param now on the loop's clock. Unit: [s].
   void look(double now);
-  /// Of the last second; 0 before the first look. Unit: [Hz].
+  /// Returns the rate over the last window; 0 before the first look(). Unit: [Hz].
   double rate() const { return rate_; }
-  /// Of the same ticks.
+  /// Returns the tick durations of the same window.
   const TimeWindow& times() const { return times_; }
 
  private:
@@ -41,7 +41,7 @@ class RateWatch {
   double at_ = 0.0, rate_ = 0.0;
 };
 
-/// Who looks on.
+/// State of the gateway's clients.
 struct DiagnosticContext {
   bool held = false;  ///< by a client
   std::size_t clients = 0;

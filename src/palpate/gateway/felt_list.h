@@ -1,5 +1,5 @@
 /// \file
-/// What a hand can feel, for whoever draws the scene's file.
+/// List of touchable Gaussians for renderers of the scene's file.
 #pragma once
 
 #include <cstdint>
@@ -12,31 +12,32 @@
 
 namespace palpate {
 
-/// One Gaussian that can be touched, as it is sent: little-endian.
+/// Wire format of one touchable Gaussian, little-endian.
 struct FeltGaussian {
   std::uint32_t row;   ///< in the scene's file
   float semi_axes[3];  ///< of its ellipsoid, along the axes of its rotation. Unit: [captured units].
 };
 static_assert(sizeof(FeltGaussian) == 16);
 
-/// All FeltGaussians of `index`, in no particular order.
+/// Returns all FeltGaussians of `index`, in no particular order.
 std::string felt_list(const SceneIndex& index);
 
-/// The felt_list() of the newest index, made elsewhere: it reads all of the index.
+/// Maintains the felt_list() of the newest index, generated on the Elsewhere thread since it reads the whole
+/// index.
 class FeltListMaker {
  public:
   explicit FeltListMaker(Elsewhere elsewhere) : elsewhere_(std::move(elsewhere)) {}
 
   struct List {
     std::string bytes;
-    std::uint64_t number = 0;  ///< another for every list, from 1
+    std::uint64_t number = 0;  ///< changes with every list, from 1
   };
 
-  /// Another list is made if `index` holds other Gaussians than the last one. One thread, that of the `then`
-  /// of `elsewhere`, which never waits for a list, and never lets one or an index go.
+  /// Starts generating a new list if `index` holds other Gaussians than the last one. One thread, that of the
+  /// `then` of `elsewhere`; it never waits for a list and never frees a list or an index.
   void follow(const std::shared_ptr<const SceneIndex>& index);
 
-  /// Null before the first is there, and where there is no memory for it. Any thread.
+  /// Returns the newest list; null before the first is ready, and if there is no memory for it. Any thread.
   std::shared_ptr<const List> newest() const;
 
  private:

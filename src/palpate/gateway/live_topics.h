@@ -1,5 +1,5 @@
 /// \file
-/// What a loop does, as topics.
+/// Topics of a servo loop: state published to clients, and poses received from them.
 #pragma once
 
 #include <array>
@@ -24,67 +24,67 @@
 
 namespace palpate {
 
-/// The topics of a hand that tell what is felt, and where a client says it is. Belongs to the gateway's
-/// thread.
+/// Publishes the contact state of a hand, and receives the poses of the client that holds it. Used on the
+/// gateway thread.
 class LiveTopics {
  public:
-  /// All must outlive it. \param map where the device is in the world, until a tick says where it is now
-  /// \param prefix of their names
+  /// All references must outlive it. \param map from the device to the world, until the first tick provides
+  /// it \param prefix of the topic names
   LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClock& clock,
              const LoopStatistics& statistics, const WorkspaceMap& map, bool client_is_device,
              const std::string& prefix = "/palpate");
 
-  /// Called where another client than before takes a device that is one: the force must fall before its hand
-  /// is felt.
+  /// Called when another client takes over a client device: the force must ramp to zero before its poses are
+  /// used.
   std::function<void()> on_other_hand;
-  /// A pose that is older when it comes is dropped. Unit: [s].
+  /// Age limit: a pose that is older on arrival is dropped. Unit: [s].
   double stale_after = SafetyLimits().stale_after;
 
-  /// Who does what takes long: at once, where nobody else is told to.
+  /// Executor of long work; by default it runs at once.
   Elsewhere elsewhere = [](auto work, auto then) {
     work();
     then();
   };
 
-  /// What is felt from now on, and what with.
+  /// Sets the scene index and the tool.
   void feel(std::shared_ptr<const SceneIndex> index, const Tool& tool);
 
-  /// Called kRate times a second.
+  /// Publishes the topics. Called kRate times a second.
   void publish();
-  /// Called when feed.wake() is set: the force of a tick, for the client whose hand it is.
+  /// Called when feed.wake() is set: sends the force of a tick to the client that holds the hand.
   void answer();
 
   static constexpr double kRate = 60.0;  ///< Unit: [Hz].
-  /// Of publish(), how many to a message of contacts, and of diagnostics.
+  /// Calls of publish() per message of contacts, diagnostics, and echoes.
   static constexpr int kContactsEvery = 2, kDiagnosticsEvery = 3, kEchoEvery = 6;
-  /// A client that is silent for longer holds nothing. Unit: [s].
+  /// A client that is silent for longer loses its hold. Unit: [s].
   static constexpr double kSilence = 1.0;
 
-  /// The tool where it was last, and what the device is sent there, world frame.
+  /// The tool, and the newest tick with tool pose and commanded wrench, world frame.
   const Tool& tool() const { return tool_; }
   const TickRecord& newest() const { return feed_.newest().record; }
   bool is_held() const { return holder_ != nullptr; }
-  /// As if who holds the tool were silent: until it sends again, nobody does.
+  /// Releases the tool from the client that holds it, until that client sends again.
   void let_go() {
     if (holder_ != nullptr) release();
   }
 
  private:
   void take(const Json& message, Client& from);
-  /// When a pose was measured that came at `now`; nothing if it is too old. \throws Refusal now and then
-  /// where it is, for the client to be told.
+  /// Returns the measurement time of a pose that arrived at `now`; nothing if it is too old. \throws Refusal
+  /// occasionally in that case, to inform the client.
   std::optional<double> measured_at(const Stamp& stamp, double now);
   void hold(Client& client);
   void release();
   void ask_echo();
   void take_echo(const Json& message, const Client& from);
-  /// The newest pose goes on to the loop, once no force is on that was for another hand.
+  /// Passes the newest pose to the loop, once the force for a previous hand has ramped to zero.
   void hand_over();
-  /// At the newest tick.
+  /// Reads the newest tick.
   void look();
   bool force_has_fallen() const;
   void publish_device_wrench(const Wrench& wrench);
-  /// \param share of the governor, 0 where nothing is to be felt
+  /// \param share share of the force that the governor passes, 0 without a force
   void publish_local_model(double share);
   void publish_world_wrenches(const Stamp& stamp, Client* only);
   void publish_contacts(const Stamp& stamp);
@@ -99,12 +99,12 @@ class LiveTopics {
   RateWatch watch_;
   WorkspaceMap map_;
   bool client_is_device_;
-  std::string status_;  ///< what diagnostics call it
+  std::string status_;  ///< its name in diagnostics
   Topic &pose_, &velocity_, &spatial_, &body_, &proxy_, &contacts_, &tool_topic_, &diagnostics_, &client_,
       &local_model_, &echo_;
 
   std::shared_ptr<const SceneIndex> index_;
-  /// Of an index; made when someone wants to see contacts.
+  /// Ellipsoids of an index; created when contacts have a subscriber.
   struct Lookup {
     std::shared_ptr<const SceneIndex> index;
     std::unique_ptr<EllipsoidLookup> ellipsoids;
@@ -115,11 +115,11 @@ class LiveTopics {
   ContactSet found_;
   ContactMarkers markers_;
 
-  Client* holder_ = nullptr;  ///< whose hand it is
-  double held_at_ = 0.0;      ///< when it spoke last. Unit: [s].
-  /// Since when it waits for the force to fall that another hand had; unset: it does not. Unit: [s].
+  Client* holder_ = nullptr;  ///< client that holds the hand
+  double held_at_ = 0.0;      ///< time of its last message. Unit: [s].
+  /// Start of waiting for the force of a previous hand to ramp to zero; unset: not waiting. Unit: [s].
   std::optional<double> waits_since_;
-  bool was_held_ = false;  ///< by anybody
+  bool was_held_ = false;  ///< by any client
   ClientClock holder_clock_;
   double told_late_ = -std::numeric_limits<double>::infinity();  ///< Unit: [s].
   struct Waiting {
@@ -127,9 +127,9 @@ class LiveTopics {
     double t = 0.0;  ///< Unit: [s].
     Stamp stamp;
   };
-  std::optional<Waiting> waiting_;  ///< its newest pose, while more of what it has sent may be there
-  bool told_ = false;               ///< it was sent the force since publish()
-  /// Of its last poses, by number.
+  std::optional<Waiting> waiting_;  ///< its newest pose, while more of its messages may be pending
+  bool told_ = false;               ///< the force was sent to the holder since publish()
+  /// Stamps of the holder's last poses, by number.
   std::array<Stamp, 256> stamps_;
   std::uint64_t answered_ = 0;  ///< number of a pose
   std::uint64_t count_ = 0;     ///< calls of publish()

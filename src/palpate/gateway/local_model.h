@@ -1,5 +1,5 @@
 /// \file
-/// The surface about the tool, for a device at the far end of a network that makes the force by itself.
+/// Local surface model around the tool, for a remote device that computes the force itself.
 #pragma once
 
 #include <vector>
@@ -11,18 +11,19 @@
 
 namespace palpate {
 
-/// What a tick felt, in the device's frame. docs/gateway.md says how it is rendered.
+/// Local contact surface of a tick, in the device's frame. docs/gateway.md describes how to render it.
 struct LocalModel {
   LocalSurface surface;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< of the handle that it was made for. Unit: [m].
-  double share = 0.0;  ///< of the force that the governor lets through now, in [0, 1]
+  Eigen::Vector3d position =
+      Eigen::Vector3d::Zero();  ///< of the handle for which it was computed. Unit: [m].
+  double share = 0.0;           ///< fraction of the force that the governor currently passes, in [0, 1]
 };
 
-/// Takes nothing from the heap.
+/// Returns the local model of a tick. Does not allocate.
 LocalModel local_model_of(const TickRecord& tick);
 
-/// As numbers, which ROS has a message for (std_msgs/Float64MultiArray): the stamp in whole seconds and
-/// nanoseconds, position (3), stiffness, damping, friction and share, then point and normal of each plane.
+/// Serializes a local model for std_msgs/Float64MultiArray: the stamp in whole seconds and nanoseconds,
+/// position (3), stiffness, damping, friction and share, then point and normal of each plane.
 /// \param stamp of the pose it answers. Unit: [s].
 std::vector<double> numbers_of(const LocalModel& model, double stamp);
 inline constexpr std::size_t kLocalModelHead = 9;   ///< numbers before the planes

@@ -1,5 +1,5 @@
 /// \file
-/// What the stamps of a publisher say on this machine's clock.
+/// Clock offset estimation for stamped messages of a publisher.
 #pragma once
 
 #include <array>
@@ -11,29 +11,29 @@
 
 namespace palpate {
 
-/// Compares the clock that messages are stamped with to the loop's: by echoes (ClientClock) where the
-/// publisher answers them, else by the least of what `arrival - stamp` was lately, which is the clocks'
-/// offset and the shortest delay there is. That delay is not known then; `one_way` is assumed for it.
+/// Estimates the offset between the clock of message stamps and the loop's clock: by echoes (ClientClock) if
+/// the publisher answers them, else by the recent minimum of `arrival - stamp`, which is the clock offset
+/// plus the shortest delay. That delay is then unknown and assumed to be `one_way`.
 ///
-/// An age counts the way of the answer back as well, so that it is how old a pose is when the motors answer
-/// it: what the passivity margin has to know. Used by one thread; takes nothing from the heap.
+/// An age includes the latency of the answer, so that it is the age of a pose when the motors respond to it,
+/// as the passivity margin requires. Used by one thread; does not allocate.
 class StampClock {
  public:
-  /// \param one_way shortest delay from publisher to here. Unit: [s].
+  /// \param one_way shortest delay from the publisher to this host. Unit: [s].
   explicit StampClock(double one_way) : one_way_(one_way) { reset(); }
 
-  /// Age of what is stamped `stamp` and has come at `now`. Unit: [s]. \returns nothing for a stamp that is
-  /// more than kFuture ahead of what the clocks' offset allows.
+  /// Returns the age of a message with stamp `stamp` that arrived at `now`. Unit: [s]. \returns nothing for a
+  /// stamp that is more than kFuture ahead of what the clock offset allows.
   std::optional<double> age(double stamp, double now);
 
-  /// For echoes: ClientClock::ask() and answer().
+  /// Returns the echo clock, for ClientClock::ask() and answer().
   ClientClock& echoes() { return echoes_; }
-  /// The clock that stamps was set: nothing is known of it any longer.
+  /// Forgets the offset, after the publisher's clock was set.
   void reset();
 
-  /// By how much a stamp may lead. Unit: [s].
+  /// Maximum lead of a stamp. Unit: [s].
   static constexpr double kFuture = 0.05;
-  /// How long an offset is remembered: clocks 20 ppm apart differ by 0.1 ms then. Unit: [s].
+  /// Memory of the offset minimum: clocks 20 ppm apart drift by 0.1 ms in that time. Unit: [s].
   static constexpr int kSeconds = 5;
 
  private:
@@ -41,7 +41,7 @@ class StampClock {
 
   double one_way_;
   ClientClock echoes_;
-  /// Least `arrival - stamp` of each of the last seconds; infinite where nothing came. Unit: [s].
+  /// Minimum of `arrival - stamp` in each of the last seconds; infinite without a message. Unit: [s].
   std::array<double, kSeconds> least_{};
   std::int64_t second_ = 0;  ///< of the newest of them
 };

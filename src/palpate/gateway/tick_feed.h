@@ -1,5 +1,5 @@
 /// \file
-/// The newest tick, for the gateway's thread.
+/// Transfer of the newest tick from the servo thread to the gateway thread.
 #pragma once
 
 #include <palpate/base/triple_buffer.h>
@@ -8,14 +8,14 @@
 
 namespace palpate {
 
-/// Hands every tick over, and wakes the gateway where a client holds the hand: it gets the force of every
-/// tick, that of the fall to zero, too, when it has fallen silent.
+/// Passes every tick to the gateway thread, and wakes it while a client holds the hand: the client gets the
+/// force of every tick, including the ramp to zero after it has fallen silent.
 class TickFeed final : public TickObserver {
  public:
   struct Tick {
     TickRecord record;
     TickTimes times;
-    std::uint64_t answers = 0;  ///< ClientHand::Sample::number of the pose that the hand was at
+    std::uint64_t answers = 0;  ///< ClientHand::Sample::number of the pose that the tick used
   };
 
   /// `hand` must outlive it.
@@ -31,7 +31,7 @@ class TickFeed final : public TickObserver {
 
   /// \name One other thread
   /// @{
-  /// True if there was a tick since the last call; newest() is then that of it.
+  /// Returns whether there was a tick since the last call, and moves newest() to it.
   bool update() { return ticks_.update(); }
   const Tick& newest() const { return ticks_.front(); }
   Wake& wake() { return wake_; }

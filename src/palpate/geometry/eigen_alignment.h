@@ -1,5 +1,5 @@
 /// \file
-/// Keeps objects from being linked that lay Eigen's types out differently.
+/// Link-time check that all objects use the same Eigen alignment.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,9 @@
 
 namespace palpate::internal {
 
-/// The library defines this for the alignment that it has been compiled with, and no other. Objects compiled
-/// with -mavx or -march=native, and without what the package's CMake targets define, align to 32 bytes or
-/// more: without this they would be linked, and read poses where the library has not put them.
+/// The library defines this symbol for the alignment that it was compiled with, and no other. Objects
+/// compiled with -mavx or -march=native, without the definitions of the package's CMake targets, align to 32
+/// bytes or more: without this check they would link, and read poses at offsets other than the library's.
 extern const char PALPATE_EIGEN_ALIGNMENT(EIGEN_MAX_STATIC_ALIGN_BYTES);
 [[gnu::used]] static const char* const kEigenAlignment =
     &PALPATE_EIGEN_ALIGNMENT(EIGEN_MAX_STATIC_ALIGN_BYTES);

@@ -1,5 +1,5 @@
 /// \file
-/// Solid ellipsoids: what a Gaussian is to a hand, and what the tool is.
+/// Solid ellipsoids: the collision geometry of Gaussians and tools.
 #pragma once
 
 #include <Eigen/Core>

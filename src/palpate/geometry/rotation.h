@@ -8,9 +8,9 @@
 namespace palpate {
 
 /// The smallest rotation that takes the direction of `from` to that of `to`, both of any length but zero;
-/// between opposite directions about some axis across them. To 3e-8 close to those, elsewhere to rounding. In
-/// closed form, where Eigen's FromTwoVectors() instantiates a singular value decomposition for the sake of
-/// the opposite ones.
+/// between opposite directions, about some axis perpendicular to them. Accurate to 3e-8 close to opposite
+/// directions, elsewhere to rounding. In closed form, whereas Eigen's FromTwoVectors() instantiates a
+/// singular value decomposition for the opposite case.
 inline Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d a = from.normalized();
   const Eigen::Vector3d b = to.normalized();
@@ -27,13 +27,13 @@ inline Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Ei
   return q.normalized();
 }
 
-/// The rotation vector of q: its axis, as long as its angle is large. Unit: [rad].
+/// The rotation vector of q: its axis times its angle. Unit: [rad].
 inline Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q);
   return turn.angle() * turn.axis();
 }
 
-/// From one orientation to another, as a rotation vector in the frame that both are in. Unit: [rad].
+/// Rotation from one orientation to another as a rotation vector, in the common frame of both. Unit: [rad].
 inline Eigen::Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
   return rotation_vector(to * from.conjugate());
 }

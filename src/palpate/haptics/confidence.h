@@ -1,5 +1,5 @@
 /// \file
-/// How well supported contacts are.
+/// Confidence of contacts.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// How far there is a surface at each of `contacts`, those of `tool` at `pose`, in [0, 1]; see SurfacePatch.
-/// What is there is seen at the detail that the proxy sees.
+/// Returns the confidence that a surface exists at each of `contacts`, those of `tool` at `pose`, in [0, 1];
+/// see SurfacePatch. The scene is viewed at the detail that the proxy uses.
 std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const Pose& pose,
                                const ProxyParameters& parameters, const std::vector<Contact>& contacts);
 

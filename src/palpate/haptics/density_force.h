@@ -17,7 +17,7 @@ namespace palpate {
 struct DensityParameters {
   double k_base = 0.1;          ///< eq. 9, force per colliding Gaussian of opacity 1. Unit: [N]. >= 0
   double damping = 5.0;         ///< eq. 10, D. Unit: [N s/m]. >= 0
-  double f_max = 12.0;          ///< eq. 11, what the device can do (an omega: 12 N). Unit: [N]. > 0
+  double f_max = 12.0;          ///< eq. 11, the device's peak force (an omega: 12 N). Unit: [N]. > 0
   double tau_direction = 0.01;  ///< time constant of the average of the direction. Unit: [s]. >= 0
   double tau_opacity = 0.01;    ///< time constant of the average of the opacity. Unit: [s]. >= 0
   double tau_velocity = 0.005;  ///< time constant of the velocity filter. Unit: [s]. >= 0
@@ -25,22 +25,22 @@ struct DensityParameters {
   bool operator==(const DensityParameters&) const = default;
 };
 
-/// The paper's model in this reading:
+/// The paper's model, interpreted as follows:
 ///
 ///  - w_i = softmax of K_min,i (eq. 7); p_eff = sum w_i c_i (eq. 8).
 ///  - The direction from the tool centre to p_eff points into the object; the outward normal is its
 ///    opposite. Its exponential moving average, in time and not in ticks (weight of the new value
 ///    1 - exp(-dt/tau)), is normalised again.
 ///  - alpha_raw = sum w_i alpha_i, averaged likewise, k_eff = k_base alpha (eq. 9).
-///  - |F| = clamp(k_eff N - D v_n, 0, F_max) along the outward normal, v_n the filtered velocity
-///    along it (eqs. 10-11): moving in (v_n < 0) adds to the push, and nothing ever pulls.
-///  - The averages start at the first instant of a contact and are forgotten at its end; without
-///    contact the force is exactly zero. The ellipsoid gets no torque.
+///  - |F| = clamp(k_eff N - D v_n, 0, F_max) along the outward normal, v_n the filtered velocity along it
+///    (eqs. 10-11): moving in (v_n < 0) increases the force, which never attracts.
+///  - The averages start at the first instant of a contact and are discarded at its end; without contact the
+///    force is exactly zero. The ellipsoid gets no torque.
 ///
-/// The paper's tool is one ellipsoid. One of many gets such a force for every part, at the part's centre;
-/// their sum is clamped to F_max once more, and their torque is about the handle.
+/// The paper's tool is one ellipsoid. A tool of several gets such a force for every part, at the part's
+/// centre; the sum is clamped to F_max again, and the torque is about the handle.
 ///
-/// It is the paper's, faults included; docs/force-models.md lists them with measurements.
+/// Reproduces the paper's model, faults included; docs/force-models.md lists them with measurements.
 class DensityForce final : public ForceModel {
  public:
   explicit DensityForce(const DensityParameters& parameters = {}) : DensityForce(Tool{}, parameters) {}
@@ -51,7 +51,7 @@ class DensityForce final : public ForceModel {
   ForceOutput evaluate(const ForceInput& input) override;
 
  private:
-  /// What is remembered of one ellipsoid.
+  /// State of one ellipsoid.
   struct Part {
     bool in_contact = false;
     bool moving = false;                                 ///< velocity holds a value

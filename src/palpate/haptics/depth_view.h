@@ -1,5 +1,5 @@
 /// \file
-/// What is seen of the Gaussians around a tool, looking along one direction: a depth image of a few rays.
+/// Depth image of the Gaussians around a tool along one direction, with a few rays.
 #pragma once
 
 #include <array>
@@ -18,15 +18,15 @@ namespace palpate {
 struct ViewFrame {
   Eigen::Vector3d origin;  ///< of depths and of places (x, y) in the image
   Eigen::Vector3d u, v;    ///< unit; the image's axes
-  Eigen::Vector3d w;       ///< unit; where it looks, depth is positive that way. u, v, w are orthonormal.
+  Eigen::Vector3d w;       ///< unit; viewing direction, of positive depth. u, v, w are orthonormal.
 
-  /// A view along `w` whose u is as near to `u` as can be.
+  /// Returns a view along `w` whose u is as near to `u` as possible.
   static ViewFrame along(const Eigen::Vector3d& w, const Eigen::Vector3d& origin, const Eigen::Vector3d& u);
 
   Eigen::Vector3d at(double x, double y, double depth) const { return origin + x * u + y * v + depth * w; }
 };
 
-/// The far side of an ellipsoid in a view whose origin is its centre: how deep it reaches at (x, y),
+/// The far side of an ellipsoid in a view whose origin is its centre: its depth at (x, y),
 ///
 ///     depth = (sqrt(c . c - |x a + y b|^2) - (x d + y e)) / c . c
 ///
@@ -36,16 +36,16 @@ struct Profile {
 
   float aa, ab, bb, cc, d, e;
 
-  /// Of c . c, what must be left of it for a place to count as below the solid: nearer to the silhouette, the
-  /// solid's side is steeper than a depth image can tell.
+  /// Least fraction of c . c for a place to count as below the solid: nearer to the silhouette, the solid's
+  /// side is too steep for a depth image.
   static constexpr float kLeastFacing = 4e-4F;
 
-  /// True if (x, y) is below the solid and not at its very side.
+  /// Returns true if (x, y) is below the solid and not close to its silhouette.
   bool below(float x, float y) const;
   float depth(float x, float y) const;
 };
 
-/// Where the regular rays of a look are.
+/// Positions of the rays of a view.
 struct RayPattern {
   static constexpr std::size_t kMost = 64;
 
@@ -54,38 +54,38 @@ struct RayPattern {
   RayPattern(const Eigen::Matrix2d& shape, const Eigen::Vector2d& center, const Eigen::Vector2d& anchor);
 
   Eigen::Vector2d center;   ///< in the image. Unit: [m].
-  Eigen::Vector2d aim;      ///< of one more ray. Unit: [m].
-  double reach;             ///< of the rays from the centre, at most. Unit: [m].
+  Eigen::Vector2d aim;      ///< of one additional ray. Unit: [m].
+  double reach;             ///< largest distance of a ray from the centre. Unit: [m].
   Eigen::Vector2d anchor;   ///< Unit: [m].
-  Eigen::Matrix2d to_cell;  ///< the image to where neighbours are 1 apart
+  Eigen::Matrix2d to_cell;  ///< from the image to lattice coordinates with unit spacing
   std::size_t size = 0;
   std::array<Eigen::Vector2f, kMost> places;  ///< in the image. Unit: [m].
 
-  /// More rays, about `aim`.
+  /// Additional rays, about `aim`.
   static constexpr std::size_t kAround = 16;
   std::size_t around_size = 0;
   std::array<Eigen::Vector2f, kAround> around;  ///< in the image. Unit: [m].
 
-  /// Evenly spread over an ellipse about the origin, which a solid covers that is deepest at `lowest`: where
-  /// that is not in the middle, as under a rod that stands aslant, more of them are about it. \param shape
-  /// the unit disc to the ellipse. Unit: [m].
+  /// Spreads rays evenly over an ellipse about the origin, covered by a solid that is deepest at `lowest`. If
+  /// that is off-centre, as under a tilted rod, more rays are placed about it. \param shape the unit disc to
+  /// the ellipse. Unit: [m].
   static RayPattern over_ellipse(const Eigen::Matrix2d& shape, const Eigen::Vector2d& lowest);
-  /// The points of a triangular lattice, one of which is `anchor`, that are in a disc: as the disc moves on,
-  /// rays come and go at its rim, and look at the same places meanwhile. `anchor` becomes one that is near
-  /// the centre.
+  /// Places rays at the points of a triangular lattice, one of which is `anchor`, that are in a disc: as the
+  /// disc moves, rays are added and dropped at its rim only and otherwise keep their places. `anchor` becomes
+  /// a lattice point near the centre.
   static RayPattern on_lattice(const Eigen::Vector2d& center, double radius, Eigen::Vector2d& anchor);
 };
 
-/// What is left of the light of each regular ray where a look begins.
+/// Transmittance of each regular ray where a view begins.
 struct RayLight {
   explicit RayLight(float all = 1.0F) { left.fill(all); }
 
   double since =
-      std::numeric_limits<double>::infinity();  ///< at this depth, or where the look begins. Unit: [m].
+      std::numeric_limits<double>::infinity();  ///< from this depth, or the beginning of the view. Unit: [m].
   std::array<float, RayPattern::kMost> left;    ///< in [DepthView::kSeen, 1]
 };
 
-/// Sums over the regular rays that hit something, with b = (1, x, y, x^2 + y^2, x^2 - y^2, 2 x y), x and y
+/// Weighted sums over the regular rays with a hit, with b = (1, x, y, x^2 + y^2, x^2 - y^2, 2 x y), x and y
 /// from the kernel's centre and all lengths in its unit.
 struct DepthMoments {
   static constexpr std::size_t kTerms = 6;
@@ -95,24 +95,24 @@ struct DepthMoments {
   float hit = 0.0F;                   ///< of w
   float residual = 0.0F;              ///< of w (z - fit)^2
   float aimed = 0.0F;                 ///< of the kernel alone, over all regular rays
-  float seen_through = 0.0F;          ///< of w times the transmittance that is left behind what was hit
+  float seen_through = 0.0F;          ///< of w times the transmittance behind the hit
 
-  /// How much of the kernel something is seen in. \pre `aimed` is above zero
+  /// Fraction of the kernel with a hit. \pre `aimed` is above zero
   double covered() const { return static_cast<double>(hit / aimed); }
 };
 
-/// What moments() weighs rays with: w = h (1 - (x^2 + y^2) / end^2)^3 / (1 + (z - fit)^2 / spread^2), with h
-/// the share of what a ray would meet of a wall that hides all.
+/// Weight of the rays in moments(): w = h (1 - (x^2 + y^2) / end^2)^3 / (1 + (z - fit)^2 / spread^2), with h
+/// the fraction of the opacity relative to an opaque wall.
 struct DepthKernel {
   Eigen::Vector2d center;  ///< in the image. Unit: [m].
-  double unit;             ///< of all other lengths. Unit: [m].
+  double unit;             ///< unit of all other lengths. Unit: [m].
   double level;            ///< depth that z is counted from. Unit: [m].
-  float end;               ///< where it ends
+  float end;               ///< radius of its support
   std::array<float, DepthMoments::kTerms> fit{};
   float spread = 1.0F;
 };
 
-/// A splat in a view: about (px, py), m^2 = quu dx^2 + quv dx dy + qvv dy^2 of the way from there, and a ray
+/// A splat in a view: m^2 = quu dx^2 + quv dx dy + qvv dy^2 with (dx, dy) measured from (px, py), and a ray
 /// at (x, y) meets it at the depth t0 + x tx + y ty. Unit: [m].
 struct SplatImage {
   float px, py;
@@ -120,72 +120,72 @@ struct SplatImage {
   float quu, quv, qvv;
   float log_alpha;
   std::uint32_t number;
-  std::uint32_t blocks;  ///< a bit for each block of rays that may meet it
+  std::uint32_t blocks;  ///< one bit for each block of rays that may meet it
 };
 
-/// Splatting for touch (Kerbl et al. 2023, for a handful of rays instead of pixels). A Gaussian is met where
-/// the ray is nearest to it by its own measure, with alpha exp(-m^2 / 2), at most 0.99, front to back by the
-/// depth of its centre; what a ray meets when its transmittance falls below kSeen is what is seen there.
-/// Regular rays fill a window evenly; besides, there is one in its middle, one that is aimed
-/// (RayPattern::aim), and some through the centres of what is nearest below the solid.
+/// Splatting for touch (Kerbl et al. 2023, for a few rays instead of pixels). A ray meets a Gaussian where
+/// its Mahalanobis distance m is least, with opacity alpha exp(-m^2 / 2), at most 0.99, front to back by the
+/// depth of the centre; the Gaussian at which the transmittance falls below kSeen is the hit. Regular rays
+/// fill a window evenly; there is also one in its middle, one at RayPattern::aim, and some through the
+/// centres of the Gaussians nearest below the solid.
 ///
-/// What is fitted to (moments()) is not that depth but the mean depth of where the light falls from three
-/// quarters to one quarter, which does not jump from one Gaussian to the next.
+/// moments() uses not that depth but the mean depth over which the transmittance falls from three quarters to
+/// one quarter, which does not jump between Gaussians.
 ///
-/// Belongs to one thread. Takes nothing from the heap after construction.
+/// Used by one thread. Does not allocate after construction.
 class DepthView {
  public:
   static constexpr std::size_t kRegular = RayPattern::kMost, kSought = 16,
                                kExtra = kSought + RayPattern::kAround, kRays = kRegular + kExtra;
 
-  /// Looks at those of `splats` that reach into `larger`, below the solid of `profile`; both solids' centre
-  /// is the view's origin. Nothing is seen that is nearer than the depth `start`, but from `light.since` on
-  /// it takes light away: no more than down to kSeen, since what has not been felt there will not be. `light`
-  /// is then what is left at `start`. Unit: [m].
-  /// \param known a depth that rays begin at least at, even where that is behind the solid: where something
-  /// has been seen before. Unit: [m].
+  /// Renders those of `splats` that reach into `larger`, below the solid of `profile`; both solids' centre is
+  /// the view's origin. Gaussians nearer than the depth `start` give no hit but attenuate the rays from
+  /// `light.since` on, at most down to kSeen, since they were not felt there before. `light` then holds the
+  /// transmittance at `start`. Unit: [m]. \param known depth of an earlier hit, from which rays begin at the
+  /// latest, even if it is behind the solid. Unit: [m].
   void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
             const RayPattern& pattern, double start, RayLight& light,
             double known = std::numeric_limits<double>::infinity());
 
-  /// \name Of the last look
+  /// \name Statistics of the last view
   /// @{
-  std::size_t in_window() const { return size_; }     ///< Gaussians that were near the rays
-  std::size_t drawn() const { return image_count_; }  ///< those of them that rays may have met
+  std::size_t in_window() const { return size_; }     ///< Gaussians near the rays
+  std::size_t drawn() const { return image_count_; }  ///< those of them that rays may meet
   /// @}
 
-  /// \name Of ray k: regular ones first.
+  /// \name Results of ray k; regular rays come first
   /// @{
   float x(std::size_t k) const { return x_[k]; }
   float y(std::size_t k) const { return y_[k]; }
-  float depth(std::size_t k) const { return depth_[k]; }  ///< infinite where nothing is seen. Unit: [m].
+  float depth(std::size_t k) const { return depth_[k]; }  ///< infinite without a hit. Unit: [m].
   bool hits(std::size_t k) const { return depth_[k] < kNothing; }
-  std::uint32_t splat(std::size_t k) const { return splat_[k]; }  ///< what is seen, by number in the splats
-  float incoming(std::size_t k) const { return incoming_[k]; }    ///< its light at `start`
+  std::uint32_t splat(std::size_t k) const {
+    return splat_[k];
+  }                                                             ///< the Gaussian hit, by number in the splats
+  float incoming(std::size_t k) const { return incoming_[k]; }  ///< its transmittance at `start`
   /// @}
 
-  /// From the far side of the solid to what ray k sees, along the view; infinite where that sees nothing or
-  /// is not below the solid. Unit: [m].
+  /// Distance from the far side of the solid to the hit of ray k, along the view; infinite without a hit or
+  /// if the ray is not below the solid. Unit: [m].
   float clearance(std::size_t k) const { return clearance_[k]; }
-  /// The ray with the least of them; kRays if there is none.
+  /// Returns the ray with the least clearance; kRays if there is none.
   std::size_t nearest() const;
 
   DepthMoments moments(const DepthKernel& kernel) const;
 
   static constexpr float kNothing = 1e30F;
-  /// What is left of the light where something is seen. An eye sees a surface where half of it is left, at
-  /// the densest place before the tool; rays are a quarter of the window apart, and the densest of a few are
-  /// not as dense as that. With this, as many pushes at captures are felt before the place that is seen as
-  /// behind.
+  /// Transmittance at a hit. An eye sees a surface where half of the light is left, at the densest place
+  /// before the tool; rays are a quarter of the window apart, and the densest of a few is less dense. With
+  /// this value, as many contacts with captured scenes are felt in front of the visible surface as behind it.
   static constexpr float kSeen = 0.55F;
 
-  /// What is left of the light where a ray is not followed further.
+  /// Transmittance at which a ray ends.
   static constexpr float kDark = 0.1F;
 
-  /// Rays that are near each other, and are asked together.
+  /// Blocks of neighbouring rays that are evaluated together.
   static constexpr std::size_t kBlock = 16, kBlocks = kRays / kBlock;
 
-  /// The rectangles that they are in.
+  /// Bounding rectangles of the blocks.
   struct RayBlocks {
     std::array<float, kBlocks> low_x, high_x, low_y, high_y;
   };

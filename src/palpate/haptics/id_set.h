@@ -21,10 +21,10 @@ class IdSet {
   /// Their union. They may overlap and come in any order.
   explicit IdSet(std::vector<IdRange> ranges);
 
-  /// In time logarithmic in the number of ranges. Takes nothing from the heap.
+  /// Takes time logarithmic in the number of ranges. Does not allocate.
   bool contains(std::uint32_t id) const;
 
-  /// As few as make up the set, in increasing order.
+  /// The fewest ranges that form the set, in increasing order.
   const std::vector<IdRange>& ranges() const { return ranges_; }
 
  private:

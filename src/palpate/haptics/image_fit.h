@@ -1,6 +1,6 @@
 /// \file
-/// What a patch of surface is made from: the far side of the tool in a view, and a quadric through the depth
-/// image that is seen there. World frame; lengths in m unless they say otherwise.
+/// Surface fit of a patch: the far side of the tool in a view, and a quadric fitted to the depth image. World
+/// frame; lengths in m unless they say otherwise.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,44 +10,44 @@
 
 namespace palpate {
 
-/// Where a view sees `point`.
+/// Returns the image coordinates of `point` in a view.
 Eigen::Vector2d image_of(const ViewFrame& view, const Eigen::Vector3d& point);
 
-/// From one place towards another, by `most` at most.
+/// Moves from one place towards another, by `most` at most.
 Eigen::Vector2d towards(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double most);
 
 /// Profile::depth() and Profile::below() in double.
 double depth_of(const Profile& profile, const Eigen::Vector2d& place);
 bool is_below(const Profile& profile, const Eigen::Vector2d& place);
 
-/// Where a ray at `place` begins: a quarter of its way through the solid, so that what is behind the solid is
-/// not taken for what is in front of it.
+/// Returns the depth where a ray at `place` begins: a quarter of its way through the solid, so that surfaces
+/// behind the solid are not taken for surfaces in front of it.
 double start_of(const Profile& profile, const Eigen::Vector2d& place);
 
-/// Where the first of all rays through the solid begins, looking along the unit vector `along`.
+/// Returns the least depth at which any ray through the solid begins, looking along the unit vector `along`.
 double start_of_all(const Profile& profile, const Ellipsoid& solid, const Eigen::Vector3d& along);
 
-/// The unit normal of the solid at a point of its surface, into it.
+/// Returns the inward unit normal of the solid at a point of its surface.
 Eigen::Vector3d inward_normal(const Ellipsoid& solid, const Eigen::Vector3d& point);
 
-/// How the far side of the solid runs at a place below it: slope and curvature of its depth.
+/// Slope and curvature of the depth of the solid's far side at a place below it.
 struct ToolSide {
   /// \pre is_below(profile, place)
   ToolSide(const Profile& profile, const Eigen::Vector2d& place);
 
-  /// How much of `bend`, of a surface's depth, is above the least curvature of the tool, by its principal
-  /// directions. Unit: [1/m].
+  /// Returns the part of `bend`, the second derivatives of a surface's depth, above the least curvature of
+  /// the tool, by its principal directions. Unit: [1/m].
   Eigen::Matrix2d more_than_tool(const Eigen::Matrix2d& bend) const;
 
-  /// The way to where a surface of that slope here, whose depth bends by `bend`, runs as the tool does: where
-  /// there is the least between them.
+  /// Returns the displacement to the place of least clearance, where a surface of that slope here and of
+  /// second derivatives `bend` is parallel to the tool.
   Eigen::Vector2d to_least(const Eigen::Vector2d& surface, const Eigen::Matrix2d& bend) const;
 
   Eigen::Vector2d slope;
   Eigen::Matrix2d curvature;  ///< of minus the depth: positive definite. Unit: [1/m].
 };
 
-/// A quadric through what is seen around a place: robust least squares with little priors that it is flat.
+/// Quadric fit to the depth image around a place: robust least squares with weak priors of flatness.
 class ImageFit {
  public:
   struct Window {
@@ -57,14 +57,14 @@ class ImageFit {
     float radius;            ///< in details
   };
 
-  /// Fits to what was seen in the last look of `image`. False if hardly anything is: the fit is then not to
-  /// be used.
+  /// Fits to the last view of `image`. \returns false if there are hardly any hits: the fit must then not be
+  /// used.
   bool to(const DepthView& image, const Window& window);
 
   double depth(const Eigen::Vector2d& place) const;
-  /// Root mean square of the distance of what is seen from the fit.
+  /// Root mean square distance of the hits from the fit.
   double roughness() const;
-  /// Of the depth at the centre of the window.
+  /// Slope of the depth at the centre of the window.
   Eigen::Vector2d slope() const { return {of_[1], of_[2]}; }
   Eigen::Matrix2d bend() const;  ///< the depth's second derivatives. Unit: [1/m].
   const DepthMoments& moments() const { return moments_; }

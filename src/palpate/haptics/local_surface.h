@@ -1,5 +1,5 @@
 /// \file
-/// What a hand at the other end of a slow link needs to feel a surface before the next answer comes.
+/// Local surface model for remote rendering over a slow link.
 #pragma once
 
 #include <array>
@@ -9,22 +9,22 @@
 
 namespace palpate {
 
-/// A plane that the handle of the tool stays before, in the orientation that the proxy has.
+/// A plane that the handle of the tool stays in front of, for the orientation of the proxy.
 struct ContactPlane {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< of the handle, on the plane. Unit: [m].
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit, outward
 };
 
-/// The surface about the tool as a few planes, for a spring between the handle and the nearest place before
-/// all of them: the same force where it was made, and near it as far as the surface is flat and the tool does
-/// not turn.
+/// The surface around the tool as a few planes, for a spring between the handle and the nearest point in
+/// front of all of them: gives the same force at the pose it was computed for, and nearby as far as the
+/// surface is flat and the tool does not rotate.
 struct LocalSurface {
-  /// A corner has three, and one comes.
+  /// Three of a corner and one that is approached.
   static constexpr std::size_t kMost = 4;
 
-  std::array<ContactPlane, kMost> planes;  ///< the first `count`; those that are pushed hardest first
+  std::array<ContactPlane, kMost> planes;  ///< the first `count` are valid, in order of decreasing push
   std::size_t count = 0;
-  double stiffness = 0.0;  ///< of the spring; 0: the model has no such surface. Unit: [N/m].
+  double stiffness = 0.0;  ///< of the spring; 0 = the model has no local surface. Unit: [N/m].
   double damping = 0.0;    ///< along the force. Unit: [N s/m].
   double friction = 0.0;   ///< Coulomb's coefficient
 };

@@ -1,5 +1,5 @@
 /// \file
-/// What the scene is made of, where it is touched.
+/// Materials of a scene: stiffness, friction and damping by place.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// What something is made of. Where a property is not set, the force model's own parameter holds.
+/// Material properties. For an unset property the force model's own parameter applies.
 struct Material {
   std::optional<double> stiffness = {};  ///< Unit: [N/m]. >= 0
   std::optional<double> friction = {};   ///< Coulomb's coefficient. >= 0
@@ -23,7 +23,7 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// `top`, and where it has no property, that of `below`.
+/// Returns `top`, with unset properties taken from `below`.
 Material over(const Material& top, const Material& below);
 
 /// The Gaussians with their centre within `radius` of `center`. World frame. Unit: [m].
@@ -32,7 +32,8 @@ struct MaterialSphere {
   double radius;
 };
 
-/// Gaussians of one material. A box takes those with their centre in it (world frame, [m]), faces included.
+/// Region of Gaussians of one material. A box contains those with their centre in it (world frame, [m]),
+/// faces included.
 struct MaterialRegion {
   struct Everywhere {};
   using Shape = std::variant<Everywhere, Eigen::AlignedBox3d, MaterialSphere, IdSet>;
@@ -40,27 +41,27 @@ struct MaterialRegion {
   Shape shape;
   Material material;
 
-  /// `center` is that of Gaussian `id`, in the world. Unit: [m].
+  /// Returns true if the region contains Gaussian `id`, whose centre is `center` in the world. Unit: [m].
   bool contains(std::uint32_t id, const Eigen::Vector3d& center) const;
 };
 
-/// The material of every Gaussian of a scene. Immutable: any number of threads may ask at once.
+/// The material of every Gaussian of a scene. Immutable: any number of threads may read concurrently.
 class MaterialMap {
  public:
   MaterialMap() = default;
-  /// Each property is that of the last region that holds the Gaussian and has it, or else that of the
+  /// Each property comes from the last region that contains the Gaussian and sets it, or else from the
   /// Gaussian's own row.
   explicit MaterialMap(std::vector<MaterialRegion> regions, PlyMaterials rows = {});
 
   /// True if no Gaussian has any property.
   bool empty() const { return regions_.empty() && rows_.empty(); }
 
-  /// Of Gaussian `id`, whose centre is `center` in the world, in [m]. Does not throw, takes nothing from the
-  /// heap, and takes time proportional to the number of regions.
+  /// Returns the material of Gaussian `id`, whose centre is `center` in the world, in [m]. Does not throw or
+  /// allocate; takes time proportional to the number of regions.
   Material of(std::uint32_t id, const Eigen::Vector3d& center) const;
 
  private:
-  std::vector<MaterialRegion> regions_;  ///< what is on top first
+  std::vector<MaterialRegion> regions_;  ///< topmost first
   PlyMaterials rows_;
 };
 

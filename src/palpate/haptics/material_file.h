@@ -1,5 +1,5 @@
 /// \file
-/// Files that say what a scene is made of, see docs/materials.md.
+/// Material files of scenes, see docs/materials.md.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// Bounds on a material file: some hundred thousand ids, and no more regions than the servo loop can look
-/// through for every contact.
+/// Bounds on a material file: some hundred thousand ids, and at most as many regions as the servo loop can
+/// check for every contact.
 inline constexpr std::uint64_t kMaxMaterialBytes = std::uint64_t{4} << 20;
 inline constexpr std::size_t kMaxMaterialRegions = 256;
 
-/// Reads regions in the order of the file, what is on top last:
+/// Reads regions in the order of the file, the topmost last:
 ///
 ///     [[region]]
 ///     name = "rubber mat"                            # for people

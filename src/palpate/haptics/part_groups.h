@@ -1,5 +1,5 @@
 /// \file
-/// Groups of neighbouring parts of a tool.
+/// Groups of neighbouring tool parts.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +10,24 @@
 
 namespace palpate {
 
-/// Parts of a tool that are near each other, and a solid that contains them.
+/// Neighbouring parts of a tool and a solid that contains them.
 struct PartGroup {
-  ToolPart around;  ///< in the tool frame, along its axes; or the part itself where it is alone
+  ToolPart around;                   ///< in the tool frame, along its axes; the part itself if single
   std::vector<std::size_t> members;  ///< by number, not empty
 };
 
-/// A tool of no more parts has no groups of several.
+/// Tools of at most this many parts have only single-part groups.
 inline constexpr std::size_t kFewParts = 8;
 
-/// Members of a group at most: all of its Gaussians are compared with each.
+/// Largest size of a group: each member is compared with all Gaussians of the group.
 inline constexpr std::size_t kMostInGroup = 8;
 
 /// The largest cross-section of a part, over pi. Unit: [m^2].
 double section(const ToolPart& part);
 
-/// Divides `parts` so that one search of the scene serves a group. Gaussians lie on surfaces, so that a
-/// search costs as the cross-section of what it is for: that of a group's solid, the largest there is, is
-/// smaller than those of its parts together. Each part is in one group.
+/// Divides `parts` into groups that share one search of the scene. Gaussians lie on surfaces, so that the
+/// cost of a search grows with the cross-section of its solid: the largest cross-section of a group's solid
+/// is less than the sum of those of its parts. Each part is in one group.
 std::vector<PartGroup> group_parts(std::span<const ToolPart> parts);
 
 }  // namespace palpate

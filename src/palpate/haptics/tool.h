@@ -1,5 +1,5 @@
 /// \file
-/// What the hand holds.
+/// Tool geometry: a rigid body of ellipsoids.
 #pragma once
 
 #include <span>
@@ -18,7 +18,7 @@ struct ToolPart {
   Eigen::Vector3d semi_axes;  ///< Unit: [m]. Positive.
   Pose pose = {};             ///< X_TP: of its centre and axes in the tool frame T
 
-  /// Its solid in the world where the tool is at X_WT.
+  /// Solid of the part in the world for the tool at X_WT.
   Ellipsoid at(const Pose& X_WT) const { return Ellipsoid::from_semi_axes(X_WT * pose, semi_axes); }
 
   bool operator==(const ToolPart&) const = default;
@@ -43,13 +43,12 @@ class Tool {
   double thinnest() const;
   /// The longest semi-axis of all parts. Unit: [m].
   double longest() const;
-  /// Of the sphere around the handle that all parts are in. Unit: [m].
+  /// Radius of the sphere around the handle that contains all parts. Unit: [m].
   double radius() const;
-  /// Mean radius of gyration about the handle of the parts as solids of one density: how far a turn by a
-  /// radian moves the tool, as a whole. Unit: [m].
+  /// Mean radius of gyration about the handle of the parts as solids of equal density: mean displacement of
+  /// the tool by a rotation of one radian. Unit: [m].
   double gyration() const;
-  /// Half the extent along the unit vector `n`, of a tool at the origin: the farthest that a point of it is.
-  /// Unit: [m].
+  /// Support of a tool at the origin: the farthest extent of its points along the unit vector `n`. Unit: [m].
   double support(const Eigen::Vector3d& n) const;
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// Tools of many ellipsoids, in TOML.
+/// Tool files: tools of several ellipsoids in TOML.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// Limits of a tool. Those of lengths keep every product of the contact mathematics inside a double.
+/// Limits of a tool. The limits of lengths keep every product in contact computations within the range of a
+/// double.
 inline constexpr std::size_t kMaxToolParts = 256;
 inline constexpr double kMinToolAxis = 1e-6, kMaxToolAxis = 1e6;  ///< Unit: [m].
 
@@ -21,14 +22,15 @@ inline constexpr double kMinToolAxis = 1e-6, kMaxToolAxis = 1e6;  ///< Unit: [m]
 ///     position = [0.03, 0.02, 0.0]            # of its centre in the tool frame, m; default 0, 0, 0
 ///     orientation = [1.0, 0.0, 0.0, 0.0]      # qw, qx, qy, qz of its axes; default the tool frame's
 ///
-/// The origin of the tool frame is the handle: what the device reports, and about which torque is felt.
-/// \throws Error for a file that cannot be read or is no such tool, naming line and key.
+/// The origin of the tool frame is the handle: the point whose pose the device reports, and about which
+/// torque is taken. \throws Error, which names line and key, if the file cannot be read or is not a valid
+/// tool.
 Tool read_tool(const std::string& path);
-/// The same of a file's text. \param name that messages call it
+/// Parses the text of a tool file. \param name used in messages
 Tool parse_tool(const std::string& name, std::string_view text);
 
-/// The text of a tool file that is read as `tool`; orientations to twelve digits. Has no apostrophes, so that
-/// it can stand in TOML's literal strings.
+/// Returns the text of a tool file for `tool`; orientations to twelve digits. Contains no apostrophes, so
+/// that it fits in TOML's literal strings.
 std::string tool_text(const Tool& tool);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// The zero-order hold of the paper, to compare with.
+/// Zero-order hold of a force model, as in the paper, for comparison.
 #pragma once
 
 #include <palpate/base/background_work.h>
@@ -9,24 +9,24 @@
 
 namespace palpate {
 
-/// A force model that answers with what another one felt a while ago: a slower thread looks for the contacts
-/// and computes the force, and the servo holds that force until the next is there (paper, section IV). The
-/// force is stale by up to two rounds of that thread, which is what ContactTracker with a Lookahead avoids:
-/// held by a hand, a spring that is late by 50 ms swings by centimetres.
+/// Returns the latest output of another force model: a slower thread finds the contacts and computes the
+/// force, and the servo thread holds that force until the next arrives (paper, section IV). The force is
+/// stale by up to two rounds of that thread, which ContactTracker with a Lookahead avoids: with a hand, a
+/// spring delayed by 50 ms oscillates by centimetres.
 ///
-/// One thread calls evaluate() and reset(), another one take() and finish().
+/// One thread calls evaluate() and reset(), another one calls take() and finish().
 class ZeroOrderHold final : public ForceModel, public BackgroundWork {
  public:
-  /// All must outlive it, and are used by take() and finish() alone. \param contacts null if the model wants
-  /// none
+  /// All arguments must outlive this object, and are used only by take() and finish(). \param contacts null
+  /// if the model wants none
   ZeroOrderHold(ForceModel& model, ToolTracker* contacts) : model_(model), contacts_(contacts) {
     found_.contacts.reserve(ToolTracker::kRoom);
   }
 
   bool wants_contacts() const override { return false; }
-  /// What is being computed at that moment is not for the new beginning, and not told.
+  /// Starts anew. Results still in flight are discarded.
   void reset() override;
-  /// ForceOutput::stored_energy is NaN: nothing is known of the energy in a force that is late.
+  /// ForceOutput::stored_energy is NaN: the energy in a delayed force is unknown.
   ForceOutput evaluate(const ForceInput& input) override;
 
   void take() override;
@@ -36,7 +36,7 @@ class ZeroOrderHold final : public ForceModel, public BackgroundWork {
   struct Question {
     ForceInput input;
     double t = 0.0;          ///< sum of the steps. Unit: [s].
-    unsigned beginning = 0;  ///< how often reset() was called before
+    unsigned beginning = 0;  ///< number of reset() calls before
   };
   struct Answer {
     ForceOutput output;
@@ -47,12 +47,12 @@ class ZeroOrderHold final : public ForceModel, public BackgroundWork {
   ToolTracker* contacts_;
   TripleBuffer<Question> question_;
   TripleBuffer<Answer> answer_;
-  // Of the servo thread.
+  // Used by the servo thread.
   double t_ = 0.0;
   unsigned beginning_ = 1;
-  // Of the other one.
+  // Used by the other thread.
   Question taken_;
-  bool asked_ = false;  ///< something, in this round
+  bool asked_ = false;  ///< a question was taken in this round
   ContactSet found_;
   double asked_at_ = 0.0;     ///< Unit: [s].
   unsigned asked_since_ = 0;  ///< Question::beginning of the last question

@@ -1,5 +1,5 @@
 /// \file
-/// A small quadratic programme: least squares between bounds.
+/// Box-constrained least squares: a small quadratic programme.
 #pragma once
 
 #include <palpate/kinematics/serial_chain.h>
@@ -15,13 +15,13 @@ struct BoxProblem {
 
 struct BoxSolution {
   JointVector x;        ///< always within the bounds, also where `optimal` is false. Shape: [n].
-  bool optimal = true;  ///< false after kMaxChanges changes of the active set, or for what is not finite
+  bool optimal = true;  ///< false after kMaxChanges changes of the active set, or for non-finite input
 };
 
-/// By a primal active-set method: the unconstrained least among the free variables, a step towards it as far
-/// as the first bound, which then holds; where there is none left, the bound with the wrong sign of its
-/// multiplier is let go (Nocedal and Wright 2006, Algorithm 16.3, for bounds). H is positive definite, so
-/// every step goes down and no set comes twice. Takes nothing from the heap, throws nothing.
+/// Solves `problem` by a primal active-set method: it steps towards the unconstrained minimum over the free
+/// variables up to the first bound, which becomes active; where no bound is met, the active bound with the
+/// wrong sign of its multiplier is released (Nocedal and Wright 2006, Algorithm 16.3, for bounds). H is
+/// positive definite, so every step descends and no active set recurs. No heap allocation; throws nothing.
 BoxSolution least_in_box(const BoxProblem& problem);
 
 }  // namespace palpate

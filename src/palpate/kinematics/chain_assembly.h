@@ -1,5 +1,5 @@
 /// \file
-/// A serial chain from the links and joints that a file lists.
+/// Assembly of a serial chain from a file's list of links and joints.
 #pragma once
 
 #include <optional>
@@ -15,17 +15,17 @@ struct ListedLink {
   LinkInertia inertia;
 };
 
-/// A joint between two links that are called by name; fixed where it has no type.
+/// A joint between two named links; fixed joints have no type.
 struct ListedJoint {
   ChainJoint joint;
   bool fixed = false;
   std::string parent, child;
 };
 
-/// What a file says, in its own order.
+/// Links and joints of a file, in its order.
 struct ChainListing {
-  std::string name, where;  ///< of the chain, and what messages begin with
-  std::string base, tip;    ///< links; empty: the only one that may be
+  std::string name, where;  ///< of the chain; prefix of messages
+  std::string base, tip;    ///< link names; empty: the only candidate
   std::vector<ListedLink> links;
   std::vector<ListedJoint> joints;
 };

@@ -36,26 +36,26 @@ namespace palpate {
 ///     acceleration = 20.0              # m/s^2 or rad/s^2
 ///     effort = 40.0                    # N or N m; may be left out: as much as is needed
 ///
-/// Fixed joints are joined with the link before them. Links beside the way from base to tip are refused: what
-/// hangs there would be moved, too.
+/// Fixed joints are merged with the link before them. Links that are not between base and tip are rejected:
+/// they would be moved, too.
 ///
-/// URDF has no limits of acceleration: a joint is taken to reach its velocity in kUrdfRampTime. A continuous
-/// joint turns by two turns at most, each way.
+/// URDF has no acceleration limits: a joint is assumed to reach its maximum velocity in kUrdfRampTime. A
+/// continuous joint is limited to two turns in each direction.
 ///
-/// What was read is compared with the forward kinematics of KDL at several postures.
-/// \throws Error, one line with file and joint, for a file that cannot be read or describes no such chain:
-/// loops, missing links, branches, negative inertias or masses, limits that are none.
+/// The chain is compared with the forward kinematics of KDL at several postures. \throws Error, one line with
+/// file and joint, for a file that cannot be read or does not describe such a chain: loops, missing links,
+/// branches, negative inertias or masses, invalid limits.
 SerialChain read_chain(const std::string& path);
-/// The same of a file's text. \param name that messages call it
+/// Parses the text of such a file. \param name of the file in messages
 SerialChain parse_chain(const std::string& name, std::string_view text);
 
 inline constexpr double kUrdfRampTime = 0.25;  ///< Unit: [s].
 
 /// A room-scale device of HapticGiant's class: a gantry of 4.7 m x 5.5 m under the ceiling, and an arm of six
-/// joints that hangs from it. The room is HapticGiant's; all other dimensions, masses and limits are assumed,
-/// and stand in giant_chain_text(). The base's frame is in the middle of the floor, z up.
+/// joints that hangs from it. The room dimensions are HapticGiant's; all other dimensions, masses and limits
+/// are assumptions, listed in giant_chain_text(). The base frame is in the middle of the floor, z up.
 SerialChain giant_chain();
-/// It as a TOML file, to begin another from.
+/// giant_chain() as a TOML file, a template for others.
 std::string_view giant_chain_text();
 
 }  // namespace palpate

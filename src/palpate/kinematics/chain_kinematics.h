@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Where a chain is at joint positions q, and how its TCP moves with them. One object a thread. Takes nothing
-/// from the heap, throws nothing; about 0.5 us for eight joints.
+/// Link poses of a chain at joint positions q, and the Jacobian of its TCP. One object per thread. No heap
+/// allocation; throws nothing; about 0.5 us for eight joints.
 class ChainKinematics {
  public:
   /// \param chain checked by check_chain(); must outlive the object.
@@ -16,16 +16,17 @@ class ChainKinematics {
   /// \param q Shape: [joints]. Finite; may be beyond the limits.
   void set(const JointVector& q);
 
-  /// X_BT: of the TCP in the base's frame.
+  /// X_BT: pose of the TCP in the base's frame.
   const Pose& tip() const { return tip_; }
-  /// Of the link behind joint `i`.
+  /// Pose of the link that joint `i` moves, in the base's frame.
   const Pose& link(int i) const { return links_[static_cast<std::size_t>(i)]; }
 
-  /// Twist of the TCP, in the base's frame and about the TCP, by joint velocities: J dq. Shape: [6, joints].
+  /// Maps joint velocities to the twist of the TCP, in the base's frame and about the TCP: J dq. Shape: [6,
+  /// joints].
   Jacobian jacobian() const { return jacobian_at(tip_.position, static_cast<int>(links_.size())); }
 
-  /// M(q): kinetic energy is dq^T M dq / 2; the sum of m J_v^T J_v + J_w^T I J_w over the links. Shape:
-  /// [joints, joints].
+  /// Joint-space inertia M(q): kinetic energy is dq^T M dq / 2; the sum of m J_v^T J_v + J_w^T I J_w over the
+  /// links. Shape: [joints, joints].
   JointMatrix inertia() const;
 
  private:
@@ -38,8 +39,7 @@ class ChainKinematics {
   Pose tip_;
 };
 
-/// From a pose to another: translation, then rotation vector, in the frame that both are in. Unit: [m],
-/// [rad].
+/// Difference of two poses: translation, then rotation vector, in the common frame of both. Unit: [m], [rad].
 Vector6d difference(const Pose& from, const Pose& to);
 
 }  // namespace palpate

@@ -10,78 +10,79 @@
 
 namespace palpate {
 
-/// Why the TCP is not where it was asked to be.
+/// Why the TCP is not at its target.
 enum class HeldBy : std::uint8_t {
   kNothing,
-  kPosition,      ///< a joint is at the end of its way
-  kVelocity,      ///< a joint is as fast as it may be
-  kAcceleration,  ///< a joint takes up speed, or brakes, as fast as it may
-  kSingular,      ///< no joint moves the TCP in the direction that was asked for
-  kNotFinite,     ///< what was asked for is no pose
+  kPosition,      ///< a joint is at a position limit
+  kVelocity,      ///< a joint is at its velocity limit
+  kAcceleration,  ///< a joint is at its acceleration limit
+  kSingular,      ///< no joint moves the TCP in the requested direction
+  kNotFinite,     ///< the target is not finite
 };
 std::string_view to_string(HeldBy why);
 
-/// How the joints share what the TCP does.
+/// Weights and rates of the redundancy resolution.
 struct JointMotionOptions {
-  double length = 0.3;            ///< a radian counts as much as so many metres. Unit: [m]. > 0
-  double centring = 2.0;          ///< rate at which redundancy goes to ChainJoint::rest. Unit: [1/s].
-  double centring_weight = 1e-3;  ///< of that against the TCP's motion, of 1
+  double length = 0.3;    ///< metres that count as much as one radian. Unit: [m]. > 0
+  double centring = 2.0;  ///< rate at which redundant motion approaches ChainJoint::rest. Unit: [1/s].
+  double centring_weight = 1e-3;  ///< weight of centring; that of the TCP's motion is 1
   double singular_below = 0.3;    ///< singular value of W J D below which motion is damped
   double damping = 0.1;           ///< lambda at a singular value of 0
-  double lag_damping = 0.5;  ///< of lambda^2, for each metre that the TCP has fallen behind. Unit: [1/m].
-  /// How a TCP that has fallen behind catches up, a radian as `length`. Unit: [m/s], [m/s^2].
+  double lag_damping = 0.5;       ///< of lambda^2, per metre of lag of the TCP. Unit: [1/m].
+  /// Limits with which a lagging TCP catches up; radians are weighted by `length`. Unit: [m/s], [m/s^2].
   double catch_up_speed = 1.0, catch_up_acceleration = 5.0;
-  double jump_speed = 10.0;  ///< of targets: faster is a jump, which is caught up with. Unit: [m/s].
-  double followed = 1e-3;    ///< lag that is no reason to tell HeldBy. Unit: [m], a radian as `length`.
+  double jump_speed = 10.0;  ///< a faster target is a jump, which is caught up with. Unit: [m/s].
+  double followed = 1e-3;    ///< lag up to which HeldBy is kNothing. Unit: [m], radians by `length`.
 };
 
-/// Joint motion that takes the TCP along a path. Each tick solves
+/// Joint motion that moves the TCP along a path. Each tick solves
 ///
 ///     min |W (J dq - V)|^2 + |D^-1 dq|^2 lambda^2 + |D^-1 U (dq - c (q_rest - q))|^2 w^2
 ///     lower <= dq <= upper                                                       (least_in_box())
 ///
-/// where V is the target's own velocity and what catches up with it, W = diag(1, 1, 1, length, ...) and D are
-/// the joints' velocity limits. U keeps joints from their ends as long as others can do the work: it grows
-/// from 1 in the middle of a joint's way (Chan and Dubey 1995). lambda^2 is what is due to a singularity,
-/// from 0 to `damping`^2 as the least singular value of W J D falls from `singular_below` to 0 (Nakamura and
-/// Hanafusa 1986), and to a TCP that has fallen behind (Sugihara 2011): towards what it cannot reach it goes
-/// as near as it can, and rests. The bounds are those of velocity, of acceleration, and of what can still be
-/// braked before the end of the joint's way, from d away within dt and with deceleration a:
+/// where V is the target's own velocity plus a catch-up velocity, W = diag(1, 1, 1, length, ...) and D are
+/// the joints' velocity limits. U keeps joints away from their limits as long as others can do the work: it
+/// grows from 1 in the middle of a joint's range (Chan and Dubey 1995). lambda^2 is the sum of a singularity
+/// term, from 0 to `damping`^2 as the least singular value of W J D falls from `singular_below` to 0
+/// (Nakamura and Hanafusa 1986), and a lag term (Sugihara 2011): the TCP approaches an unreachable target as
+/// closely as possible, and rests. The bounds are those of velocity, of acceleration, and of the velocity
+/// from which a joint can still brake before its limit, at distance d, within dt and with deceleration a:
 ///
 ///     dq dt + dq^2 / (2 a) <= d       <=>       dq <= a (sqrt(dt^2 + 2 d / a) - dt)
 ///
-/// If dq kept to that, so does dq - a dt' in the next tick, whatever dt' is: the box is never empty, and
-/// position, velocity and acceleration are kept at every tick. Torque limits are limits of acceleration, by
-/// limit_by_effort().
+/// If dq satisfies this, so does dq - a dt' in the next tick, whatever dt' is: the box is never empty, and
+/// position, velocity and acceleration limits hold at every tick. limit_by_effort() turns torque limits into
+/// acceleration limits.
 ///
-/// One object a thread. Takes nothing from the heap after its construction, throws nothing.
+/// One object per thread. No heap allocation after construction; throws nothing.
 class JointMotion {
  public:
-  /// \param chain checked; must outlive the object.
+  /// \param chain valid by check_chain(); must outlive the object.
   explicit JointMotion(const SerialChain& chain, const JointMotionOptions& options = {});
 
-  /// At rest there; positions beyond a limit are taken to it. \param q Shape: [joints].
+  /// Resets the state to rest at `q`; positions beyond a limit are clamped to it. \param q Shape: [joints].
   void start(const JointVector& q);
 
-  /// The next joint positions on the way of the TCP to `target`. Holds where that is not finite.
-  /// \param target base's frame \param dt since the last call. Unit: [s]. > 0; 0 does nothing
+  /// Computes the next joint positions on the way of the TCP to `target`. Holds if that is not finite. \param
+  /// target base's frame \param dt since the last call. Unit: [s]. > 0; 0 does nothing
   void step(const Pose& target, double dt);
-  /// Brings all joints to rest, each as fast as it may.
+  /// Brakes all joints to rest, each at its acceleration limit.
   void brake(double dt);
 
   const JointVector& position() const { return q_; }
   const JointVector& velocity() const { return dq_; }
   const JointVector& acceleration() const { return ddq_; }
-  /// Where these take the TCP, and how it moves. Base's frame.
+  /// Pose and velocity of the TCP at these joint positions and velocities. Base's frame.
   const Pose& tip() const { return kinematics_.tip(); }
   Twist tip_velocity() const;
 
-  /// What keeps the TCP more than `followed` from the last target, and which joint; -1: none in particular.
+  /// Why the TCP is more than `followed` from the last target, and which joint limits it; -1: none in
+  /// particular.
   HeldBy held_by() const { return held_by_; }
   int held_joint() const { return held_joint_; }
   /// From the TCP to the last target. Unit: [m], [rad].
   const Vector6d& lag() const { return lag_; }
-  /// The least singular value of W J D at the last step: how far from a singularity.
+  /// Least singular value of W J D at the last step: the distance from a singularity.
   double least_singular_value() const { return singular_; }
 
   const ChainLimits& limits() const { return limits_; }
@@ -100,7 +101,7 @@ class JointMotion {
   JointMotionOptions options_;
   ChainKinematics kinematics_;
   JointVector q_, dq_, ddq_;
-  JointVector position_lower_, position_upper_;  ///< of dq, by the ends of the way
+  JointVector position_lower_, position_upper_;  ///< bounds of dq due to position limits
   BoxProblem problem_;
   Pose target_;  ///< of the last step
   Vector6d lag_ = Vector6d::Zero();

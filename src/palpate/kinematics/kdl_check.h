@@ -1,5 +1,5 @@
 /// \file
-/// Forward kinematics compared with those of KDL.
+/// Cross-check of forward kinematics against KDL.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// \throws Error, which begins with `where`, if KDL has the TCP elsewhere: a chain that the two understand
+/// \throws Error, prefixed with `where`, if KDL places the TCP elsewhere: a chain that the two interpret
 /// differently must not move anything.
 void compare_with_kdl(const SerialChain& chain, const std::string& where);
 

@@ -13,11 +13,11 @@
 
 namespace palpate {
 
-/// The most joints of a chain: vectors and matrices of joints have room for as many in place, so that nothing
-/// of `kinematics` takes memory in a servo tick.
+/// Maximum number of joints of a chain: joint vectors and matrices have storage for as many in place, so that
+/// `kinematics` allocates nothing in a servo tick.
 inline constexpr int kMaxJoints = 12;
 
-/// One number a joint, in the order of the chain. Shape: [joints].
+/// One number per joint, in the order of the chain. Shape: [joints].
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, kMaxJoints, 1>;
 /// Shape: [joints, joints].
 using JointMatrix =
@@ -32,12 +32,12 @@ enum class JointType {
   kRevolute,   ///< about its axis. Positions are in [rad].
 };
 
-/// What a joint must keep to. The unit [u] is [m] or [rad], of the joint's type; forces are [N] or [N m].
+/// Limits of a joint. The unit [u] is [m] or [rad], by the joint's type; forces are [N] or [N m].
 struct JointLimits {
   double lower = 0.0, upper = 0.0;  ///< of the position; lower < upper. Unit: [u].
   double velocity = 0.0;            ///< > 0. Unit: [u/s].
   double acceleration = 0.0;        ///< > 0. Unit: [u/s^2].
-  /// What the motor has for motion, besides what holds the weight. > 0. Unit: [N] or [N m].
+  /// Motor effort available for motion, in excess of gravity compensation. > 0. Unit: [N] or [N m].
   double effort = std::numeric_limits<double>::infinity();
 };
 
@@ -56,7 +56,8 @@ struct ChainJoint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit norm, in the joint's frame
   Pose origin;                                      ///< of the joint, in the frame of the link before it
   JointLimits limits;
-  double rest = 0.0;  ///< where redundancy takes it, within the limits. Unit: [u].
+  double rest =
+      0.0;  ///< preferred position, which redundant motion approaches; within the limits. Unit: [u].
   LinkInertia link;
 };
 
@@ -79,18 +80,18 @@ struct ChainLimits {
   JointVector lower, upper, velocity, acceleration, effort, rest;
 };
 
-/// \throws Error, one line that names `where`, the joint and the first figure that is out of its range.
-/// \param where what messages begin with: a file, and perhaps a line
+/// \throws Error, one line that names `where`, the joint and the first value that is out of range. \param
+/// where prefix of messages: a file, and perhaps a line
 void check_chain(const SerialChain& chain, const std::string& where);
 
-/// Lowers accelerations so that no motor needs more than its effort for them, whatever the posture:
+/// Lowers the acceleration limits so that no motor exceeds its effort, whatever the posture:
 ///
 ///     sum_j |M_ij| a_j <= effort_i        |M_ij| <= sum_k m_k r_ik r_jk + |I_k|
 ///
-/// with M the joints' inertia, r_ik the farthest that the mass of link k is from the axis of joint i (1 where
-/// that is prismatic). Velocities do not count: the terms of dq^2 are left to the margin of the bound.
-/// \param payload at the TCP besides. Unit: [kg]. >= 0 \returns what each joint has lost, as a factor in (0,
-/// 1]. Shape: [joints].
+/// with M the joint-space inertia, r_ik the maximum distance of the mass of link k from the axis of joint i
+/// (1 where that is prismatic). Velocity terms (dq^2) are neglected; the margin of the bound covers them.
+/// \param payload additional mass at the TCP. Unit: [kg]. >= 0 \returns the factor in (0, 1] by which each
+/// joint's limit was reduced. Shape: [joints].
 JointVector limit_by_effort(SerialChain& chain, double payload);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// \param name that messages call it \throws Error for what is no URDF, with urdfdom's reason.
+/// \param name of the file in messages \throws Error for invalid URDF, with urdfdom's reason.
 ChainListing urdf_listing(const std::string& name, std::string_view text);
 
 }  // namespace palpate

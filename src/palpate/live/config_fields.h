@@ -1,6 +1,5 @@
 /// \file
-/// Description of every field of a LiveConfig: the one table that options, files and parameters are made
-/// from.
+/// Table of all fields of a LiveConfig, the single source of command-line options, file keys and parameters.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +15,16 @@
 
 namespace palpate {
 
-/// Headings that fields are listed under.
+/// Groups of fields, used as headings.
 enum class ConfigGroup : std::uint8_t { kScene, kTool, kForce, kDevice, kLoop, kGateway, kRoom };
 std::string_view title(ConfigGroup group);
 
-/// Where a value is in a configuration.
+/// Accessor of a member of LiveConfig.
 template <class T>
 class ConfigMember {
  public:
-  /// \param Field a lambda without captures that gives the place of the value, of a constant configuration,
-  /// too.
+  /// \param Field a captureless lambda that returns a reference to the value, of a const or non-const
+  /// configuration.
   template <class Field>
   constexpr ConfigMember(Field)  // NOLINT(google-explicit-constructor): it is written as a lambda
       : read_([](const LiveConfig& config) -> const T& { return Field{}(config); }),
@@ -46,9 +45,9 @@ struct FlagField {
 };
 struct TextField {
   ConfigMember<std::string> member;
-  std::string (*problem)(std::string_view text) = nullptr;  ///< why it is refused; empty: it is not
+  std::string (*problem)(std::string_view text) = nullptr;  ///< returns why a text is invalid; empty: valid
 };
-/// A whole number from `least` to `most`; a default outside means that it is not set.
+/// An integer in [least, most]; a default outside this range means "not set".
 struct CountField {
   ConfigMember<int> member;
   int least, most;
@@ -57,36 +56,36 @@ struct NumberField {
   ConfigMember<double> member;
   double least, most;  ///< both included
 };
-/// A number above zero, or none.
+/// A positive number below `below`, or none.
 struct OptionalField {
   ConfigMember<std::optional<double>> member;
   double below = std::numeric_limits<double>::infinity();
-  double most_parameter = 0.0;  ///< as a parameter, where 0 is none
+  double most_parameter = 0.0;  ///< upper limit as a parameter, for which 0 means none
 };
 struct ChoiceField {
   std::vector<std::string_view> names;
-  std::size_t (*get)(const LiveConfig& config);  ///< of `names`
+  std::size_t (*get)(const LiveConfig& config);  ///< index into `names`
   void (*set)(LiveConfig& config, std::size_t choice);
-  /// Where it may be other text besides: where that is (empty: one of `names` is chosen), and which it may
-  /// be.
+  /// If other text is accepted too: the member that holds it (empty: one of `names` is chosen), and the
+  /// predicate `may_be` that accepts it.
   std::optional<ConfigMember<std::string>> other = std::nullopt;
   bool (*may_be)(const std::string& text) = nullptr;
 
-  /// Empty if it is none of `names`, nor other text.
+  /// Returns the chosen name or other text; empty if neither is set.
   std::string_view chosen(const LiveConfig& config) const {
     if (other && !(*other)(config).empty()) return (*other)(config);
     const std::size_t choice = get(config);
     return choice < names.size() ? names[choice] : std::string_view();
   }
 };
-/// Several numbers that belong together.
+/// A fixed number of related numbers.
 struct NumbersField {
   std::size_t count;
   std::vector<double> (*get)(const LiveConfig& config);  ///< empty: not set
   void (*set)(LiveConfig& config,
               const std::vector<double>& all);  ///< \throws BadValue. \pre `count` of them
   bool shows_default = false;
-  double most_parameter = 0.0;  ///< of each, on either side of zero
+  double most_parameter = 0.0;  ///< limit of each magnitude, as a parameter
 };
 struct ToolField {
   ConfigMember<Tool> member;
@@ -95,33 +94,34 @@ using FieldType = std::variant<FlagField, TextField, CountField, NumberField, Op
                                NumbersField, ToolField>;
 /// @}
 
-/// Besides what it is.
+/// Additional properties of a field.
 struct FieldTraits {
-  bool saved = false;                   ///< one of the settings that a person works out and keeps
+  bool saved = false;                   ///< a setting that a user tunes and keeps
   bool read_only = false;               ///< as a parameter
-  std::string_view excludes = {};       ///< name of the field that it replaces where it is set
-  std::string_view shown_default = {};  ///< for people, where that is not the value
+  std::string_view excludes = {};       ///< name of the field that it replaces when set
+  std::string_view shown_default = {};  ///< for display, if different from the value
 };
 
-/// One field.
+/// Description of one field.
 struct ConfigField {
-  std::string_view name;       ///< key in TOML, long option of the command line; empty: has neither
-  std::string_view parameter;  ///< in JSON, levels separated by dots; empty: is no parameter
+  std::string_view name;       ///< key in TOML, long command-line option; empty: has neither
+  std::string_view parameter;  ///< name in JSON, levels separated by dots; empty: not a parameter
   ConfigGroup group;
-  std::string_view unit;  ///< or what stands for the value where that is no number
+  std::string_view unit;  ///< or placeholder for a non-numeric value
   std::string_view help;
   FieldType type;
   FieldTraits traits = {};
 };
 
-/// All of them but SceneConfig::path; in the order of their groups' members, as --help and files have them.
+/// Returns all fields except SceneConfig::path, in the order of their groups' members, as in --help and
+/// files.
 std::span<const ConfigField> config_fields();
-/// The field of that name. \throws Error if there is none.
+/// Returns the field with that name. \throws Error if there is none.
 const ConfigField& config_field(std::string_view name);
 
-/// Sets a field from text, numbers separated by commas. \throws BadValue, or Error for a tool's file.
+/// Sets a field from text, with numbers separated by commas. \throws BadValue, or Error for a tool's file.
 void set_from_text(const ConfigField& field, LiveConfig& config, const std::string& text);
-/// The default as people are shown it; empty: none.
+/// Returns the default as displayed to the user; empty: none.
 std::string default_text(const ConfigField& field, const LiveConfig& config);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// Settings of a live system as JSON, as clients of the gateway and of the nodes on ROS see and change them.
+/// JSON form of the settings of a live system, for clients of the gateway and of the ROS nodes.
 #pragma once
 
 #include <palpate/live/live_config.h>
@@ -7,11 +7,11 @@
 
 namespace palpate {
 
-/// All fields that are parameters, under the names that clients know them by.
+/// Returns all fields that are parameters, under their parameter names.
 Json settings_json(const LiveConfig& config);
 
-/// Changes `config` by what `wanted` has of the same names. \throws Refusal, having changed nothing that
-/// counts, for an unknown name or a value out of range.
+/// Sets the fields of `config` that are named in `wanted`. \throws Refusal for an unknown name or a value out
+/// of range; `config` is then to be discarded.
 void change_settings(LiveConfig& config, const Json& wanted);
 
 }  // namespace palpate

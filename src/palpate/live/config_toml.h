@@ -1,5 +1,5 @@
 /// \file
-/// Configuration of a live system as a TOML file: the keys of `palpate run --config`.
+/// TOML configuration files of a live system: the keys of `palpate run --config`.
 #pragma once
 
 #include <cstdint>
@@ -14,36 +14,38 @@ namespace palpate {
 
 class TomlValue;
 
-/// Which fields a file has.
+/// Selection of the fields that are written to a file.
 enum class TomlFields : std::uint8_t {
-  kSaved,        ///< the settings that a person works out and keeps: scene, tool and force
-  kSavedOfHand,  ///< of them, those of one hand of several, which share the scene
-  kAll,          ///< all that have a name, SceneConfig::path as `scene`, too
+  kSaved,        ///< settings that a user tunes and keeps: scene, tool and force
+  kSavedOfHand,  ///< the subset for one of several hands, which share the scene
+  kAll,          ///< all named fields, including SceneConfig::path as `scene`
 };
 
-/// The text of a file that is read as `config`. Numbers read back exactly. Booleans that are false, and what
-/// is not set, are left out.
+/// Returns the text of a file that reads back as `config`. Numbers round-trip exactly. False booleans and
+/// unset fields are left out.
 std::string to_toml(const LiveConfig& config, TomlFields fields);
 
-/// A setting as a file has it: its key, and its value as TOML.
+/// One setting of a file: its key, and its value as TOML.
 struct SettingText {
   std::string name, value;
 };
 
-/// What is set of a group, as to_toml() has it; of the scene, SceneConfig::path as `scene`, too.
+/// Returns the settings of a group, as written by to_toml(); for the scene, includes SceneConfig::path as
+/// `scene`.
 std::vector<SettingText> settings_text(const LiveConfig& config, ConfigGroup group);
 
-/// As a basic string of TOML; what is no UTF-8 in it is replaced.
+/// Returns `text` as a TOML basic string; invalid UTF-8 is replaced.
 std::string toml_quoted(std::string_view text);
 
-/// A value of TOML as set_from_text() takes it: a scalar as it is, an array's values joined by commas.
+/// Converts a TOML value to the text that set_from_text() accepts: a scalar unchanged, an array's values
+/// joined by commas.
 /// \throws Error for anything else.
 std::string value_text(const TomlValue& value);
 
-/// Reads such a file over `defaults`. \throws Error with file and line if it is not TOML, has a key that is
-/// no field, a value that the field cannot take, or two fields that exclude each other. \param is_refused
-/// groups, and with them `scene`, that the file may not have: those of a scene and a gateway that several
-/// hands share; null: none
+/// Reads a configuration file on top of `defaults`. \throws Error with file and line if it is not TOML, has
+/// an unknown key, a value that the field does not accept, or two mutually exclusive fields. \param
+/// is_refused groups (kScene includes the key `scene`) that the file must not contain: those of the scene and
+/// the gateway, which several hands share; null: none
 LiveConfig read_live_config(const std::string& path, LiveConfig defaults = {},
                             bool (*is_refused)(ConfigGroup) = nullptr);
 

@@ -1,5 +1,5 @@
 /// \file
-/// Factories of the parts of a live system from its configuration.
+/// Factory functions for the parts of a live system.
 #pragma once
 
 #include <memory>
@@ -18,45 +18,45 @@
 
 namespace palpate {
 
-/// What a scene is made of; null: of one stuff all over.
+/// Material map of a scene; null: one uniform material.
 using Materials = std::shared_ptr<const MaterialMap>;
 
-/// What ForceConfig::materials and the scene's own file, or the built-in scene, say. \param scene
-/// SceneConfig::path \throws Error for broken materials.
+/// Loads the materials from ForceConfig::materials and from the scene's own file or the built-in scene.
+/// \param scene SceneConfig::path \throws Error for invalid materials.
 Materials load_materials(const ForceConfig& config, const std::string& scene, const Progress& progress = {});
 
-/// A model of `kind` on an index, which must outlive it, as `lookahead` must, through which it looks for
-/// contacts where that is not null. \param materials felt by the proxy
+/// Creates a force model of `kind` on an index. `index` and `lookahead` must outlive it; contacts are queried
+/// through `lookahead` unless that is null. \param materials used by the proxy model
 std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceConfig& config,
                                              const SceneIndex& index, const Tool& tool,
                                              Materials materials = nullptr, Lookahead* lookahead = nullptr);
 
-/// A model that is given its contacts, whatever query finds them. \throws Error for the proxy, which asks for
-/// contacts by itself.
+/// Creates a force model that is given its contacts, from any query. \throws Error for the proxy model, which
+/// queries contacts itself.
 std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceConfig& config,
                                              const Tool& tool);
 
-/// What a device of DeviceConfig is connected with.
+/// Inputs that a device of DeviceConfig is connected to.
 struct DeviceConnections {
   HandPath hand;                      ///< of kSimulated and a giant, in the device's frame
   Trajectory playback;                ///< of kPlayback, in the device's frame
   ClientHand* client_hand = nullptr;  ///< of kClient; must outlive the device
-  double contact_stiffness = 0.0;     ///< of a giant: what it is to be stable with. Unit: [N/m].
+  double contact_stiffness = 0.0;     ///< of a giant: stiffness for which it must be stable. Unit: [N/m].
 };
 
-/// The device of `config`, not open yet. \param loop_rate LoopConfig::rate, at which what is simulated is
-/// read. Unit: [Hz]. \pre the connection of its kind is there \throws Error for a profile that there is not;
-/// for a chain that cannot be read; for an admittance that is not stable with `contact_stiffness`, with the
-/// bound that it breaks; for MuJoCo where the library was built without it.
+/// Creates the device of `config`, not open yet. \param loop_rate LoopConfig::rate, at which simulated
+/// devices are read. Unit: [Hz]. \pre the connection for its kind is set \throws Error for an unknown
+/// profile; for a chain that cannot be read; for an admittance that is unstable with `contact_stiffness`,
+/// naming the violated bound; for MuJoCo if the library was built without it.
 std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loop_rate,
                                           DeviceConnections connections);
 
-/// A giant as `config` has it. \param loop_rate LoopConfig::rate. Unit: [Hz]. \param contact_stiffness Unit:
-/// [N/m]. \throws Error for a chain that cannot be read.
+/// Returns the setup of a giant device from `config`. \param loop_rate LoopConfig::rate. Unit: [Hz]. \param
+/// contact_stiffness Unit: [N/m]. \throws Error for a chain that cannot be read.
 GiantSetup giant_setup(const DeviceConfig& config, double loop_rate, double contact_stiffness);
 
-/// Its mechanics, with a hand on that path in the base's frame. \param kind a giant's \throws Error for
-/// MuJoCo where the library was built without it.
+/// Creates the mechanics of a giant device, with a hand on path `hand` in the base frame. \param kind kGiant
+/// or kGiantMujoco \throws Error for MuJoCo if the library was built without it.
 std::unique_ptr<JointPlant> make_giant_plant(DeviceKind kind, const GiantSetup& setup, HandPath hand);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// A scene with the trackers and force models that feel it with one tool.
+/// Scene with the contact trackers and force models for one tool.
 #pragma once
 
 #include <array>
@@ -15,15 +15,16 @@
 
 namespace palpate {
 
-/// Makes a model that feels more than the one it is given, which outlives it; empty: there is no more.
+/// Wraps a force model with one that adds further forces; the given model outlives the result. Empty: no
+/// wrapper.
 using MakeAround = std::function<std::unique_ptr<ForceModel>(ForceModel& model)>;
 
-/// Everything of a live system that is made anew when a person changes the scene, the tool, or what is felt
-/// of them. Nothing of it may go while a ServoTick uses it.
+/// The parts of a live system that are rebuilt when the scene, the tool or the force settings change. Must
+/// not be destroyed while a ServoTick uses it.
 class FeltScene {
  public:
-  /// \param contacts but kAuto \param clock the loop's \param worker_delay Unit: [s]. \param path
-  /// SceneConfig::path of the scene \param around what each model is felt with besides
+  /// \param contacts any but kAuto \param clock of the servo loop \param worker_delay Unit: [s]. \param path
+  /// SceneConfig::path of the scene \param around wrapper for each model
   FeltScene(std::shared_ptr<const SceneIndex> index, const Tool& tool, const ForceConfig& force,
             const Materials& materials, ContactSearch contacts, const LoopClock& clock, double worker_delay,
             std::string path = {}, const MakeAround& around = {});
@@ -35,22 +36,22 @@ class FeltScene {
   const std::string& path() const { return path_; }
 
  private:
-  /// Everything that a model needs.
+  /// A model and its auxiliary objects.
   struct Model {
     std::unique_ptr<ForceModel> felt;
-    std::unique_ptr<ToolTracker> asked;  ///< for `felt` where that is held
+    std::unique_ptr<ToolTracker> asked;  ///< for `felt`, if that is held
     std::unique_ptr<ZeroOrderHold> held;
-    std::unique_ptr<ForceModel> around;  ///< either of them
+    std::unique_ptr<ForceModel> around;  ///< wraps `felt` or `held`
   };
 
   std::shared_ptr<const SceneIndex> index_;
   std::string path_;
   Tool tool_;
   Lookahead lookahead_;
-  Lookahead* ahead_;                                   ///< that, or null where each looks for itself
-  ToolTracker contacts_;                               ///< of the servo thread, for whichever model it feels
+  Lookahead* ahead_;      ///< &lookahead_, or null if each tracker queries by itself
+  ToolTracker contacts_;  ///< used by the servo thread, for the active model
   std::array<Model, kForceModelNames.size()> models_;  ///< by ForceModelKind
-  std::unique_ptr<WorkerThread> worker_;               ///< of all models; gone before them
+  std::unique_ptr<WorkerThread> worker_;               ///< of all models; destroyed before them
 };
 
 }  // namespace palpate

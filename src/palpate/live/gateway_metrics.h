@@ -1,5 +1,5 @@
 /// \file
-/// Counters and gauges of hands, for Prometheus. Internal to live/.
+/// Prometheus counters and gauges of hands. Internal to live/.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,15 @@
 
 namespace palpate {
 
-/// What is told of a hand.
+/// Data of one hand to be exported.
 struct MetricsOfHand {
-  std::string hand;  ///< as label; empty: none
+  std::string hand;  ///< label; empty: none
   TickFeed::Tick tick;
   const LoopStatistics& statistics;
 };
 
-/// In the text format of Prometheus, without the end of the last line. \param clients WebSockets
+/// Returns the metrics in the Prometheus text format, without the final newline. \param clients number of
+/// WebSocket clients
 std::string metrics_text(std::span<const MetricsOfHand> hands, std::size_t clients);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// What a gateway has to tell people. Internal to live/.
+/// Notices that a gateway shows to its clients and on the terminal. Internal to live/.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,11 @@
 
 namespace palpate {
 
-/// Notices that hold until something else is to be said: for pages, and once for the terminal.
+/// Keeps notices: web pages show each until it changes, the terminal prints it once.
 class GatewayNotices {
  public:
-  /// `notice` becomes `text`, and is told if that is another and not empty. The gateway's thread.
+  /// Sets `notice` to `text`, and queues it for the terminal if it changed and is not empty. The gateway's
+  /// thread.
   void tell(std::string& notice, const std::string& text) {
     if (notice == text) return;
     notice = text;
@@ -22,12 +23,12 @@ class GatewayNotices {
     const std::scoped_lock lock(mutex_);
     untold_.push_back(text);
   }
-  /// What pages are told is another. The gateway's thread.
+  /// Marks the notices on pages as changed. The gateway's thread.
   void change() { ++version_; }
-  /// Another number whenever that is so. The gateway's thread.
+  /// Returns a version number that every change increments. The gateway's thread.
   std::uint64_t version() const { return version_; }
 
-  /// For the terminal, since the last call. Any thread.
+  /// Returns the notices for the terminal since the last call. Any thread.
   std::vector<std::string> take() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(untold_, {});

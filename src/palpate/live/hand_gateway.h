@@ -1,5 +1,5 @@
 /// \file
-/// What a LiveGateway has of each hand. Internal to live/.
+/// Gateway state of one hand. Internal to live/.
 #pragma once
 
 #include <atomic>
@@ -19,59 +19,59 @@
 
 namespace palpate {
 
-/// std_srvs/Trigger, SetBool: what `work` throws as Refusal or Error is an answer, too.
+/// Returns the response of std_srvs/Trigger or SetBool; a Refusal or Error that `work` throws becomes an
+/// unsuccessful response.
 Json answer_of(const std::function<std::string()>& work);
 
-/// The topics, parameters, switches and recording of one hand, under /palpate or /palpate/NAME. On the
+/// Topics, parameters, switches and recording of one hand, under /palpate or /palpate/NAME. Used on the
 /// gateway's thread, unless a function says otherwise.
 class HandGateway {
  public:
-  /// What it has of the gateway, all of which outlives it.
+  /// Parts of the gateway that it uses; all outlive it.
   struct Surroundings {
     Hub& hub;
     GatewayNotices& notices;
     Elsewhere elsewhere;
     std::function<std::string(const std::string& csv)> report;  ///< GatewayPages::report
-    std::function<void(Json& parameters)> describe;             ///< adds what is of all hands
-    std::function<void()> stop;                                 ///< what its emergency stop does
+    std::function<void(Json& parameters)> describe;             ///< adds the parameters shared by all hands
+    std::function<void()> stop;                                 ///< called on emergency stop
     std::function<bool()> is_opening_scene;                     ///< LiveHands::is_opening_scene()
   };
 
-  /// \param name empty: the first `system` must outlive it.
+  /// \param name empty: the first hand \param system must outlive it.
   HandGateway(std::string name, LiveSystem& system, Surroundings around);
 
   const std::string& name() const { return name_; }
   LiveSystem& system() { return system_; }
   std::vector<TickObserver*> observers() { return {&feed_, &recording_}; }
   Wake& wake() { return feed_.wake(); }
-  /// Once the system has started.
+  /// Called after the system has started.
   void start();
-  /// Called LiveTopics::kRate times a second. \param shared another number whenever what describe() adds is
-  /// another
+  /// Called LiveTopics::kRate times a second. \param shared version number of what describe() adds
   void beat(std::uint64_t shared);
   /// Called when wake() is set.
   void answer() { topics_->answer(); }
   const LiveTopics& topics() const { return *topics_; }
 
   Json parameters() const;
-  /// As a client has set them.
+  /// Applies parameters set by a client.
   void change(const Json& wanted);
 
-  /// \name On any thread
+  /// \name Any thread
   /// @{
   bool is_recording() const { return records_; }
   RecordingSwitch::Recorded recorded() const { return recording_.recorded(); }
   /// @}
 
-  /// \name On the thread of pages
+  /// \name The page thread
   /// @{
   MetricsOfHand metrics();
-  /// Since its last tick. Unit: [s].
+  /// Returns the time since the last tick. Unit: [s].
   double silence();
   /// @}
 
  private:
-  /// What parameters() depends on.
+  /// Versions and states that parameters() depends on.
   struct Shown {
     std::uint64_t system = 0, recorded = 0, shared = 0, notices = 0;  ///< numbers of their versions
     bool records = false, paused = false, moves_itself = false;
@@ -97,8 +97,8 @@ class HandGateway {
   Topic& parameters_topic_;
   std::unique_ptr<LiveTopics> topics_;
   std::atomic<bool> records_ = false;    ///< recording_.is_on(), for other threads
-  std::optional<Shown> told_;            ///< to clients
-  std::weak_ptr<const FeltScene> felt_;  ///< what the topics are of; not kept alive here
+  std::optional<Shown> told_;            ///< last sent to clients
+  std::weak_ptr<const FeltScene> felt_;  ///< scene of the topics; not kept alive here
   std::string recording_notice_;
 };
 

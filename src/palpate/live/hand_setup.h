@@ -1,5 +1,5 @@
 /// \file
-/// What a hand of several is called, and how it differs from the first.
+/// Names and configurations of several hands.
 #pragma once
 
 #include <memory>
@@ -12,27 +12,26 @@
 
 namespace palpate {
 
-/// A hand that is to be: see LiveHands.
+/// Setup of one hand of LiveHands.
 struct HandSetup {
-  std::string name;  ///< of its topics; the first has none
+  std::string name;  ///< used in its topic names; empty for the first
   LiveConfig config;
   std::unique_ptr<HapticDevice> device = nullptr;  ///< the caller's own; null: one of `config`
 };
 
-/// Longest name of a hand.
+/// Maximum length of a hand's name.
 inline constexpr std::size_t kLongestHandName = 32;
-/// Most hands in one process: what their topics, threads and lines on a terminal are for.
+/// Maximum number of hands in one process; topics, threads and terminal lines are designed for it.
 inline constexpr std::size_t kMostHands = 64;
 
-/// Why a hand cannot be called that: its topics are /palpate/NAME/..., so that it follows ROS's rules for
-/// names ([a-z][a-z0-9_]*) and is not the name of a topic, service or parameter of the first hand. Empty: it
-/// can.
+/// Returns why `name` is not a valid hand name; empty if it is valid. Topics are /palpate/NAME/..., so a name
+/// must follow ROS's rules ([a-z][a-z0-9_]*) and not equal a topic, service or parameter of the first hand.
 std::string hand_name_problem(std::string_view name);
 
-/// Sets up hands from "NAME=FILE.toml", or "NAME" for one that is as the first. A file is one for --config
-/// whose settings replace those of `first`; scene and gateway are not among them, of which there is one.
-/// \param where they are written, for messages \throws Error for a name that is taken or cannot be, and as
-/// read_live_config().
+/// Creates hand setups from "NAME=FILE.toml", or "NAME" for a hand configured like the first. FILE.toml is a
+/// --config file whose settings override those of `first`; it must not set the scene or the gateway, which
+/// are shared. \param where source of the texts, for error messages \throws Error for a duplicate or invalid
+/// name, and as read_live_config().
 std::vector<HandSetup> read_hands(const std::vector<std::string>& texts, const LiveConfig& first,
                                   std::string_view where = "--hands");
 

@@ -1,5 +1,5 @@
 /// \file
-/// Configuration of a live system: plain data, with every default.
+/// Configuration of a live system: plain data with default values.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@
 namespace palpate {
 
 /// \name Choices
-/// Each with its names, in files and on the wire, in the order of its values.
+/// Each with its names in files and messages, in the order of the enumerators.
 /// @{
 /// ProxyForce, FieldForce or DensityForce.
 enum class ForceModelKind : std::uint8_t { kProxy, kField, kDensity };
@@ -29,8 +29,8 @@ inline constexpr std::array<std::string_view, 3> kForceModelNames{"proxy", "fiel
 
 enum class DeviceKind : std::uint8_t {
   kSimulated,    ///< SimulatedDevice in a simulated hand
-  kPlayback,     ///< PlaybackDevice: poses of DeviceConfig::trajectory that no force moves
-  kClient,       ///< ClientDevice: whoever holds the tool through the gateway
+  kPlayback,     ///< PlaybackDevice: poses of DeviceConfig::trajectory, unaffected by forces
+  kClient,       ///< ClientDevice: a gateway client that holds the tool
   kGiant,        ///< GiantDevice, of the admittance type, in a simulated hand, on GiantPlant
   kGiantMujoco,  ///< the same on GiantMujoco
 };
@@ -42,12 +42,12 @@ constexpr bool is_giant(DeviceKind kind) {
   return kind == DeviceKind::kGiant || kind == DeviceKind::kGiantMujoco;
 }
 
-/// Who looks for contacts.
+/// Where the contact search runs.
 enum class ContactSearch : std::uint8_t {
-  kAuto,    ///< kWorker where a tool may touch hundreds of Gaussians and there is a second core, else kInline
-  kInline,  ///< the loop
-  kWorker,  ///< a thread that looks ahead of it
-  kHold,    ///< a thread that computes the force too, which is held until the next (the paper's)
+  kAuto,    ///< kWorker if a tool may touch hundreds of Gaussians and there is a second core, else kInline
+  kInline,  ///< in the servo loop
+  kWorker,  ///< in a worker thread that looks ahead of the loop
+  kHold,    ///< in a thread that also computes the force, which is held until the next one (as in the paper)
 };
 inline constexpr std::array<std::string_view, 4> kContactSearchNames{"auto", "inline", "worker", "hold"};
 
@@ -61,32 +61,33 @@ constexpr std::string_view to_string(ContactSearch search) {
   return kContactSearchNames[static_cast<std::size_t>(search)];
 }
 
-/// The model of that name. \throws Error, which names those there are.
+/// Returns the model with that name. \throws Error that lists the valid names.
 ForceModelKind force_model_kind(std::string_view name);
 /// @}
 
-/// Which scene, which of its Gaussians, how large, and where.
+/// Scene file, filter, scale and placement.
 struct SceneConfig {
   std::string path;  ///< .ply or .splat; empty: the built-in scene
   SceneFilter filter;
   UpAxis frame = UpAxis::kAsIs;
   Similarity registration;     ///< from the captured frame to the world; its rotation comes after `frame`
   bool no_index_file = false;  ///< neither read nor write SCENE.palpate, the index beside the scene
-  /// Whether somebody has said so. Where not, what is there is an assumption, for which a viewer may look for
-  /// a better one; nothing else depends on it.
+  /// Whether scale and frame were specified by the user. If not, their values are assumptions that a viewer
+  /// may try to improve; nothing else depends on these flags.
   bool scale_known = true, frame_known = true;
 
   bool operator==(const SceneConfig&) const = default;
 
-  /// From the captured frame to the world: mirrors, turns the axis that `frame` names up, then registers.
+  /// From the captured frame to the world: mirrors, turns the axis named by `frame` up, then applies
+  /// `registration`.
   Similarity world_from_scene() const;
-  /// Of the file, or of the built-in scene. For people.
+  /// Returns the display name of the file or of the built-in scene.
   std::string name() const;
-  /// One sentence: what is assumed about the captured frame.
+  /// Returns one sentence on the assumptions about the captured frame.
   std::string frame_note() const;
 };
 
-/// How contacts become a force.
+/// Force rendering.
 struct ForceConfig {
   ForceModelKind model = ForceModelKind::kProxy;
   ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too; hand_scale and materials are set by
@@ -97,19 +98,19 @@ struct ForceConfig {
   bool operator==(const ForceConfig&) const = default;
 };
 
-/// Which device, where it is, and who holds it.
+/// Haptic device, its placement, and the hand that holds it.
 struct DeviceConfig {
   DeviceKind kind = DeviceKind::kSimulated;
   std::string driver;  ///< text of make_plugin_device(): that device in place of `kind`; empty: none
-  std::string profile = "omega";  ///< of device_profiles(): forces and mechanics of what is simulated
-  /// File of read_trajectory(): of the simulated hand, or what kPlayback plays, in the world. Empty: the
-  /// simulated hand explores the scene by touch_path().
+  std::string profile = "omega";  ///< of device_profiles(): forces and mechanics of simulated devices
+  /// File of read_trajectory(): path of the simulated hand, or poses played by kPlayback, in the world frame.
+  /// Empty: the simulated hand explores the scene by touch_path().
   std::string trajectory;
-  /// Poses a second that a client sends at least; without three of them there is no force. Unit: [Hz].
+  /// Minimum rate of a client's poses; when three in a row are missing there is no force. Unit: [Hz].
   double client_rate = 60.0;
-  HandProperties hand;  ///< that holds a simulated device
-  /// From the device to the world; without WorkspaceMap::tool. Of a giant whose map is left at its default,
-  /// LiveSystem puts the scene below where the handle rests.
+  HandProperties hand;  ///< holding a simulated device
+  /// From the device to the world, without WorkspaceMap::tool. For a giant with the default map, LiveSystem
+  /// places the scene below the rest position of the handle.
   WorkspaceMap map;
   /// \name Of a giant; see GiantSetup
   /// @{
@@ -125,20 +126,21 @@ struct DeviceConfig {
 struct LoopConfig {
   double rate = 1000.0;  ///< Unit: [Hz].
   ContactSearch contacts = ContactSearch::kAuto;
-  double worker_delay = 0.0;  ///< how much longer the other thread takes than it must. Unit: [s].
-  int cpu = -1;               ///< that the servo thread stays on; -1: any
+  double worker_delay = 0.0;  ///< artificial additional delay of the worker thread. Unit: [s].
+  int cpu = -1;               ///< core that the servo thread is pinned to; -1: any
 
   bool operator==(const LoopConfig&) const = default;
 };
 
-/// Where a LiveGateway listens.
+/// Network configuration of a LiveGateway.
 struct GatewayConfig {
   static constexpr int kPort = 9090;
 
   bool off = false;                   ///< serve nothing
   int port = -1;                      ///< 0: any that is free; -1: kPort, or another if that is taken
   std::string address = "127.0.0.1";  ///< of this machine
-  std::string token;  ///< that clients must bring; empty: made at random where `address` is no loopback
+  std::string token;  ///< that clients must present; empty: generated at random if `address` is not a
+                      ///< loopback address
   /// Files in PEM, both or neither: everything is served over TLS.
   std::string tls_certificate = {}, tls_key = {};
 
@@ -153,7 +155,7 @@ struct LiveConfig {
   DeviceConfig device;
   LoopConfig loop;
   GatewayConfig gateway;
-  Similarity room;  ///< from the room that a headset knows to the world
+  Similarity room;  ///< from the room frame of a headset to the world
 
   bool operator==(const LiveConfig&) const = default;
 };

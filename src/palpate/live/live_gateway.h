@@ -1,5 +1,5 @@
 /// \file
-/// Gateway of live hands: what clients see of them, and what they may change.
+/// HTTP and rosbridge gateway of a live system.
 #pragma once
 
 #include <functional>
@@ -13,26 +13,26 @@
 
 namespace palpate {
 
-/// A file of a page, in memory.
+/// In-memory file of a web page.
 struct WebFile {
-  std::string_view path;  ///< on the server
-  std::string_view type;  ///< of its content
+  std::string_view path;  ///< URL path on the server
+  std::string_view type;  ///< MIME type
   std::string_view bytes;
-  std::string tag;  ///< of these bytes, for caches
+  std::string tag;  ///< entity tag of `bytes`, for caches
 };
 
-/// What a gateway serves besides the system's own, and what pages may open. Pages that are empty are not
+/// Additional pages that a gateway serves, and the scenes that its clients may open. Empty functions are not
 /// served.
 struct GatewayPages {
-  /// The viewer's file of a path on the server; null if it has none. What it points to lives as long as the
-  /// gateway. On the thread of pages.
+  /// Returns the viewer's file at a URL path; null if there is none. The file lives as long as the gateway.
+  /// Called on the page thread.
   std::function<const WebFile*(std::string_view path)> viewer;
-  /// The report page of a finished recording, from the path of its file; must not throw. On a thread of its
-  /// own.
+  /// Returns the report page of a finished recording, given the path of its file; must not throw. Called on a
+  /// thread of its own.
   std::function<std::string(const std::string& csv)> report;
-  /// Folders whose scenes a page may open; see SceneLibrary.
+  /// Folders whose scenes a client may open; see SceneLibrary.
   std::vector<std::string> scene_folders = {};
-  /// Why no other scene may be opened; empty where one may.
+  /// Reason why no other scene may be opened; empty if scenes may be opened.
   std::string one_scene = {};
 };
 
@@ -48,25 +48,25 @@ struct GatewayPages {
 ///     hands.stop();
 class LiveGateway {
  public:
-  /// Listens, as the first hand's GatewayConfig says. `hands` must outlive it. \throws Error if the address
-  /// cannot be had, or the scene's file not be read.
+  /// Starts listening, with the GatewayConfig of the first hand. `hands` must outlive it. \throws Error if
+  /// the address cannot be bound or the scene's file cannot be read.
   LiveGateway(LiveHands& hands, GatewayPages pages);
   ~LiveGateway();
   LiveGateway(const LiveGateway&) = delete;
   LiveGateway& operator=(const LiveGateway&) = delete;
 
-  /// To be given to LiveHands::start(), of each hand.
+  /// Returns the tick observers of a hand, to be passed to LiveHands::start().
   std::vector<TickObserver*> observers(std::size_t hand);
-  /// Once the hands have started.
+  /// Starts serving. Called after the hands have started.
   void start();
-  /// Before the hands end.
+  /// Stops serving. Called before the hands stop.
   void stop();
 
-  /// "http://127.0.0.1:9090/", with the token.
+  /// Returns the URL, e.g. "http://127.0.0.1:9090/", including the token.
   std::string url() const;
-  /// What a person at the terminal should know, since the last call. Any thread.
+  /// Returns the notices for the terminal since the last call. Any thread.
   std::vector<std::string> take_notices();
-  /// A line that the terminal has shown, for those who look at a page. Any thread.
+  /// Shows a line of the terminal to the web clients. Any thread.
   void say(const std::string& line);
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// Several hands over one scene.
+/// Several haptic hands in one scene.
 #pragma once
 
 #include <memory>
@@ -13,11 +13,11 @@
 
 namespace palpate {
 
-/// Hands in one process that feel one scene, which is in memory once: each is a LiveSystem with a device,
-/// tool, force model, governor and threads of its own, so that what befalls one hand (its device is unplugged
-/// or throws, it is stopped, its loop hangs) leaves the others as they are. The first has the scene: when it
-/// opens another, or places or filters it otherwise, the others follow. Where that is asked for, they feel
-/// each other's tools (MutualTouch).
+/// Several hands of one process in one scene, held in memory once. Each hand is a LiveSystem with its own
+/// device, tool, force model, governor and threads, so that a failure of one hand (its device is unplugged or
+/// throws, it is stopped, its loop hangs) does not affect the others. The first hand owns the scene: when it
+/// opens another scene, or changes its placement or filter, the others follow. Optionally the hands feel each
+/// other's tools (MutualTouch).
 ///
 ///     std::vector<HandSetup> setups;          // [0] is the first, with the scene, and without a name
 ///     LiveHands hands(std::move(setups));     // opens all of it; throws Error
@@ -32,9 +32,9 @@ class LiveHands {
     std::unique_ptr<LiveSystem> system;
   };
 
-  /// \param notify told what a person should know, with the name of the hand; may be empty \throws Error as
-  /// LiveSystem does, with the name of the hand. \pre at least one, names that hand_name_problem() lets be
-  /// and that differ
+  /// \param notify receives notices for the user, prefixed with the name of the hand; may be empty \throws
+  /// Error as LiveSystem does, with the name of the hand. \pre at least one hand; names are distinct and
+  /// accepted by hand_name_problem()
   explicit LiveHands(std::vector<HandSetup> setups, const Notify& notify = {}, const Progress& progress = {},
                      bool touch_each_other = false);
   /// As stop().
@@ -42,24 +42,24 @@ class LiveHands {
   LiveHands(const LiveHands&) = delete;
   LiveHands& operator=(const LiveHands&) = delete;
 
-  /// The first, then the others in the order of their setups.
+  /// Returns the first hand, then the others in the order of their setups.
   std::span<const Hand> all() const { return hands_; }
   LiveSystem& first() const { return *hands_.front().system; }
 
-  /// \param observers of each hand, see LiveSystem::start() \throws Error if a device cannot be enabled, with
-  /// the name of its hand; those that have started are then stopped.
+  /// Starts all hands. \param observers of each hand, see LiveSystem::start() \throws Error if a device
+  /// cannot be enabled, with the name of its hand; hands that have already started are then stopped.
   void start(const std::vector<std::vector<TickObserver*>>& observers);
-  /// Ramps all forces down at the same time, then ends each. Owner's thread; more than once does nothing.
+  /// Ramps all forces down at the same time, then stops each hand. Owner's thread; further calls do nothing.
   void stop();
 
-  /// \name From any thread, once they have started
+  /// \name Any thread, after start()
   /// @{
-  /// LiveSystem::stop_force() of all.
+  /// Calls LiveSystem::stop_force() of all hands.
   void stop_force(Fault why = Fault::kEmergencyStop);
-  /// LiveSystem::open_scene(), for all. Reads the beginning of the file. \throws Error, with the name of the
-  /// hand, where one needs its scene, and for a file that cannot be read or is no scene.
+  /// Calls LiveSystem::open_scene() for all hands. Reads the beginning of the file. \throws Error, with the
+  /// name of the hand, if a hand is bound to its scene, and for a file that cannot be read or is not a scene.
   void open_scene(const std::string& path);
-  /// Whether any of them is still to feel the scene that was opened last.
+  /// Returns whether any hand has not yet switched to the scene opened last.
   bool is_opening_scene() const;
   /// @}
 
@@ -68,7 +68,7 @@ class LiveHands {
   std::vector<Hand> hands_;
 };
 
-/// "hand left: ", before what is said of it; nothing for the first.
+/// Returns the message prefix of a hand, e.g. "hand left: "; empty for the first.
 std::string said_of(const std::string& hand);
 
 }  // namespace palpate

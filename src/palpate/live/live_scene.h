@@ -1,5 +1,5 @@
 /// \file
-/// Scenes and indices of a SceneConfig.
+/// Loading of the scene and the index of a SceneConfig.
 #pragma once
 
 #include <functional>
@@ -15,34 +15,35 @@
 
 namespace palpate {
 
-/// Told what a person should know, in one line: "note: ..." or "warning: ...". May be empty.
+/// Receives notices for the user, one line each: "note: ..." or "warning: ...". May be empty.
 using Notify = std::function<void(const std::string& line)>;
 
-/// The scene that there is without a file: made when it is first asked for, which takes a second, and kept.
-/// Any thread.
+/// Returns the built-in scene, used without a file. Generated on the first call, which takes a second, and
+/// kept. Any thread.
 const StillLife& built_in_scene();
 
-/// What a scene and its configuration come to.
+/// A loaded scene before and after filtering.
 struct LoadedScene {
   GaussianScene scene;
   FilterReport filtered;
   EllipsoidScene kept;
 };
 
-/// Loads and filters the file. Tells where nothing is left to touch. \throws Error.
+/// Loads and filters the scene's file. Notifies if nothing is left to touch. \throws Error.
 LoadedScene load_scene(const SceneConfig& config, const Notify& notify, const Progress& progress = {});
-/// The same; without a path, of the built-in scene.
+/// The same; uses the built-in scene if the path is empty.
 LoadedScene load_or_make_scene(const SceneConfig& config, const Notify& notify,
                                const Progress& progress = {});
 
-/// Filters a scene that was made rather than loaded; `config` says how. Tells where nothing is left to touch.
+/// Filters a generated scene according to `config`. Notifies if nothing is left to touch.
 LoadedScene filter_made_scene(GaussianScene scene, const SceneConfig& config, const Notify& notify,
                               const Progress& progress = {});
 
-/// The index of the scene's file; tells what became of the index file beside it. \throws Error.
+/// Opens or builds the index of the scene's file; notifies about the use of the index file beside it. \throws
+/// Error.
 SceneIndex open_index(const SceneConfig& config, IndexFiles files, const Notify& notify,
                       const Progress& progress = {});
-/// The same; without a path, of the built-in scene.
+/// The same; uses the built-in scene if the path is empty.
 SceneIndex open_or_make_index(const SceneConfig& config, IndexFiles files, const Notify& notify,
                               const Progress& progress = {});
 

@@ -27,36 +27,36 @@
 
 namespace palpate {
 
-/// A scene that has been read, for others that feel it as well. Immutable.
+/// A loaded scene that several systems can share. Immutable.
 struct SharedScene {
   SceneConfig config;
   SceneOrigin origin;
   std::shared_ptr<const SceneIndex> index;
   Materials materials;
-  std::string materials_file;  ///< ForceConfig::materials that `materials` are of
+  std::string materials_file;  ///< ForceConfig::materials that `materials` were read from
 };
 
-/// What an application embeds: reads or makes the scene, opens the device, and runs the servo loop between
-/// them, while scene, tool and model may be changed.
+/// A complete haptic rendering system to embed in an application: loads or generates the scene, opens the
+/// device, and runs the servo loop between them. Scene, tool and force model can be changed while it runs.
 ///
 ///     LiveSystem system(config);             // opens all of it; throws Error
 ///     system.start({&view});                 // motors on
 ///     system.change([](LiveConfig& c) { c.force.proxy.stiffness = 800.0; });
 ///     system.stop();                         // the force falls, motors off
 ///
-/// Threads: construction, start(), stop() and destruction belong to the owner's thread. What says "any
-/// thread" may be called by any other between start() and stop().
+/// Threads: construction, start(), stop() and destruction belong to the owner's thread. Functions marked "any
+/// thread" may be called by any thread between start() and stop().
 class LiveSystem {
  public:
-  /// Reads the scene, or makes the built-in one if it has no path, and opens the device, for whose
-  /// calibration it waits where that is needed. Owner's thread. \param device the caller's own; null: one of
-  /// DeviceConfig::kind. Of DeviceConfig, one's own has `map` alone. \param notify told what a person should
-  /// know, on the owner's thread; may be empty \throws Error for a scene, trajectory, tool or material that
-  /// cannot be read, or a device that cannot be opened.
+  /// Loads the scene, or generates the built-in one if the path is empty, and opens the device; waits for its
+  /// calibration if one is needed. Owner's thread. \param device the caller's device; null: creates one of
+  /// DeviceConfig::kind. Only DeviceConfig::map applies to the caller's device. \param notify receives
+  /// notices for the user, on the owner's thread; may be empty \throws Error for a scene, trajectory, tool or
+  /// material that cannot be read, or a device that cannot be opened.
   explicit LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device = nullptr,
                       const Notify& notify = {}, const Progress& progress = {});
-  /// The same over a scene that another has read: no memory is taken for it once more. It stays that of the
-  /// other: see follow(). Of `config`, `scene` does not count.
+  /// The same on a scene that another system has loaded, without a second copy in memory. The other system
+  /// owns the scene; see follow(). `config.scene` is ignored.
   LiveSystem(const LiveConfig& config, const SharedScene& scene, std::unique_ptr<HapticDevice> device,
              const Notify& notify);
   /// As stop().
@@ -64,90 +64,91 @@ class LiveSystem {
   LiveSystem(const LiveSystem&) = delete;
   LiveSystem& operator=(const LiveSystem&) = delete;
 
-  /// Motors on, and begins. Owner's thread, once. \param observers see every tick, on the servo thread; must
-  /// outlive stop() \throws Error if the device cannot be enabled.
+  /// Enables the motors and starts the loop. Owner's thread, once. \param observers receive every tick, on
+  /// the servo thread; must outlive stop() \throws Error if the device cannot be enabled.
   void start(std::vector<TickObserver*> observers);
-  /// The force begins to fall. Owner's thread, before stop(), which then waits for less: where several end,
-  /// they fall together.
+  /// Starts ramping the force down. Owner's thread, before stop(), which then waits less: when several
+  /// systems stop, their forces fall together.
   void begin_to_stop();
-  /// Ramps the force down, closes the device and ends. Owner's thread; more than once does nothing.
+  /// Ramps the force down, closes the device and stops the loop. Owner's thread; further calls do nothing.
   void stop();
 
-  /// Told of every other scene once it is felt, on a thread of its own. To be set before start().
+  /// Called with every newly active scene, on a separate thread. Must be set before start().
   std::function<void(const SharedScene& scene)> on_scene;
-  /// From start() on it feels the others of `touch`, and they feel it. To be called before. \param hand its
-  /// number there. \pre `touch` outlives it
+  /// Enables mutual touch with the other hands of `touch` from start() on. Must be called before start().
+  /// \param hand its index in `touch`. \pre `touch` outlives it
   void touch_others(MutualTouch& touch, std::size_t hand) {
     touch_ = &touch;
     number_ = hand;
   }
-  /// What another may be made over. Any thread.
+  /// Returns the scene, for constructing another system on it. Any thread.
   SharedScene scene() const;
 
-  /// \name From any thread, once it has started
+  /// \name Any thread, after start()
   /// @{
-  /// What is wanted. What that takes may still be in the making.
+  /// Returns the requested settings, which may not have taken effect yet.
   LiveConfig settings() const;
-  /// Has `edit` change scene (but for its file), tool, force (but for materials) and room; other edits are
-  /// undone. What it comes to is made on another thread, and felt once it is there and the force has fallen;
-  /// returns at once. If it cannot be made, the settings become what they were, and message() says why. What
-  /// `edit` throws is thrown, and nothing changed. \throws Error if the scene is another's, and `edit`
-  /// changes it.
+  /// Applies `edit` to scene (except its file), tool, force (except materials) and room; other edits are
+  /// reverted. Returns immediately: the new scene and models are built on another thread and take effect once
+  /// they are ready and the force has ramped to zero. If building fails, the settings revert and message()
+  /// says why. Exceptions of `edit` propagate and nothing is changed. \throws Error if `edit` changes a scene
+  /// that another system owns.
   void change(const std::function<void(LiveConfig&)>& edit);
-  /// Opens another scene in place of the one that is felt: as change(), with where it is, its crop and the
-  /// materials of a file forgotten, since they are of the old one. \param path empty: the built-in one
-  /// \throws Error where needs_its_scene(), and where the scene is another's.
+  /// Opens another scene in place of the active one; asynchronous as change(). Placement, crop and the
+  /// materials file are reset, since they belong to the old scene. \param path empty: the built-in scene
+  /// \throws Error if needs_its_scene() is not empty, and if another system owns the scene.
   void open_scene(const std::string& path);
-  /// Why no other scene can be opened, with a giant, whose scene is where its handle rests, and where poses
-  /// are played back; empty where one can.
+  /// Returns why no other scene can be opened: a giant's scene is placed where its handle rests, and a
+  /// playback belongs to its scene; empty if one can be opened.
   std::string_view needs_its_scene() const;
-  /// Has the scene of another be felt, of a system that was made over it: as change(). The newest counts.
+  /// Switches to the scene of another system, for a system constructed on a shared scene; asynchronous as
+  /// change(). The latest call wins.
   void follow(const SharedScene& scene);
-  /// How what is felt and recorded now is made. Reads the file of the materials, where there is one. \throws
-  /// Error if that cannot be read.
+  /// Returns the provenance of the current scene, settings and recording. Reads the materials file, if any.
+  /// \throws Error if that cannot be read.
   Provenance provenance(std::string_view command) const;
-  /// What is being made; empty if nothing is.
+  /// Returns a description of the work in progress; empty if there is none.
   std::string busy() const;
-  /// Why the last change failed; empty if it did not, or is still in the making.
+  /// Returns why the last change failed; empty if it succeeded or is still in progress.
   std::string message() const;
-  /// Another number whenever one of these four changes.
+  /// Returns a version number that changes with any of these four.
   std::uint64_t version() const;
-  /// The scene that is felt, which is kept as long as it is held.
+  /// Returns the active scene, kept alive by the returned pointer.
   std::shared_ptr<const FeltScene> felt() const;
 
-  /// No force, and a device of the admittance type is at rest where that takes resume() to end. Signal
-  /// handlers too.
+  /// Stops the force. A device of the admittance type is also brought to rest if ending the fault takes
+  /// resume(). May also be called from signal handlers.
   void stop_force(Fault why = Fault::kEmergencyStop);
-  /// Ends all that stop_force() began but for pauses, and faults that latch.
+  /// Clears the stops of stop_force(), except pauses and latched faults.
   void resume();
-  /// The loop's tick: its governor stops and resumes the force. What may be called when, it says itself.
+  /// Returns the loop's tick, whose governor stops and resumes the force; see ServoTick for its thread rules.
   ServoTick& tick() { return *tick_; }
   ServoLoop& loop() { return *loop_; }
-  /// The loop's, on which all times of ticks are.
+  /// Returns the loop's clock, on which all tick times are.
   const LoopClock& clock() const { return clock_; }
   const DeviceCapabilities& device() const { return device_->capabilities(); }
-  /// A name of kDeviceKindNames; "external" for the caller's own and for drivers.
+  /// Returns a name of kDeviceKindNames; "external" for the caller's device and for drivers.
   std::string_view device_kind() const { return device_kind_; }
-  /// What the device says of itself in a fault; else empty.
+  /// Returns the fault text of the device; empty without a fault.
   std::string_view device_fault() const {
     if (!guarded_->thrown().empty()) return guarded_->thrown();
     return device_->status() == DeviceStatus::kFault ? device_->status_text() : std::string_view();
   }
-  /// What keeps it from its motion, of the admittance type; empty where nothing does.
+  /// Returns what limits the motion of a device of the admittance type; empty if nothing does.
   std::string_view device_held_by() const {
     return device_->status() == DeviceStatus::kEnabled ? device_->status_text() : std::string_view();
   }
-  /// Where a client's hand is, which leads the simulated one, or is the device.
+  /// Returns the pose input of a gateway client, which leads the simulated hand or is the device.
   ClientHand& client_hand() { return client_hand_; }
-  /// Whether the simulated hand moves by itself. A client that leads it ends that: afterwards the hand stays
-  /// where it was left, until it is set to move again.
+  /// Returns whether the simulated hand moves by itself. A client that leads the hand ends this: afterwards
+  /// the hand stays where it was left, until set_moves_itself(true).
   bool moves_itself() const { return moves_itself_.load(std::memory_order_relaxed); }
   void set_moves_itself(bool on) { moves_itself_.store(on, std::memory_order_relaxed); }
-  /// Whether there is a simulated hand.
+  /// Returns whether there is a simulated hand.
   bool has_hand() const {
     return owns_device_ && (home_ || device_kind_ == to_string(DeviceKind::kSimulated));
   }
-  /// Who looks for contacts; never kAuto.
+  /// Returns the contact search in use; never kAuto.
   ContactSearch contacts() const { return contacts_; }
   /// Length of the recorded motion that is played back; 0 if there is none. Unit: [s].
   double playback_length() const { return length_; }
@@ -183,16 +184,16 @@ class LiveSystem {
   ContactSearch contacts_;
   double stiffness_;  ///< of gain 1. Unit: [N/m].
   bool explores_ = false;
-  Trajectory path_;  ///< in the world; once it is played back, of the device
-  /// Where the simulated hand goes: in the world; written by one thread at a time.
+  Trajectory path_;  ///< in the world frame; of a playback, in the device frame
+  /// Path of the simulated hand, world frame; written by one thread at a time.
   TripleBuffer<std::shared_ptr<const HandPath>> way_;
   ClientHand client_hand_;
   std::atomic<bool> moves_itself_ = true;
   double length_ = 0.0;
   std::optional<Pose> home_;  ///< of a giant's handle, device's frame
-  bool owns_device_;          ///< it is none of the caller's
+  bool owns_device_;          ///< the device is not the caller's
   std::string_view device_kind_;
-  bool follows_;  ///< another, which has the scene
+  bool follows_;  ///< follows another system, which owns the scene
   MutualTouch* touch_ = nullptr;
   std::size_t number_ = 0;  ///< there
   std::unique_ptr<HapticDevice> device_;
@@ -203,9 +204,9 @@ class LiveSystem {
 
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable wanted_;
-  LiveConfig settings_;   ///< of which device, loop and gateway never change
-  SharedScene scene_;     ///< that is felt; changed by the changer's thread only
-  SharedScene followed_;  ///< that is to be felt, of one that follows another
+  LiveConfig settings_;   ///< device, loop and gateway never change
+  SharedScene scene_;     ///< active scene; changed by the changer thread only
+  SharedScene followed_;  ///< scene to switch to, if it follows another system
   std::string busy_, message_;
   std::uint64_t version_ = 0, settings_version_ = 0;
   bool ends_ = false;

@@ -1,5 +1,5 @@
 /// \file
-/// Hands that feel each other's tools.
+/// Contact forces between the tools of several hands.
 #pragma once
 
 #include <cstddef>
@@ -15,48 +15,49 @@
 
 namespace palpate {
 
-/// Where the tools of several hands are, for each other: moving ellipsoids that repel.
+/// Contact forces between the tools of several hands, as moving ellipsoids that repel each other.
 ///
-/// Where an ellipsoid of one tool overlaps one of another (exactly: see KFunction), both hands get the force
+/// Where an ellipsoid of one tool overlaps one of another (exact test, see KFunction), both hands get the
+/// force
 ///
 ///     f = k depth n,    1 / k = 1 / k_a + 1 / k_b,
 ///
-/// with depth and n of Contact and k_a, k_b the stiffness that each hand's surfaces have: two springs, one
-/// behind the other. It acts at Contact::point, is zero at first touch, and is equal and opposite but for the
-/// tick by which either knows the other's pose late.
+/// with depth and n of Contact and k_a, k_b the surface stiffness of each hand: two springs in series. The
+/// force acts at Contact::point, is zero at first touch, and is equal and opposite except for the delay of
+/// one tick with which each hand knows the other's pose.
 ///
-/// A hand whose force is off (stopped, paused, in a fault) is not felt, and feels nobody. Tools that overlap
-/// when a hand comes back, or begins, do not push until they have been apart once: what was put around them
-/// in no time would otherwise set free energy that nobody has put in. A hand whose loop stands still is felt
-/// where it was.
+/// A hand whose force is off (stopped, paused, in a fault) neither exerts nor receives forces. Tools that
+/// overlap when a hand starts or returns do not push until they have been apart once: the sudden overlap
+/// would otherwise release energy that nobody has put in. A hand whose loop hangs is felt at its last pose.
 ///
-/// Threads: around() belongs to who makes models; the rest is done by these on the servo thread of each hand,
-/// which takes nothing from the heap, locks nothing and waits for nobody.
+/// Threads: around() is called where models are created; all else runs inside these models on the servo
+/// thread of each hand, without allocation, locks or waiting.
 class MutualTouch {
  public:
   explicit MutualTouch(std::size_t hands);
 
-  /// What hand `hand` feels with `tool` where it feels `model`, which must outlive it, as this must. One
-  /// model of a hand at a time is used. Any thread. \param stiffness k of this hand. Unit: [N/m].
+  /// Returns `model` of hand `hand` with `tool`, with the forces from the other hands added. `model` and this
+  /// object must outlive it. Only one model of a hand may be in use at a time. Any thread. \param stiffness k
+  /// of this hand. Unit: [N/m].
   std::unique_ptr<ForceModel> around(std::size_t hand, ForceModel& model, const Tool& tool, double stiffness);
 
  private:
   class Touching;
 
-  /// Where a hand is.
+  /// Pose and tool of a hand.
   struct Place {
     Pose pose;                   ///< X_WT
-    const Tool* tool = nullptr;  ///< one that is kept
+    const Tool* tool = nullptr;  ///< from kept_
     double radius = 0.0;         ///< of it. Unit: [m].
     double stiffness = 0.0;      ///< Unit: [N/m].
-    std::uint64_t presence = 0;  ///< from 1, another whenever it comes back; 0: it is not there
+    std::uint64_t presence = 0;  ///< from 1, changes whenever the hand returns; 0: absent
   };
-  /// From one hand to another.
+  /// Channel from one hand to another.
   struct Link {
     TripleBuffer<Place> place;
-    // Of the thread of the other:
-    std::uint64_t presence = 0;  ///< of the place that was looked at last
-    bool were_apart = false;     ///< since both are there
+    // Used by the thread of the receiving hand:
+    std::uint64_t presence = 0;  ///< of the place that was read last
+    bool were_apart = false;     ///< since both have been present
   };
 
   const Tool& keep(const Tool& tool);
@@ -69,10 +70,10 @@ class MutualTouch {
 
   std::size_t hands_;
   std::unique_ptr<Link[]> links_;        ///< hands_ x hands_, the diagonal unused
-  std::vector<std::uint64_t> presence_;  ///< of each hand's thread: the last number it was there under
+  std::vector<std::uint64_t> presence_;  ///< used by each hand's thread: its last Place::presence
   std::vector<std::uint8_t> is_there_;   ///< likewise
   std::mutex mutex_;                     ///< of what follows
-  std::deque<Tool> kept_;  ///< all there were: a hand may still look at one that the other has no longer
+  std::deque<Tool> kept_;  ///< all tools so far: a hand may still read one that the other has replaced
 };
 
 }  // namespace palpate

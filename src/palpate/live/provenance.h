@@ -1,5 +1,5 @@
 /// \file
-/// How a result was made: program, scene, settings, device and machine.
+/// Provenance of a result: program, scene, settings, device and machine.
 #pragma once
 
 #include <initializer_list>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// What is told of a result, for whoever wants to know, or to make it again.
+/// Information needed to reproduce a result.
 struct Provenance {
   std::vector<SettingText> made;      ///< version, command, names, checksums, machine
   std::vector<SettingText> settings;  ///< long options of the command
@@ -21,28 +21,29 @@ struct Provenance {
 
 /// The scene that a result was made with.
 struct SceneOrigin {
-  std::string name;      ///< of the file, without its folder, or for people; empty: none
-  std::string checksum;  ///< see file_checksum(); empty if it is no file
+  std::string name;      ///< file name without its folder, or display name; empty: none
+  std::string checksum;  ///< see file_checksum(); empty if it is not a file
 };
 
-/// Of SceneConfig::path, whose file is not read where the index beside it knows; without, of the built-in
-/// scene. \throws Error.
+/// Returns the origin of SceneConfig::path, without reading the file if the index beside it has the checksum;
+/// with an empty path, of the built-in scene. \throws Error.
 SceneOrigin scene_origin(const SceneConfig& scene);
 
-/// Of a command that has the fields of these groups. \throws Error if the file of the materials cannot be
-/// read.
+/// Returns the provenance of a command that uses the fields of `groups`. \throws Error if the materials file
+/// cannot be read.
 Provenance provenance(std::string_view command, const SceneOrigin& scene, const LiveConfig& config,
                       std::initializer_list<ConfigGroup> groups);
 
-/// Changes a setting, or adds it. \param value as TOML
+/// Changes or adds a setting. \param value as TOML
 void set(Provenance& provenance, std::string_view name, const std::string& value);
-/// The same of a value in any words: quoted where TOML would not take it for a number, true or false.
+/// The same for a plain text value: quoted unless TOML would read it as a number, true or false.
 void set_text(Provenance& provenance, std::string_view name, const std::string& text);
 
-/// TOML: the tables [made] and [settings]. The head of a run's file (write_run()) and of other tables.
+/// Returns the TOML tables [made] and [settings], the header of a run's file (write_run()) and of other
+/// tables.
 std::string to_toml(const Provenance& provenance);
 
-/// The name that files have for what is in a file: "xxh3-16MiB:0123456789abcdef", XXH3 over the XXH3 of every
+/// Returns the checksum of a file's content: "xxh3-16MiB:0123456789abcdef", the XXH3 over the XXH3 of every
 /// 16 MiB. \throws Error.
 std::string file_checksum(const std::string& path);
 

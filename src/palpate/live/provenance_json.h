@@ -1,5 +1,5 @@
 /// \file
-/// A Provenance as JSON.
+/// JSON form of a Provenance.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// A value of TOML: most are JSON, too; a literal of many lines is text.
+/// Converts a TOML value to JSON: most are valid JSON; a multi-line literal becomes a string.
 template <typename J>
 J value_json(const std::string& value) {
   constexpr std::string_view kLiteral = "'''";
@@ -24,7 +24,7 @@ J value_json(const std::string& value) {
   return text;
 }
 
-/// What is known of the making by name, and `settings`, an object of them. \tparam J Json or OrderedJson
+/// Returns an object with Provenance::made by name, and the object `settings`. \tparam J Json or OrderedJson
 template <typename J>
 J provenance_json(const Provenance& provenance) {
   J json, settings = J::object();

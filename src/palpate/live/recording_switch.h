@@ -1,5 +1,5 @@
 /// \file
-/// A recording that is begun and ended while the loop runs.
+/// Recorder that starts and stops while the loop runs.
 #pragma once
 
 #include <atomic>
@@ -18,58 +18,60 @@
 
 namespace palpate {
 
-/// Records every tick between begin() and end() into a file of its own, and has the report page of the last
-/// one made. Making and ending files is done elsewhere.
+/// Records every tick between begin() and end() to a new file, and generates the report page of the last
+/// recording. Files are created and closed on the Elsewhere thread.
 class RecordingSwitch final : public TickObserver {
  public:
-  /// Makes the report page of a recording from the path of its file; must not throw. On a thread of its own.
+  /// Generates the report page of a recording from the path of its file; must not throw. Called on a thread
+  /// of its own.
   using PageMaker = std::function<std::string(const std::string& csv)>;
 
-  /// Tells where the next recording goes, a file that is not there yet. Elsewhere; may throw Error.
+  /// Returns the path of the next recording, a file that does not exist yet. Called on the Elsewhere thread;
+  /// may throw Error.
   using Place = std::function<std::string()>;
 
-  /// \param page empty: there are no report pages \param rows what those of the loop have \param place empty:
-  /// in a folder in the system's for such, which goes with this object
+  /// \param page empty: no report pages \param rows recorder options, matching the loop \param place empty: a
+  /// folder in the system's temporary folder, removed with this object
   RecordingSwitch(Elsewhere elsewhere, PageMaker page, RecorderOptions rows, Place place = {})
       : elsewhere_(std::move(elsewhere)),
         page_(std::move(page)),
         rows_(std::move(rows)),
         place_(std::move(place)) {}
-  /// Once the loop has stopped, and nothing more is done elsewhere.
+  /// \pre the loop has stopped, and no work is left on the Elsewhere thread
   ~RecordingSwitch() override;
 
-  /// The servo thread.
+  /// Called on the servo thread.
   void see(const TickRecord& record, const TickTimes& times) override;
 
-  /// Told once it is done: why it failed, or nothing.
+  /// Completion callback. \param failure why it failed; empty on success
   using Done = std::function<void(const std::string& failure)>;
 
-  /// \name One other thread, that of the `then` of `elsewhere`; it never waits
+  /// \name One other thread, that of the `then` of `elsewhere`; never blocks
   /// @{
-  /// \param made tells how it is made, elsewhere: RecorderOptions::made; may throw Error \throws Error if one
-  /// is being recorded, begun or ended.
+  /// Starts a recording. \param made returns RecorderOptions::made, on the Elsewhere thread; may throw Error
+  /// \throws Error if a recording is running, starting or ending.
   void begin(std::function<std::string()> made, Done done);
-  /// Rows end at once. What was recorded is then there, also where that failed before, up to its last row.
-  /// \throws Error if nothing is being recorded.
+  /// Ends the recording; no further rows are added. The file then holds everything recorded, after an earlier
+  /// failure up to the last row written. \throws Error if nothing is being recorded.
   void end(Done done);
   bool is_on() const { return state_ == State::kOn; }
-  /// The file of the recording that was begun last; empty before the first.
+  /// Returns the file of the recording that was started last; empty before the first.
   std::string path() const { return job_ ? job_->path : std::string(); }
-  /// Why no more can be recorded, while it is on; nothing if all is well.
+  /// Returns why the running recording has failed; nothing if it is fine.
   std::optional<std::string> failure() const;
   /// @}
 
   /// The last finished recording. Any thread.
   struct Recorded {
-    std::shared_ptr<const InputFile> csv;     ///< null: there is none yet
-    std::shared_ptr<const std::string> page;  ///< its report; null until that is made
-    std::uint64_t version = 0;                ///< another number whenever one of them is another
+    std::shared_ptr<const InputFile> csv;     ///< null before the first
+    std::shared_ptr<const std::string> page;  ///< its report; null until generated
+    std::uint64_t version = 0;                ///< changes whenever `csv` or `page` changes
   };
   Recorded recorded() const;
 
  private:
   enum class State { kOff, kBeginning, kOn, kEnding };
-  /// What is made or ended elsewhere.
+  /// State of one recording, created and closed on the Elsewhere thread.
   struct Job {
     std::unique_ptr<Recorder> recorder;
     std::function<std::string()> made;
@@ -86,13 +88,13 @@ class RecordingSwitch final : public TickObserver {
   RecorderOptions rows_;
   Place place_;
   State state_ = State::kOff;
-  std::shared_ptr<Job> job_;               ///< of what is on, or about to be
-  std::atomic<Recorder*> used_ = nullptr;  ///< by the servo thread from its next tick on
+  std::shared_ptr<Job> job_;               ///< of the current recording
+  std::atomic<Recorder*> used_ = nullptr;  ///< used by the servo thread from its next tick on
   std::atomic<std::uint64_t> ticks_ = 0;
-  // Of the jobs, one after the other:
+  // Used by the jobs, which run one at a time:
   std::string folder_;
   int count_ = 0;
-  std::vector<std::unique_ptr<Recorder>> retired_;  ///< that a tick may still be in
+  std::vector<std::unique_ptr<Recorder>> retired_;  ///< possibly still in use by a tick
   std::thread maker_;
 
   mutable std::mutex mutex_;  ///< of what follows

@@ -1,5 +1,5 @@
 /// \file
-/// Signals of a program that runs live systems.
+/// Signal handlers of a program that runs live systems.
 #pragma once
 
 #include <vector>
@@ -8,20 +8,20 @@
 
 namespace palpate {
 
-/// Has handlers in place as long as it lives: INT, TERM, HUP and QUIT end the run, USR1 is an emergency stop.
-/// Both let the force fall by themselves, also where the main thread waits for something. What kills the
-/// program (SEGV, BUS, FPE, ILL, ABRT) stops the devices before; PIPE and XFSZ are ignored, so that who
-/// writes finds out. One at a time, on the main thread.
+/// Installs signal handlers for its lifetime: INT, TERM, HUP and QUIT end the run, USR1 is an emergency stop.
+/// The handlers of both start ramping the force down themselves, even while the main thread blocks. Fatal
+/// signals (SEGV, BUS, FPE, ILL, ABRT) first stop the devices; PIPE and XFSZ are ignored, so that the writer
+/// gets the error. One instance at a time, on the main thread.
 class RunSignals {
  public:
   /// `systems` must outlive it. \pre they have started
   explicit RunSignals(std::vector<LiveSystem*> systems);
-  /// From here on the signals that end a run end the program.
+  /// Resets the handlers to the default: signals that ended the run now end the program.
   ~RunSignals();
   RunSignals(const RunSignals&) = delete;
   RunSignals& operator=(const RunSignals&) = delete;
 
-  /// Whether a signal has asked the run to end.
+  /// Returns whether a signal has requested the end of the run.
   static bool ended();
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// The file of a scene while somebody looks at it.
+/// Access to a scene's file with detection of later changes.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Serves a scene's file as it was when it was opened, and notices where it is another by now. Immutable; any
+/// Holds a scene's file as it was when opened, and detects whether the file has changed since. Immutable; any
 /// thread.
 class SceneFile {
  public:
@@ -19,15 +19,15 @@ class SceneFile {
   explicit SceneFile(const std::string& path);
 
   const std::shared_ptr<const InputFile>& bytes() const { return bytes_; }
-  /// Of this file at this time, for caches.
+  /// Returns the entity tag of this version of the file, for caches.
   const std::string& tag() const { return tag_; }
 
   enum class Change {
     kNone,
-    kReplaced,    ///< there is another of that name, or none; bytes() are the old ones
-    kOverwritten  ///< it is the same and has been written to: bytes() may be anything
+    kReplaced,    ///< the name refers to another file, or none; bytes() are the old ones
+    kOverwritten  ///< the same file was written to: bytes() may be anything
   };
-  /// May wait for a disk.
+  /// Checks for a change. May block on a disk.
   Change change() const;
 
  private:
@@ -36,7 +36,7 @@ class SceneFile {
   std::string tag_;
 };
 
-/// For a person; empty for none.
+/// Returns the notice for the user; empty for kNone.
 std::string notice_of(SceneFile::Change change);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// The scenes that a page may open.
+/// Library of the scenes that gateway clients may open.
 #pragma once
 
 #include <cstdint>
@@ -11,41 +11,43 @@
 
 namespace palpate {
 
-/// Scenes in the folders that were given at the start, the one that was felt first, those that were handed
-/// over, and the built-in one; nothing else, so that no page reads any other file. Any thread.
+/// The scenes in the configured folders, the initial scene, uploaded scenes and the built-in one. Nothing
+/// else can be opened, so that no web page can read other files. Any thread.
 class SceneLibrary {
  public:
-  /// \param folders looked through two levels deep \param first SceneConfig::path of the scene that is felt
-  /// first \param option that named the folders, for messages \throws Error for a folder that is none.
+  /// \param folders searched two levels deep \param first SceneConfig::path of the initial scene \param
+  /// option name of the option that set the folders, for messages \throws Error for a path that is not a
+  /// folder.
   SceneLibrary(const std::vector<std::string>& folders, std::string first,
                std::string_view option = "--scenes");
-  /// Takes away what was handed over.
+  /// Deletes uploaded files.
   ~SceneLibrary();
   SceneLibrary(const SceneLibrary&) = delete;
   SceneLibrary& operator=(const SceneLibrary&) = delete;
 
   struct Entry {
     std::string id;            ///< for path_of()
-    std::string name;          ///< for people
-    std::uint64_t bytes = 0;   ///< 0: it is not a file
-    std::string refusal = {};  ///< why it cannot be read, and what to do; empty: it can
+    std::string name;          ///< for display
+    std::uint64_t bytes = 0;   ///< 0: not a file
+    std::string refusal = {};  ///< why it cannot be read, and what to do; empty: readable
   };
-  /// Looks at the disk. At most kMost, sorted by folder and name.
+  /// Lists the scenes on the disk now: at most kMost, sorted by folder and name.
   std::vector<Entry> list() const;
-  /// SceneConfig::path of an entry of list(), as it is now. \throws Error if there is none of that id, or it
-  /// cannot be read.
+  /// Returns SceneConfig::path of an entry of the current list(). \throws Error if there is no entry with
+  /// that id, or it cannot be read.
   std::string path_of(std::string_view id) const;
 
-  /// A new place for a file of `bytes` bytes that is called `name`, in a folder of its own that nobody else
-  /// may read. \throws Error if its format cannot be read, or there is no room for it.
+  /// Returns a new path for an uploaded file `name` of `bytes` bytes, in a private folder that no other user
+  /// can read. \throws Error if its format cannot be read, or the disk has no room for it.
   std::string place_for(std::string_view name, std::uint64_t bytes);
-  /// That file is whole: it is listed, and those handed over before go, but for `kept`. \param kept a path
+  /// Adds a completely uploaded file to the list, and deletes earlier uploads except `kept`. \param kept a
+  /// path
   void have(const std::string& path, const std::string& kept);
-  /// Or it is not: it goes.
+  /// Deletes an incomplete upload.
   void drop(const std::string& path);
 
   static constexpr std::size_t kMost = 500;
-  static constexpr std::uint64_t kRoom = std::uint64_t{256} << 20;  ///< bytes that stay free on the disk
+  static constexpr std::uint64_t kRoom = std::uint64_t{256} << 20;  ///< bytes that must stay free on the disk
 
  private:
   struct Found {
@@ -58,12 +60,12 @@ class SceneLibrary {
   std::string first_;
   mutable std::mutex mutex_;  ///< of what follows
   std::filesystem::path own_;
-  std::size_t count_ = 0;            ///< of the files that have had a place there
-  std::vector<std::string> handed_;  ///< over, the newest last
+  std::size_t count_ = 0;            ///< of upload paths assigned so far
+  std::vector<std::string> handed_;  ///< uploaded files, the newest last
 };
 
-/// Why a scene file of that name cannot be read, and how it is converted; empty where nothing speaks against
-/// it.
+/// Returns why a scene file of that name cannot be read, and how to convert it; empty if its format is
+/// supported.
 std::string refusal_of_format(std::string_view name);
 
 }  // namespace palpate

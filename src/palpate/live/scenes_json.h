@@ -1,5 +1,5 @@
 /// \file
-/// The scenes of a SceneLibrary as JSON, as clients of the gateway and of the nodes on ROS get them.
+/// JSON list of the scenes of a SceneLibrary, for clients of the gateway and of the ROS nodes.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// An array of {id, name, bytes, refusal}.
+/// Returns an array of {id, name, bytes, refusal}.
 inline Json scenes_json(const std::vector<SceneLibrary::Entry>& entries) {
   Json list = Json::array();
   for (const SceneLibrary::Entry& entry : entries)

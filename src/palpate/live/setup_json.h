@@ -1,5 +1,5 @@
 /// \file
-/// A SceneSetup as JSON, as the command line prints it and clients of the gateway get it.
+/// JSON form of a SceneSetup, for the command line and clients of the gateway.
 #pragma once
 
 #include <string>
@@ -9,14 +9,15 @@
 
 namespace palpate {
 
-/// Both corners of a box: the least x, y, z, then the greatest.
+/// Returns both corners of a box: the minimum x, y, z, then the maximum.
 inline std::vector<double> corners(const Eigen::AlignedBox3d& box) {
   std::vector<double> all(box.min().begin(), box.min().end());
   all.insert(all.end(), box.max().begin(), box.max().end());
   return all;
 }
 
-/// {frame, scale, opacity_min, max_scale, crop_box}, each {value, reason}; null where nothing is proposed.
+/// Returns {frame, scale, opacity_min, max_scale, crop_box}, each {value, reason}; a value is null if nothing
+/// is proposed.
 /// \tparam J Json or OrderedJson
 template <typename J>
 J setup_json(const SceneSetup& setup) {

@@ -1,5 +1,5 @@
 /// \file
-/// A SceneSetup for a person.
+/// Text form of a SceneSetup.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Options to paste, and a line for each with its reason.
+/// Returns the command-line options to paste, and one line with the reason for each.
 std::string setup_text(const SceneSetup& setup);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// The hand that holds a simulated device.
+/// Motion of the simulated hand that holds a simulated device.
 #pragma once
 
 #include <atomic>
@@ -9,10 +9,10 @@
 
 namespace palpate {
 
-/// Where the hand wants to be, in the device's frame: on its own way while `moves_itself` is set, on which
-/// time stands still otherwise; where a client leads it, which clears `moves_itself`; and afterwards where
-/// that has left it, until `moves_itself` is set again. With the tremor of a hand. The servo thread's; what
-/// it is given must outlive it. \param own in the device's frame
+/// Returns the target path of the hand, in the device's frame. While `moves_itself` is set the hand follows
+/// its path `own`, whose time stops otherwise. A client that leads the hand clears `moves_itself`; afterwards
+/// the hand stays where it was left, until `moves_itself` is set again. Hand tremor is added. Used on the
+/// servo thread; the arguments must outlive it. \param own in the device's frame
 HandPath simulated_hand(HandPath own, ClientHand& client, std::atomic<bool>& moves_itself);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// Values from text, as on a command line or in a configuration file.
+/// Parsing of values from the command line or a configuration file.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// A value that a setting cannot take; what() says why, without the setting's name.
+/// Thrown for a value that a setting does not accept; what() says why, without the setting's name.
 class BadValue : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

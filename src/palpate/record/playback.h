@@ -1,6 +1,5 @@
 /// \file
-/// Plays a trajectory against a scene, offline: the same answers every time, on any number of
-/// threads.
+/// Offline playback of a trajectory against a scene: deterministic, whatever the number of threads.
 #pragma once
 
 #include <vector>
@@ -14,12 +13,12 @@
 
 namespace palpate {
 
-/// The velocity V_WT that carried the tool from `from` to `to`, world frame; zero if no time passed.
+/// The mean velocity V_WT of the tool from `from` to `to`, world frame; zero if no time passed.
 Twist velocity_between(const TimedPose& from, const TimedPose& to);
 
-/// Contacts and wrench at every pose, in order. Contacts are found in parallel on the calling
-/// thread's task arena; the force model, which has a memory, sees the poses one after the other.
-/// Only RunRow::compute_us differs between two calls.
+/// Computes contacts and wrench at every pose, in order. Contacts are found in parallel on the calling
+/// thread's task arena; the force model, which has state, processes the poses sequentially. Only
+/// RunRow::compute_us differs between two calls.
 std::vector<RunRow> play_back(const ContactQuery& query, const Tool& tool, ForceModel& model,
                               const Trajectory& trajectory, const Progress& progress = {});
 

@@ -1,5 +1,5 @@
 /// \file
-/// What a live loop does, on disk within an instant.
+/// Recorder of a live loop: writes every tick to a file with little delay.
 #pragma once
 
 #include <atomic>
@@ -22,42 +22,43 @@
 namespace palpate {
 
 struct RecorderOptions {
-  bool user_force = false;                  ///< the rows have one
-  std::size_t room = std::size_t{1} << 15;  ///< rows that may wait for the writer: three seconds at 10 kHz
-  std::string made = {};                    ///< as write_run() writes it
+  bool user_force = false;                  ///< rows have a user force
+  std::size_t room = std::size_t{1} << 15;  ///< queue capacity in rows: three seconds at 10 kHz
+  std::string made = {};                    ///< how the run was made, see write_run()
 };
 
-/// Of a loop with this device.
+/// Options for a loop with this device.
 RecorderOptions recorder_options(const DeviceCapabilities& device);
 
-/// Records a live loop as a run (`run_log.h`) with live columns. The loop's thread pushes a row a tick; a
-/// thread of the recorder writes them, every kInterval, in whole lines.
+/// Records a live loop as a run (`run_log.h`) with live columns. The loop's thread pushes a row per tick; a
+/// writer thread of the recorder writes them every kInterval, in whole lines.
 ///
-/// When the process is killed at any instant, the file has all but the rows of the last instant, and at most
-/// its last line is cut, which read_run() knows. (Rows are handed to the system, not to the disk: the death
-/// of the machine may take those of the last half minute, until close().) While it grows, anyone may read it.
+/// If the process is killed at any instant, the file has all but the rows of the last instant, and at most
+/// its last line is truncated, which read_run() detects. (Rows are written to the system, not flushed to
+/// disk: until close(), a machine crash may lose those of the last half minute.) The file may be read while
+/// it grows.
 ///
-/// Made on an ordinary thread: that of the recorder inherits its scheduling.
+/// Construct it on a thread without real-time scheduling: the writer thread inherits the scheduling.
 class Recorder {
  public:
   static constexpr double kInterval = 0.02;  ///< between writes. Unit: [s].
 
-  /// \throws Error if `path` exists (a recording of a hand is not replaced), its folder is missing or cannot
-  /// be written, or the disk is full.
+  /// \throws Error if `path` exists (a recording is never overwritten), its folder is missing or not
+  /// writable, or the disk is full.
   explicit Recorder(const std::string& path, const RecorderOptions& options = {});
-  /// As close().
+  /// Calls close().
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Takes a row, on the loop's thread: without wait, lock, allocation, exception or I/O. What a row lacks,
-  /// and what is not finite (a force model that fails; LiveColumns::fault tells), is written as 0. \returns
-  /// false if the row is lost: the writer is too far behind, has failed or is closed, or the row's time does
-  /// not follow that of the row before.
+  /// Queues a row, on the loop's thread: without waiting, locks, allocation, exceptions or I/O. Fields that a
+  /// row lacks, and non-finite values (of a failing force model; LiveColumns::fault records that), are
+  /// written as 0. \returns false if the row is lost: the writer is too far behind, has failed or is closed,
+  /// or the row's time is not later than that of the previous row.
   bool push(const RunRow& row) noexcept;
 
-  /// Writes what is left, waits until all is on the disk, and ends the thread. Not while push() runs; what is
-  /// pushed afterwards is lost. Says failures to failure().
+  /// Writes the remaining rows, waits until all data is on disk, and ends the writer thread. Not while push()
+  /// runs; rows pushed afterwards are lost. Failures are reported by failure().
   void close();
 
   /// \name From any thread. Once closed, written() + lost() is the number of rows pushed.
@@ -66,8 +67,8 @@ class Recorder {
   std::uint64_t lost() const {
     return refused_.load(std::memory_order_relaxed) + unwritten_.load(std::memory_order_relaxed);
   }
-  /// Why nothing is written any more, in one line; nothing if all is well. The file ends with the last whole
-  /// row.
+  /// The reason why writing has stopped, in one line; nothing if there was no failure. The file ends with the
+  /// last whole row.
   std::optional<std::string> failure() const;
   /// @}
 
@@ -81,16 +82,16 @@ class Recorder {
   std::vector<RunColumn> columns_;
   GrowingFile file_;
   SpscRing<RunRow> ring_;
-  double last_t_ = -std::numeric_limits<double>::infinity();  ///< of push(). Unit: [s].
+  double last_t_ = -std::numeric_limits<double>::infinity();  ///< time of the last row pushed. Unit: [s].
   std::atomic<bool> accepts_ = true;
   std::atomic<std::uint64_t> refused_ = 0;    ///< by push()
   std::atomic<std::uint64_t> unwritten_ = 0;  ///< by the writer
   std::atomic<std::uint64_t> written_ = 0;
 
-  std::string text_;     ///< lines that are not in the file yet; the writer's
-  bool failed_ = false;  ///< the writer's
+  std::string text_;     ///< lines not yet in the file; writer thread only
+  bool failed_ = false;  ///< writer thread only
 
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable closing_;
   bool closed_ = false;
   std::optional<std::string> failure_;

@@ -7,11 +7,11 @@
 
 namespace palpate {
 
-/// Pushes a row a tick into a Recorder, which must outlive the loop that this observes.
+/// Pushes a row per tick into a Recorder, which must outlive the observed loop.
 class RecordingObserver final : public TickObserver {
  public:
   explicit RecordingObserver(Recorder& recorder) : recorder_(recorder) {}
-  /// The servo thread.
+  /// Servo thread.
   void see(const TickRecord& record, const TickTimes& times) override {
     recorder_.push(run_row(record, times));
   }

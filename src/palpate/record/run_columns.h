@@ -1,5 +1,5 @@
 /// \file
-/// The columns of a run: the one list that files, their checks and pages are made from.
+/// Columns of a run: the single definition that files, validation and web pages are made from.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// Columns that a run has all of or none of, but for those that RunColumn::may_lack.
+/// Groups of columns. A run has all or none of a group, except columns with RunColumn::may_lack.
 enum class ColumnGroup : std::uint8_t {
   kAlways,
   kUserForce,  ///< RunRow::user_force
@@ -23,44 +23,45 @@ enum class ColumnGroup : std::uint8_t {
 /// One column.
 struct RunColumn {
   std::string_view name;
-  std::string_view unit;  ///< "1" of what has none
-  std::string_view help;  ///< what it is, in a few words
+  std::string_view unit;  ///< "1" if dimensionless
+  std::string_view help;  ///< short description
   ColumnGroup group;
   double (*get)(const RunRow& row);        ///< 0 where the row lacks the group
-  void (*set)(RunRow& row, double value);  ///< gives the row the group. \pre takes(value)
-  int digits = 7;                          ///< significant ones that a page needs; 0: it shows nothing of it
-  std::string_view whole_number = {};      ///< what a value counts or numbers; empty if it is measured
-  double most = 0.0;                       ///< of a whole number; the least is 0
-  /// What files have in place of the whole numbers, each at its number; empty: the numbers. Recordings of
-  /// earlier versions have numbers.
+  void (*set)(RunRow& row, double value);  ///< adds the group to the row. \pre takes(value)
+  int digits = 7;                          ///< significant digits shown on a page; 0: not shown
+  std::string_view whole_number = {};  ///< what an integer counts or enumerates; empty for a measured value
+  double most = 0.0;                   ///< maximum of an integer; the minimum is 0
+  /// Words that files use in place of integers, indexed by the integer; empty: integers are used. Recordings
+  /// of earlier versions have integers.
   std::span<const std::string_view> words = {};
-  bool may_lack = false;  ///< recordings of earlier versions do not have it; it reads as 0
+  bool may_lack = false;  ///< absent from recordings of earlier versions; reads as 0
 
-  /// `value` is one that this column may hold.
+  /// True if `value` is valid for this column.
   bool takes(double value) const;
 };
 
-/// Which columns a run has besides those that are always there.
+/// Optional column groups of a run.
 struct RunGroups {
   bool user_force = false;
   bool live = false;
 
-  /// Of a run that begins with this row.
+  /// Groups of a run whose first row is this one.
   static RunGroups of(const RunRow& row);
   bool has(ColumnGroup group) const;
 };
 
-/// All columns that there are, in the order of the file. The first is the time.
+/// All existing columns, in the order of the file. The first is the time.
 std::span<const RunColumn> run_columns();
-/// Those of a run, in the order of the file.
+/// Columns of a run, in the order of the file.
 std::vector<RunColumn> run_columns(const RunGroups& groups);
 
-/// Has `reader` take the words of the columns that have some.
+/// Lets `reader` accept the words of the columns that have them.
 void take_run_words(CsvReader& reader);
 
-/// The line of names, with its end.
+/// The header line, with its terminator.
 std::string run_header(std::span<const RunColumn> columns);
-/// Appends the line of a row, with its end. Numbers read back exactly. \param columns some of run_columns()
+/// Appends the line of a row, with its terminator. Numbers read back exactly. \param columns a subset of
+/// run_columns()
 void append_run_row(std::string& out, const RunRow& row, std::span<const RunColumn> columns);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// A queue from one thread to another, neither of which ever waits.
+/// Wait-free single-producer single-consumer ring buffer.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// Takes values from one producer to one consumer, in order, each once. Nothing here locks, and nothing but
-/// the constructor allocates; both sides take a bounded number of steps for each value.
+/// Passes values from one producer to one consumer, in order, each once. No locks; only the constructor
+/// allocates; both sides take a bounded number of steps per value.
 ///
 ///     slots      |   | c | d | e |   |      tail <= head <= tail + room
 ///                     tail        head      each only grows, and counts all values ever
@@ -21,12 +21,12 @@ namespace palpate {
 template <typename T>
 class SpscRing {
  public:
-  /// \param room at least so many values fit; rounded up to a power of two. > 0
+  /// \param room minimum capacity; rounded up to a power of two. > 0
   explicit SpscRing(std::size_t room) : slots_(std::bit_ceil(room)) {}
 
   std::size_t room() const { return slots_.size(); }
 
-  /// Called by the producer. \returns false, and takes nothing, if the ring is full.
+  /// Called by the producer. \returns false, leaving the ring unchanged, if it is full.
   bool push(const T& value) {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == slots_.size()) return false;
@@ -35,7 +35,7 @@ class SpscRing {
     return true;
   }
 
-  /// Called by the consumer: hands the values that are there now to `take`, oldest first.
+  /// Called by the consumer: passes the values present now to `take`, oldest first.
   template <typename Take>
   void drain(Take&& take) {
     const std::uint64_t head = head_.load(std::memory_order_acquire);
@@ -46,7 +46,7 @@ class SpscRing {
   }
 
  private:
-  static constexpr std::size_t kCacheLine = 64;  // apart, so that the threads do not slow each other down
+  static constexpr std::size_t kCacheLine = 64;  // avoids false sharing
 
   std::vector<T> slots_;
   alignas(kCacheLine) std::atomic<std::uint64_t> head_ = 0;  ///< written by the producer

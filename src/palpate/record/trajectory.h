@@ -1,5 +1,5 @@
 /// \file
-/// Recorded or scripted motion of the tool.
+/// Trajectories: recorded or scripted motion of the tool.
 #pragma once
 
 #include <optional>
@@ -14,26 +14,26 @@ namespace palpate {
 struct TimedPose {
   double t = 0.0;  ///< Unit: [s].
   Pose pose;       ///< X_WT
-  /// Measured at the handle, world frame, where a recording has it. Unit: [N].
+  /// User force measured at the handle, world frame, if the recording has it. Unit: [N].
   std::optional<Eigen::Vector3d> user_force;
 };
 
-/// In strictly increasing order of time.
+/// Poses in strictly increasing order of time.
 using Trajectory = std::vector<TimedPose>;
 
-/// The pose of a trajectory at a time: between two of its poses on the straight line and the shortest turn,
-/// before the first and after the last at rest there. \pre not empty
+/// The pose of a trajectory at a time: linear interpolation of position and slerp of orientation between
+/// neighbours, constant before the first and after the last pose. \pre not empty
 Pose pose_at(const Trajectory& trajectory, double t);
 
-/// Reads `t,x,y,z,qw,qx,qy,qz` (seconds, metres, tool in the world); without the four
-/// quaternion columns the orientation is the identity. A measured user force in `ufx,ufy,ufz` is
-/// read if there; further columns are ignored. Quaternions are normalised.
-/// \throws Error if the file is not such a table, time does not increase by a nanosecond or
-/// more, a time or coordinate is beyond 1e12, or the norm of a quaternion is more than a tenth off 1.
+/// Reads `t,x,y,z,qw,qx,qy,qz` (seconds, metres, tool in the world); without the four quaternion columns the
+/// orientation is the identity. A measured user force in `ufx,ufy,ufz` is read if present; other columns are
+/// ignored. Quaternions are normalised. \throws Error if the file is not such a table, time does not increase
+/// by a nanosecond or more, a time or coordinate is beyond 1e12, or the norm of a quaternion differs from 1
+/// by more than 0.1.
 Trajectory read_trajectory(const std::string& path);
 
-/// Writes a comment of the lines of `made`, TOML that says how they were made; then the poses as
-/// read_trajectory() reads them. The file appears whole or not at all.
+/// Writes `made`, TOML that says how the poses were made, as comment lines; then the poses as
+/// read_trajectory() reads them. The file appears atomically.
 void write_trajectory(const Trajectory& trajectory, const std::string& path, const std::string& made = {});
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// What `palpate bench` found, for people and for programs.
+/// Results of `palpate bench`, as text and JSON.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// From a file to a query that can be asked.
+/// Figures of opening a scene file for queries.
 struct OpenFigures {
   double seconds = 0.0;
   std::string origin;                      ///< "index file", "new index file" or "memory"
@@ -55,10 +55,10 @@ std::vector<Phase> phases_of(const BenchFigures& figures);
 /// The times a histogram shows: of the fresh queries in contact, or of all if nothing is touched.
 std::vector<double> histogram_times(const BenchFigures& figures);
 
-/// The same as a picture. \returns an SVG document.
+/// Draws the same histogram. \returns an SVG document.
 std::string bench_histogram(const BenchFigures& figures);
 
-/// An object with these keys, all of them always there:
+/// Returns an object with these keys, all always present:
 ///
 ///     machine             string     processor, cores, compiler, date
 ///     scene               string     file
@@ -67,8 +67,8 @@ std::string bench_histogram(const BenchFigures& figures);
 ///     pipeline, simd      string
 ///     model               string
 ///     tool                [object]   its parts, see tool_json()
-///     open                object     seconds; origin: "index file", "new index file" or "memory"; remarks:
-///     [string];
+///     open                object     seconds; origin: "index file", "new index file" or "memory";
+///                                    remarks: [string];
 ///                                    index_bytes, bytes_per_gaussian: of the index, null if unknown;
 ///                                    peak_rss_bytes: largest resident set so far
 ///     path                string     file, null for a path made here
@@ -76,11 +76,11 @@ std::string bench_histogram(const BenchFigures& figures);
 ///     contact_poses       integer    that touch something
 ///     rounds              integer    the least time of each pose counts
 ///     latency_us          object     query_contact, query_free, tracker_contact, force_contact: each an
-///     object of
-///                                    count, p50, p99, p99.9 and max, or null where there is no such pose
-///     sizes               object     contacts, filtered, candidates of the poses in contact: median, max; or
-///     null throughput          object     threads, queries_per_second, in_contact: whether of poses in
-///     contact or of all
+///                                    object of count, p50, p99, p99.9 and max, or null without such poses
+///     sizes               object     contacts, filtered, candidates of the poses in contact: median, max;
+///                                    or null
+///     throughput          object     threads, queries_per_second, in_contact: whether of poses in contact
+///                                    or of all
 OrderedJson bench_json(const BenchFigures& figures);
 
 /// A table; with a histogram below it if `with_histogram`.

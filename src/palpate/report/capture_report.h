@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-/// What a model was found to do.
+/// Results of one model.
 struct CaptureRow {
   std::string model;
   CaptureFigures figures;

@@ -1,12 +1,12 @@
 /// \file
-/// The page docs/columns.md.
+/// Generator of the page docs/columns.md.
 #pragma once
 
 #include <string>
 
 namespace palpate {
 
-/// Every column of a CSV and every field of `--json` that a command writes, in Markdown.
+/// Returns a Markdown page of all CSV columns and `--json` fields that commands write.
 std::string columns_page();
 
 }  // namespace palpate

@@ -25,11 +25,11 @@ struct EvaluationRow {
   std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; not there itself
 };
 
-/// Measures all that there is to `setup`'s shape. \param model its name
+/// Runs all measurements for the shape of `setup`. \param model its name
 EvaluationRow evaluation_row(const EvaluationSetup& setup, const std::string& model,
                              const Progress& progress = {});
 
-/// Holds the forces of every row against those at the first spacing.
+/// Compares the forces of every row with those at the first spacing.
 void compare_densities(std::vector<EvaluationRow>& rows, double first_spacing);
 
 using EvaluationColumn = FigureColumn<EvaluationRow>;

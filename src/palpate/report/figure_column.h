@@ -1,5 +1,5 @@
 /// \file
-/// Figures of an evaluation as a column of a table, of CSV and of JSON.
+/// Columns of evaluation results for tables, CSV and JSON.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// A figure of a row.
+/// One result column of a row type.
 template <class Row>
 struct FigureColumn {
   const char* name;     ///< in CSV and JSON

@@ -1,5 +1,5 @@
 /// \file
-/// A histogram of times on a logarithmic axis, as text and as a picture.
+/// Histogram of times on a logarithmic axis, as text and SVG.
 #pragma once
 
 #include <cstddef>

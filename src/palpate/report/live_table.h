@@ -1,5 +1,5 @@
 /// \file
-/// What is told of a live loop that is over, as text and JSON.
+/// Summary of a finished live loop, as text and JSON.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@
 
 namespace palpate {
 
-/// A live loop that is over.
+/// Results of a finished live loop.
 struct LiveOutcome {
   double seconds;
   std::uint64_t ticks;
   LiveTotals totals;
   GovernorState state;              ///< before it was ended
-  std::vector<std::string> faults;  ///< that there were, once each, in order
+  std::vector<std::string> faults;  ///< all that occurred, once each, in order
 };
 
-/// The names of the faults that there were, once each, in order.
+/// Returns the names of the faults that occurred, once each, in order.
 std::vector<std::string> faults_of(const LiveView& view);
 
-/// docs/columns.md has the fields, but for those of several hands.
+/// docs/columns.md lists the fields, except those of several hands.
 OrderedJson live_json(const LiveOutcome& outcome, const LoopStatistics& statistics);
 std::string live_text(const LiveOutcome& outcome, const LoopStatistics& statistics);
 

@@ -1,5 +1,5 @@
 /// \file
-/// Text inside HTML and SVG.
+/// Escaping of text for HTML and SVG.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// `text` as it must stand between two tags.
+/// Returns `text` escaped for use between two tags.
 inline std::string markup_escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {

@@ -1,5 +1,5 @@
 /// \file
-/// JSON whose keys keep their order, of what commands print and pages draw.
+/// JSON with ordered keys, for command output and pages.
 #pragma once
 
 #include <string>

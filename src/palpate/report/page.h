@@ -1,5 +1,5 @@
 /// \file
-/// Pages of figures and tables that need no network.
+/// Self-contained HTML pages of figures and tables.
 #pragma once
 
 #include <string>

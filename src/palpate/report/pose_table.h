@@ -1,5 +1,5 @@
 /// \file
-/// The contacts and the wrench of one pose, as text and JSON.
+/// Contacts and wrench of one pose, as text and JSON.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ struct PoseContact {
   double confidence;        ///< NaN where nobody asked
 };
 
-/// What there is to say about a pose.
+/// Contacts and force of a pose.
 struct PoseReport {
   std::size_t candidates, filtered;
   std::vector<PoseContact> rows;

@@ -1,5 +1,5 @@
 /// \file
-/// Document of the report page: what it draws, as JSON.
+/// JSON document of the report page.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 /// \file
-/// Files for what a long measurement finds.
+/// Output files of long measurements.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,8 @@
 
 namespace palpate {
 
-/// A file that is opened before the work, so that it is not in vain, and written after it; or none.
+/// An output file that is opened before a long computation, so that errors show early, and written after it;
+/// or none.
 class ResultFile {
  public:
   /// \param path empty: none. \throws Error if it cannot be written.

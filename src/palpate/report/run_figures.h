@@ -1,5 +1,5 @@
 /// \file
-/// A run, or several over one another, as plots.
+/// Plots of one run, or of several overlaid runs.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 /// \file
-/// A summary of a run, as text and JSON.
+/// Summary of a run, as text and JSON.
 #pragma once
 
 #include <string>

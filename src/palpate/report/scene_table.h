@@ -1,5 +1,5 @@
 /// \file
-/// What is in a scene file, what is wrong with it, and what a filter keeps, as text and JSON.
+/// Content, defects and filter result of a scene file, as text and JSON.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// A scene and what is known of it.
+/// A scene with its filter and lint reports.
 struct SceneReport {
   const GaussianScene& scene;
   const EllipsoidScene& kept;  ///< in the world

@@ -14,12 +14,12 @@ namespace palpate {
 /// A tool at a place of a scene.
 struct TrialRow {
   std::string tool, place;
-  std::string like;  ///< what defects the scene has
+  std::string like;  ///< defects of the scene
   TrialSetup setup;
   TrialFigures figures;
 };
 
-/// The figures of all rows, on all processors.
+/// Computes the figures of all rows, on all processors.
 void measure_trials(std::vector<TrialRow>& rows, const Progress& progress);
 
 std::string trial_text(const std::vector<TrialRow>& rows);

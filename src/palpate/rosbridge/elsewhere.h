@@ -1,14 +1,14 @@
 /// \file
-/// Slow work beside a thread that must not wait for it.
+/// Executor for slow work of threads that must not block.
 #pragma once
 
 #include <functional>
 
 namespace palpate {
 
-/// Has `work` done on another thread, of ordinary priority and one after the other, and then `then` on the
-/// thread that asked. Returns at once; neither may throw. Where the program ends before, neither need be
-/// called. Both are destroyed on the thread that calls them.
+/// Runs `work` on another thread, of normal priority and in order, and then `then` on the calling thread.
+/// Returns immediately; neither may throw. If the program ends first, they may not be called. Each is
+/// destroyed on the thread that calls it.
 using Elsewhere = std::function<void(std::function<void()> work, std::function<void()> then)>;
 
 }  // namespace palpate

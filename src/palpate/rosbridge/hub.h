@@ -1,5 +1,5 @@
 /// \file
-/// Topics, services, and the clients that use them: rosbridge v2 without a network.
+/// rosbridge v2 broker without the network: topics, services and clients.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ namespace palpate {
 class Client;
 class Hub;
 
-/// What rosbridge calls the compression of a subscription.
+/// Encoding of a subscription, the "compression" of rosbridge.
 enum class Encoding : std::uint8_t {
   kText,  ///< "none": JSON
   kCbor,
-  kRaw,  ///< "cbor-raw": CBOR around the bytes that ROS 1 encodes the message as
+  kRaw,  ///< "cbor-raw": CBOR that contains the message in ROS 1 serialization
 };
 
-/// A message of a topic, encoded once for all who get it.
+/// A published message, encoded once for all subscribers.
 class Publication {
  public:
   Publication(const std::string& topic, const std::string& type, Json message, std::uint64_t number)
@@ -37,7 +37,7 @@ class Publication {
         number_(number) {}
 
   const std::string& bytes(Encoding encoding) const;
-  std::uint64_t number() const { return number_; }  ///< of those of its topic, from 1
+  std::uint64_t number() const { return number_; }  ///< sequence number in its topic, from 1
 
  private:
   std::string encode(Encoding encoding) const;
@@ -45,13 +45,13 @@ class Publication {
   std::string type_;
   Json envelope_;
   std::uint64_t number_;
-  mutable std::array<std::string, 3> bytes_;  ///< empty until someone wants them
+  mutable std::array<std::string, 3> bytes_;  ///< encoded on demand
 };
 
-/// What the server publishes under one name.
+/// A topic that the server publishes.
 class Topic {
  public:
-  /// \param latched what was published last is sent to whoever subscribes, and never left out
+  /// \param latched the last message is sent to new subscribers, and never dropped
   Topic(std::string name, std::string type, bool latched)
       : name_(std::move(name)), type_(std::move(type)), latched_(latched) {}
 
@@ -59,15 +59,15 @@ class Topic {
   const std::string& type() const { return type_; }
   bool latched() const { return latched_; }
 
-  /// Whether anybody gets what is published: else it need not be made.
+  /// Returns whether the topic has subscribers; without any, messages need not be generated.
   bool is_watched() const { return !watchers_.empty(); }
-  /// To all that subscribe, but for `but`.
+  /// Publishes to all subscribers except `but`.
   void publish(Json message, const Client* but = nullptr);
-  /// To one, if it subscribes.
+  /// Publishes to one client, if it subscribes.
   void publish_to(Client& client, Json message);
 
-  /// For a topic whose messages say what has changed since the `reach` before: a client that missed more gets
-  /// `message` first.
+  /// For a topic of incremental messages, each of which covers the previous `reach` ones: a client that
+  /// missed more gets `message` first.
   void set_reset(Json message, std::uint64_t reach);
 
  private:
@@ -79,13 +79,13 @@ class Topic {
   std::vector<Client*> watchers_;
 };
 
-/// The way back of an answer to a call. On the Hub's thread; where the client has gone, it is lost.
+/// Pending reply to a service call. Used on the Hub's thread; dropped if the client has disconnected.
 class Reply {
  public:
   Reply(std::weak_ptr<Client*> client, Json response)
       : client_(std::move(client)), response_(std::move(response)) {}
 
-  /// \name One of the two, once
+  /// \name Exactly one of these, once
   /// @{
   void give(Json values) const;
   void refuse(const std::string& why) const;
@@ -94,18 +94,18 @@ class Reply {
  private:
   void send(Json values, bool result) const;
 
-  std::weak_ptr<Client*> client_;  ///< gone when that is
-  Json response_;                  ///< but for what is answered
+  std::weak_ptr<Client*> client_;  ///< expires with the client
+  Json response_;                  ///< without the result
 };
 
-/// Everything there is to subscribe to, to publish, and to call. It and its Clients belong to one thread.
+/// Registry of all topics, inputs and services. It and its Clients belong to one thread.
 class Hub {
  public:
-  /// Gets what a client published. \throws Refusal.
+  /// Receives a message that a client published. \throws Refusal.
   using Listener = std::function<void(const Json& message, Client& from)>;
-  /// Answers a call. \throws Refusal.
+  /// Answers a service call. \throws Refusal.
   using Service = std::function<Json(const Json& arguments)>;
-  /// Begins to answer a call, which `reply` ends at any later time. \throws Refusal.
+  /// Starts answering a service call; `reply` completes it at any later time. \throws Refusal.
   using SlowService = std::function<void(const Json& arguments, const Reply& reply)>;
 
   struct Input {
@@ -117,7 +117,7 @@ class Hub {
     SlowService service;
   };
 
-  /// Names begin with '/'. References stay good.
+  /// Names begin with '/'. References stay valid.
   Topic& add_topic(const std::string& name, const std::string& type, bool latched = false);
   void add_input(const std::string& name, const std::string& type, Listener listener);
   void add_service(const std::string& name, const std::string& type, Service service);
@@ -127,9 +127,9 @@ class Hub {
   const std::map<std::string, Input>& inputs() const { return inputs_; }
   const std::map<std::string, Offer>& services() const { return services_; }
   std::size_t client_count() const { return clients_; }  ///< Any thread.
-  /// Told of every client that goes.
+  /// Called for every client that disconnects.
   std::vector<std::function<void(const Client&)>> on_leave;
-  /// Told when nothing more of what a client has sent waits: what it published last is the newest there is.
+  /// Called when all received messages of a client have been processed: its last publication is the newest.
   std::vector<std::function<void(Client&)>> on_caught_up;
 
  private:
@@ -140,43 +140,43 @@ class Hub {
   std::atomic<std::size_t> clients_ = 0;
 };
 
-/// Adds what clients of rosbridge ask on connecting: /rosapi/topics, services and so on.
+/// Adds the services that rosbridge clients call on connecting: /rosapi/topics, /rosapi/services and so on.
 void add_rosapi(Hub& hub);
 
-/// The server's end of one connection: what comes in, what is to go out, and how much of either is too much.
+/// Server side of one client connection: input, output queues, and limits of both.
 class Client {
  public:
-  /// \param wake called whenever next() may have something. \param clock Unit: [s].
+  /// \param wake called whenever next() may have a frame. \param clock Unit: [s].
   Client(Hub& hub, std::function<void()> wake, std::function<double()> clock);
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// A frame that was read, or why it cannot be.
+  /// A decoded frame, or why it cannot be decoded.
   struct Decoded {
     Json message;
-    std::string refusal;  ///< empty: there is none
+    std::string refusal;  ///< empty: valid
   };
 
   /// \name One frame: admit(), then decode(), then take()
-  /// What is wrong with it is told to the client.
+  /// Errors are reported to the client.
   /// @{
-  /// Counts it. \returns false where it is too much: see fault().
+  /// Counts the frame. \returns false if a limit is exceeded: see fault().
   bool admit(std::size_t bytes);
-  /// Any thread: it is the part that takes long.
+  /// Decodes a frame, the slow part. Any thread.
   static Decoded decode(std::string_view frame, bool binary);
   void take(const Decoded& decoded);
-  /// All three.
+  /// Does all three.
   void receive(std::string_view frame, bool binary);
   /// @}
-  /// Nothing more waits of what it has sent.
+  /// Called when no more of its messages are pending.
   void caught_up() {
     for (const auto& listener : hub_.on_caught_up) listener(*this);
   }
 
-  /// Of whom frames go before those of others: who moves a hand.
+  /// Returns whether its frames have priority: it moves a hand.
   bool is_urgent() const { return hands_ > 0; }
-  /// One hand more, or one less.
+  /// Increments or decrements the number of hands it moves.
   void take_hand() { ++hands_; }
   void leave_hand() { --hands_; }
 
@@ -184,17 +184,17 @@ class Client {
     std::shared_ptr<const std::string> bytes;
     bool binary = false;
   };
-  /// What to send next, if there is anything.
+  /// Returns the next frame to send, if any.
   std::optional<Outgoing> next();
   bool has_next() const { return !answers_.empty() || !turn_.empty(); }
 
-  /// Why the connection must be closed; empty while it need not.
+  /// Returns why the connection must be closed; empty if it may stay open.
   const std::string& fault() const { return fault_; }
   void tell(const std::string& level, const std::string& text, const Json& id = nullptr);
 
   static constexpr std::size_t kMostSubscriptions = 64;
   static constexpr std::size_t kMostQueued = 100;    ///< messages of a topic
-  static constexpr std::size_t kMostAnswers = 1024;  ///< that it has not read
+  static constexpr std::size_t kMostAnswers = 1024;  ///< not yet read by the client
   static constexpr std::size_t kMostAnswerBytes = 1 << 22;
   static constexpr double kMostMessages = 5000.0;  ///< a second
   /// Bytes a second: poses as JSON at kMostMessages are 1.5 MB. A second's worth may come at once.
@@ -204,7 +204,7 @@ class Client {
   friend class Topic;
   friend class Reply;
   struct Subscription {
-    /// A topic may be subscribed several times, under several ids: what is sent does for all.
+    /// A topic may be subscribed several times, under several ids; the messages sent satisfy all.
     struct Wish {
       double throttle = 0.0;  ///< Unit: [s].
       std::size_t queue = 1;
@@ -234,13 +234,13 @@ class Client {
   std::function<void()> wake_;
   std::function<double()> clock_;
   std::map<std::string, Subscription> subscriptions_;
-  std::deque<std::string> turn_;  ///< topics with something waiting, each once
+  std::deque<std::string> turn_;  ///< topics with pending messages, each once
   std::deque<std::shared_ptr<const std::string>> answers_;
   std::size_t answer_bytes_ = 0;
-  /// Messages and bytes that may still come, when that was counted last.
+  /// Remaining allowance of messages and bytes at the last count.
   double messages_left_ = kMostMessages, bytes_left_ = kMostBytes, counted_at_;
   bool quiet_ = false;
-  int hands_ = 0;  ///< that it moves
+  int hands_ = 0;  ///< hands that it moves
   std::string fault_;
   std::shared_ptr<Client*> self_ = std::make_shared<Client*>(this);  ///< for Reply
 };

@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-/// Does `work`; where that finds no memory, it is left out, and the program, which a hand may hold on to,
-/// goes on.
+/// Runs `work`; a failed allocation abandons it, and the program, whose device may be in a user's hand,
+/// continues.
 template <class Work>
 void do_if_there_is_memory(const Work& work) {
   try {
@@ -26,7 +26,7 @@ void do_if_there_is_memory(const Work& work) {
   }
 }
 
-/// A thread that does what is posted, one after the other.
+/// A thread that runs posted work in order.
 class Lane {
  public:
   boost::asio::io_context& context() { return context_; }
@@ -40,12 +40,12 @@ class Lane {
     });
   }
   bool is_running() const { return thread_.joinable(); }
-  /// Once nothing more is under way in it.
+  /// Ends the thread once it has no pending work.
   void finish() {
     stays_.reset();
     thread_.join();
   }
-  /// After what it does now; what waits is not done.
+  /// Ends the thread after the current work item; pending work is dropped.
   void stop() {
     context_.stop();
     thread_.join();

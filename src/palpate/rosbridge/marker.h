@@ -1,5 +1,5 @@
 /// \file
-/// Markers of ellipsoids and arrows, whatever carries them: visualization_msgs/Marker as plain data.
+/// Markers of ellipsoids and arrows: visualization_msgs/Marker as plain data, independent of the transport.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@ struct Color {
   double r, g, b, a;
 };
 
-/// One marker; those of one namespace and id replace each other. Type to points count for kAdd alone.
+/// One marker; replaces a previous one of the same namespace and id. Members from `type` to `points` apply to
+/// kAdd only.
 struct Marker {
   enum class Action : std::uint8_t { kAdd = 0, kDelete = 2, kDeleteAll = 3 };
   enum class Type : std::uint8_t { kArrow = 0, kSphere = 2 };
@@ -37,7 +38,7 @@ Marker ellipsoid_marker(const std::string& ns, std::uint32_t id, const Ellipsoid
 Marker arrow_marker(const std::string& ns, std::uint32_t id, const Eigen::Vector3d& from,
                     const Eigen::Vector3d& to, double thickness, const Color& color);
 Marker deleted_marker(const std::string& ns, std::uint32_t id);
-/// All there are.
+/// Returns a marker that deletes all markers.
 Marker all_deleted_marker();
 
 }  // namespace palpate

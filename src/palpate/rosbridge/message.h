@@ -1,5 +1,5 @@
 /// \file
-/// Messages of clients, as values.
+/// Decoded messages of clients.
 #pragma once
 
 #include <stdexcept>
@@ -11,34 +11,33 @@ namespace palpate {
 
 using Json = nlohmann::json;
 
-/// What a client sent and the server does not take; what() tells the client why.
+/// Thrown for client input that the server rejects; what() tells the client why.
 class Refusal : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Levels of arrays and objects in a message. The parser calls itself for each.
+/// Maximum nesting depth of arrays and objects in a message; the parser recurses once per level.
 inline constexpr std::size_t kMostLevels = 32;
 
-/// A text frame. \throws Refusal if it is not one JSON value of at most kMostLevels.
+/// Decodes a text frame. \throws Refusal if it is not one JSON value of at most kMostLevels levels.
 Json decode_json(std::string_view text);
 
-/// As text in one line. Strings that are not UTF-8, as names of files may be, are replaced where they are
-/// not.
+/// Encodes as JSON text in one line. Invalid UTF-8, as in file names, is replaced.
 std::string encode_json(const Json& json);
 
-/// A binary frame: CBOR (RFC 8949) of definite lengths, without tags, as encoders for the web make it.
-/// \throws Refusal likewise.
+/// Decodes a binary frame: CBOR (RFC 8949) of definite lengths, without tags, as JavaScript encoders produce
+/// it. \throws Refusal likewise.
 Json decode_cbor(std::string_view bytes);
 
 /// \name Fields of a message
-/// \throws Refusal, naming the field, if it is not what it is asked for.
+/// \throws Refusal, naming the field, if its type is wrong.
 /// @{
-/// Empty if it is not there.
+/// Returns a string; empty if absent.
 std::string text_field(const Json& message, const char* name);
-/// A finite number; `missing` if it is not there.
+/// Returns a finite number; `missing` if absent.
 double number_field(const Json& message, const char* name, double missing);
-/// As it is there.
+/// Returns the field as it is.
 const Json& field(const Json& message, const char* name);
 /// @}
 

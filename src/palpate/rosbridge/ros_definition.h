@@ -1,5 +1,5 @@
 /// \file
-/// Definitions of the message types of ROS 1 that are published here, and messages in its own encoding.
+/// ROS 1 definitions of the published message types, and ROS 1 serialization.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-/// The definition of a type and of all types in it, as `rosmsg` and rosapi write it. Empty: it is not known
-/// here.
+/// Returns the definition of a type and of all nested types, in the format of `rosmsg` and rosapi; empty for
+/// an unknown type.
 std::string ros_definition(const std::string& type);
 
-/// `message` as ROS 1 encodes it: fields in the order of the definition, little-endian. What it lacks is zero
-/// or empty. \pre ros_definition(type) is not empty
+/// Serializes `message` as ROS 1 does: fields in the order of the definition, little-endian. Missing fields
+/// are zero or empty. \pre ros_definition(type) is not empty
 std::string ros_bytes(const std::string& type, const Json& message);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// What is felt, in the shapes of ROS messages.
+/// Conversion of poses, wrenches and markers to and from ROS messages.
 #pragma once
 
 #include <span>
@@ -11,15 +11,15 @@
 
 namespace palpate {
 
-/// When, for a message. As ROS counts time.
+/// ROS time stamp of a message.
 struct Stamp {
   std::int64_t seconds = 0;
   std::int64_t nanoseconds = 0;
 
-  /// The wall clock's.
+  /// Returns the current wall-clock time.
   static Stamp now();
   double in_seconds() const { return static_cast<double>(seconds) + 1e-9 * static_cast<double>(nanoseconds); }
-  /// What clients send that stamp nothing.
+  /// Returns whether the stamp is zero, as sent by clients that do not stamp.
   bool is_zero() const { return seconds == 0 && nanoseconds == 0; }
 };
 
@@ -36,18 +36,18 @@ Json to_json(const Json& header, const Marker& marker);  ///< visualization_msgs
 /// visualization_msgs/MarkerArray.
 Json marker_array(const Json& header, std::span<const Marker> markers);
 
-/// A PoseStamped that was received.
+/// A received PoseStamped.
 struct StampedPose {
   Pose pose;
   Stamp stamp;
   std::string frame;
 };
 
-/// The stamp in a header of ROS 1 or 2; zero where there is none.
+/// Returns the stamp in a ROS 1 or ROS 2 header; zero if there is none.
 Stamp stamp_of(const Json& header);
 
-/// Of ROS 1 or 2. \throws Refusal if a number is missing or not finite, or the quaternion is far from unit
-/// length; it is normalised.
+/// Parses a PoseStamped of ROS 1 or 2. \throws Refusal if a number is missing or not finite, or the
+/// quaternion is far from unit length; it is normalised.
 StampedPose pose_stamped(const Json& message);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// Types of messages and services of ROS 1 that are spoken here.
+/// Registry of the supported ROS 1 message and service types.
 #pragma once
 
 #include <string>
@@ -10,24 +10,25 @@ namespace palpate {
 
 /// A field or, with a value, a constant of a message.
 struct RosField {
-  std::string type;  ///< of ROS's own, or the name of a RosType
+  std::string type;  ///< built-in ROS type, or the name of a RosType
   std::string name;
-  bool is_array = false;  ///< of any length: no type here has one of a fixed length
+  bool is_array = false;  ///< of variable length: no type here has a fixed-length array
   std::string value = {};
 };
 
-/// A message, or a half of a service.
+/// A message type, or the request or response of a service.
 struct RosType {
   std::string_view name;
-  std::string_view text;  ///< as ROS's own .msg and .srv files have it, without comments
+  std::string_view text;  ///< as in ROS's .msg and .srv files, without comments
   std::vector<RosField> fields, constants;
 };
 
-/// Of a message ("std_msgs/Header"), or the half of a service ("std_srvs/TriggerRequest",
-/// "std_srvs/TriggerResponse"). Null: it is not known here. What it points to stays.
+/// Returns the type of a message ("std_msgs/Header"), or of a service request or response
+/// ("std_srvs/TriggerRequest", "std_srvs/TriggerResponse"); null for an unknown type. The result has static
+/// lifetime.
 const RosType* find_ros_type(std::string_view name);
 
-/// As ROS 1 writes the name of a type, of either notation: std_msgs/Header of std_msgs/msg/Header.
+/// Converts a type name of either notation to that of ROS 1: std_msgs/msg/Header becomes std_msgs/Header.
 std::string plain_type(std::string type);
 
 }  // namespace palpate

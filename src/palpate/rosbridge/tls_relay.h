@@ -1,5 +1,5 @@
 /// \file
-/// Where the TLS of a web server ends.
+/// TLS termination for the web server.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace palpate {
 
-/// Takes TLS off connections: what comes over one is decrypted into a pair of sockets of this machine, and
-/// what is written into that is encrypted. The server behind it reads and writes as it does without TLS. It
-/// has a thread of its own from start() to stop().
+/// Terminates TLS: input of a connection is decrypted into a local socket pair, and output written to it is
+/// encrypted. The server behind it reads and writes as without TLS. Runs its own thread from start() to
+/// stop().
 class TlsRelay {
  public:
-  static constexpr std::size_t kMostHandshakes = 16;  ///< under way; the oldest makes room for the next
-  static constexpr double kHandshakeTime = 5.0;       ///< at most. Unit: [s].
+  static constexpr std::size_t kMostHandshakes = 16;  ///< in progress; the oldest is dropped for a new one
+  static constexpr double kHandshakeTime = 5.0;       ///< timeout. Unit: [s].
 
   /// \param certificate, key files in PEM: the certificate with its chain, and its private key without a
-  /// password \throws Error for a file that cannot be read or is none of these, and for a key that is another
-  /// certificate's.
+  /// password \throws Error for a file that cannot be read or has the wrong content, and for a key that does
+  /// not match the certificate.
   TlsRelay(const std::string& certificate, const std::string& key);
   ~TlsRelay();
   TlsRelay(const TlsRelay&) = delete;
@@ -29,8 +29,9 @@ class TlsRelay {
   /// Closes all connections.
   void stop();
 
-  /// Takes a connected TCP socket over, and hands on the end without TLS, which belongs to `plain`, once both
-  /// sides have agreed; never, if they do not. `plain` is called on the relay's thread. Any thread.
+  /// Takes ownership of a connected TCP socket. After the handshake, passes the plaintext socket to `plain`,
+  /// which then owns it; if the handshake fails, `plain` is not called. `plain` runs on the relay's thread.
+  /// Any thread.
   void take(int socket, std::function<void(int descriptor)> plain);
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// What a type is made of, as rosapi tells it.
+/// Field descriptions of message types, as in rosapi.
 #pragma once
 
 #include <string>
@@ -8,12 +8,11 @@
 
 namespace palpate {
 
-/// \name rosapi/TypeDef of a type, then those of what it is made of, each once, depth first
-/// A field is told with the length of its array (-1: none, 0: any), and what it is before it is set, as
-/// Python prints it. Constants are in the order of their names. \throws Refusal for a type that is not known
-/// here.
+/// \name rosapi/TypeDef of a type, then of its nested types, each once, depth first
+/// Each field has its array length (-1: no array, 0: variable) and its default value as Python prints it.
+/// Constants are sorted by name. \throws Refusal for an unknown type.
 /// @{
-/// Of a message; none of what ROS has by itself ("float64").
+/// Of a message; empty for a built-in ROS type ("float64").
 Json message_details(const std::string& type);
 Json service_request_details(const std::string& service);
 Json service_response_details(const std::string& service);

@@ -1,14 +1,14 @@
 /// \file
-/// What one thread wakes another with.
+/// Wake-up event between threads.
 #pragma once
 
 namespace palpate {
 
-/// A counter of the kernel (eventfd) that a thread can wait for, and an event loop watch. set() neither
-/// blocks nor takes memory.
+/// A wake-up event (Linux eventfd) that a thread can wait for and an event loop can watch. set() neither
+/// blocks nor allocates.
 class Wake {
  public:
-  /// \throws Error if the system has no more of them.
+  /// \throws Error if the eventfd cannot be created.
   Wake();
   ~Wake();
   Wake(const Wake&) = delete;
@@ -16,11 +16,11 @@ class Wake {
 
   /// Any thread.
   void set();
-  /// Waits for set(), for `seconds` at most; what was set before counts, and is taken back.
+  /// Waits for set(), at most `seconds`, and clears the event; an earlier set() counts.
   void wait(double seconds);
-  /// Takes back what was set.
+  /// Clears the event.
   void clear();
-  /// Readable while it is set.
+  /// Returns the file descriptor, readable while the event is set.
   int descriptor() const { return descriptor_; }
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers out of raw bytes, in either byte order and without alignment.
+/// Decoding of numbers from raw bytes, in either byte order and without alignment.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 /// \file
-/// A trained 3D Gaussian Splatting scene as its file holds it.
+/// Gaussian splatting scene, as stored in its file.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// How the numbers of a file become standard deviations and opacities.
+/// How the stored numbers encode standard deviations and opacities.
 enum class ScaleEncoding {
   kLog,     ///< sigma = exp(scale), as INRIA trains it
   kLinear,  ///< sigma = |scale|
@@ -23,8 +23,8 @@ enum class OpacityEncoding {
   kByte,   ///< alpha = opacity / 255
 };
 
-/// One Gaussian in the captured frame, activated, in double. Sigma and rotation are paper eq. 2:
-/// Sigma = R diag(sigma)^2 R^T. May hold NaN or infinities where the file does (see defect()).
+/// One Gaussian in the captured frame, activated, in double precision. Sigma and rotation are paper eq. 2:
+/// Sigma = R diag(sigma)^2 R^T. May hold NaN or infinities if the file does (see defect()).
 struct Gaussian {
   Eigen::Vector3d position;     ///< mean mu, in captured units
   Eigen::Quaterniond rotation;  ///< unit norm; NaN if the file's quaternion is zero
@@ -36,15 +36,15 @@ struct Gaussian {
 /// The arrays hold the file's own single-precision numbers, not activated ones, so that nothing is
 /// rounded between the file and the contact: gaussian() activates one in double precision.
 struct GaussianScene {
-  std::string source;  ///< where it came from, for messages
+  std::string source;  ///< file name, for messages
   std::string format;  ///< e.g. "INRIA .ply, binary_little_endian, SH degree 3"
   ScaleEncoding scale_encoding = ScaleEncoding::kLog;
   OpacityEncoding opacity_encoding = OpacityEncoding::kLogit;
   int sh_degree = 0;                 ///< of the view-dependent colour in the file
-  std::uint64_t trailing_bytes = 0;  ///< bytes after the data that nothing accounts for
+  std::uint64_t trailing_bytes = 0;  ///< unexplained bytes after the data
 
-  /// Added to every position. Zero unless the file holds double-precision positions that single
-  /// precision cannot, as georeferenced scenes do.
+  /// Offset added to every position. Zero unless the file holds double-precision positions that single
+  /// precision cannot represent, as georeferenced scenes do.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 
   std::vector<std::uint32_t> id;                   ///< 0-based row in the file, strictly increasing
@@ -61,15 +61,15 @@ struct GaussianScene {
   /// sigma' = sqrt(sigma^2 + f^2) and alpha' = alpha * prod(sigma / sigma').
   Gaussian gaussian(std::size_t i) const;
 
-  /// Adds one, encoded as kLog and kLogit, with the next id. \pre the scene has these and a
-  /// colour for each, and neither origin nor filter
+  /// Appends a Gaussian, encoded as kLog and kLogit, with the next id. \pre the scene uses these encodings,
+  /// has a colour for each Gaussian, and neither origin nor filter
   void append(const Gaussian& activated, const std::array<std::uint8_t, 3>& rgb);
 
-  /// Makes room in all arrays; what is not used in the end is never touched.
+  /// Reserves capacity in all arrays; memory that stays unused is never touched.
   void reserve(std::size_t n);
 };
 
-/// Why a Gaussian cannot collide, whatever the filter says.
+/// Why a Gaussian cannot collide, independently of the filter.
 enum class Defect {
   kNone,
   kNan,             ///< NaN in position, scale, rotation, opacity or filter
@@ -82,15 +82,15 @@ inline constexpr std::size_t kDefectCount = 5;
 /// The word used for a defect in reports ("nan", "infinite", ...).
 const char* to_string(Defect defect);
 
-/// Largest coordinate or sigma, in captured units and in metres, that is taken for real. Keeps
-/// every product of the contact mathematics (sixth powers of size ratios) inside a double.
+/// Largest valid coordinate or sigma, in captured units and in metres. Keeps every product of the contact
+/// mathematics (sixth powers of size ratios) within the range of a double.
 inline constexpr double kMaxExtent = 1e12;
 
 /// The defect of Gaussian `i`, the first that applies in the order of the enumeration.
 /// Opacity of +/-infinity is legal: it is the logit of exactly 1 or 0.
 Defect defect(const GaussianScene& scene, std::size_t i);
 
-/// The same, for a caller that has `activated` = scene.gaussian(i) already.
+/// The same, for a caller that already has `activated` = scene.gaussian(i).
 Defect defect(const GaussianScene& scene, std::size_t i, const Gaussian& activated);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// One door to every scene format.
+/// Loading of a whole scene of any supported format.
 #pragma once
 
 #include <string>
@@ -9,10 +9,9 @@
 
 namespace palpate {
 
-/// Reads a whole scene file of a format that open_scene() knows. Every row of the file is kept, defects
-/// included, so that ids are rows.
-/// \throws Error for anything that is not a whole scene of at least one Gaussian, naming the file,
-/// the offset, property or row, and what to do.
+/// Reads a whole scene file of any format that open_scene() supports. Keeps every row of the file, including
+/// defective ones, so that ids are row numbers. \throws Error for anything that is not a complete scene of at
+/// least one Gaussian, naming the file, the offset, property or row, and what to do.
 GaussianScene load_scene(const std::string& path, const Progress& progress = {});
 
 }  // namespace palpate

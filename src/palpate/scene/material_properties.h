@@ -1,5 +1,5 @@
 /// \file
-/// The numbers that say what something is made of, as files name them.
+/// Material properties and their names in files.
 #pragma once
 
 #include <array>
@@ -14,14 +14,14 @@ enum MaterialProperty : std::size_t {
   kMaterialPropertyCount
 };
 
-/// How a MaterialProperty is written in a file.
+/// Name, unit and range of a MaterialProperty in files.
 struct MaterialPropertyFormat {
   const char* name;
   const char* unit;
-  double most;  ///< the largest that is taken; the least is 0
+  double most;  ///< maximum; the minimum is 0
 };
 
-/// By MaterialProperty. The bounds are far beyond what a device can render, and keep slips of the pen out.
+/// Indexed by MaterialProperty. The bounds are far beyond what a device can render, and reject typing errors.
 inline constexpr std::array<MaterialPropertyFormat, kMaterialPropertyCount> kMaterialProperties{
     {{"stiffness", "N/m", 1e6}, {"friction", "1", 10.0}, {"damping", "N s/m", 1e4}}};
 

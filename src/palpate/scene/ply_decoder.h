@@ -1,5 +1,5 @@
 /// \file
-/// From rows of a .ply to Gaussians.
+/// Decoder from rows of a .ply to Gaussians.
 #pragma once
 
 #include <array>
@@ -17,26 +17,26 @@
 
 namespace palpate {
 
-/// Decodes binary rows of an element `vertex` that has passed check_layout(). Goes column by column, so
-/// that type and byte order are looked at once a column and block, not once a number. Const functions
-/// may be called from several threads.
+/// Decodes binary rows of an element `vertex` that has passed check_layout(). Works column by column, so that
+/// type and byte order are dispatched once per column and block, not once per number. Const functions may be
+/// called from several threads.
 class PlyDecoder {
  public:
   PlyDecoder(const PlyElement& vertex, ByteOrder order);
 
-  /// Sizes the optional arrays of `chunk` as the others are, if the file has what goes there.
+  /// Resizes the optional arrays of `chunk` to its size, for the properties that the file has.
   void size_optional(GaussianScene& chunk) const;
 
-  /// Puts the rows into the Gaussians `at`, at + 1, ... of `chunk`, but for their ids. Positions become
+  /// Decodes the rows into the Gaussians `at`, at + 1, ... of `chunk`, except their ids. Positions become
   /// relative to chunk.origin. Values wider than single precision are rounded to it.
   void decode(const RowBlock& rows, GaussianScene& chunk, std::size_t at) const;
 
-  /// Sizes the arrays of `materials` that the file has something for.
+  /// Resizes the arrays of `materials` for the properties that the file has.
   void size(PlyMaterials& materials, std::size_t rows) const;
-  /// Puts the rows into `materials`, from row `at` on.
+  /// Decodes the rows into `materials`, from row `at` on.
   void decode(const RowBlock& rows, PlyMaterials& materials, std::size_t at) const;
 
-  /// The position in one row, as the file has it.
+  /// The position in one row, as stored in the file.
   Eigen::Vector3d position(const char* row) const;
 
  private:
@@ -47,7 +47,7 @@ class PlyDecoder {
 
   bool has(PlyField field) const { return columns_[field].has_value(); }
 
-  /// Calls use(k, value) with the number, exactly, that row k has in the column of `field`, for all rows.
+  /// Calls use(k, value) with the exact value in the column of `field`, for every row k.
   template <typename Use>
   void for_each(PlyField field, const RowBlock& rows, const Use& use) const;
 

@@ -1,5 +1,5 @@
 /// \file
-/// The header of a Stanford .ply file: what elements and properties follow, and how.
+/// Header of a Stanford .ply file: its elements, properties and encoding.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ auto with_type(PlyType type, const Use& use) {
 std::size_t size_of(PlyType type);
 /// The number stored at `bytes`, exactly: every .ply type fits a double.
 double load_number(const char* bytes, PlyType type, ByteOrder order);
-/// True if an ASCII number can be held by `type` (integers must be integers in range).
+/// True if `type` can represent an ASCII number (integers must be integers in range).
 bool holds(PlyType type, double value);
 const char* to_string(PlyType type);
 
@@ -50,9 +50,9 @@ struct PlyElement {
   std::uint64_t count;
   std::vector<PlyProperty> properties;
 
-  /// Bytes of one row in a binary file; nothing if a list makes rows differ.
+  /// Bytes of one row in a binary file; nothing if a list makes the row size vary.
   std::optional<std::size_t> stride() const;
-  /// Index of the property called `name`, if there is one.
+  /// Index of the property named `name`, if present.
   std::optional<std::size_t> find(std::string_view name) const;
 };
 
@@ -65,12 +65,11 @@ struct PlyHeader {
   std::uint64_t data_offset;         ///< byte after the line "end_header"
 };
 
-/// True if a file that starts with these bytes (at least 4, if it has them) claims to be a .ply.
+/// True if a file with these first bytes (at least 4, if it has them) claims to be a .ply.
 bool is_ply(std::string_view start);
 
-/// Reads the header: comments and obj_info are skipped, lines end in LF or CR LF.
-/// \throws Error naming the line if the header is broken, contradicts itself, or does not end
-/// within 1 MiB.
+/// Reads the header: comments and obj_info are skipped, lines end in LF or CR LF. \throws Error naming the
+/// line if the header is malformed, contradicts itself, or does not end within 1 MiB.
 PlyHeader read_ply_header(const InputFile& file);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// What a .ply must have to be a Gaussian splatting scene, and which variant of it is there.
+/// Validation of a .ply as a Gaussian splatting scene, and detection of its variant.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// The properties of the element `vertex` that are read.
+/// Properties of the element `vertex` that are read.
 enum PlyField : std::size_t {
   kX,
   kY,
@@ -29,7 +29,7 @@ enum PlyField : std::size_t {
   kRed,
   kGreen,
   kBlue,
-  kFirstMaterial,  ///< and the others, by MaterialProperty
+  kFirstMaterial,  ///< followed by the others, by MaterialProperty
   kPlyFieldCount = kFirstMaterial + kMaterialPropertyCount
 };
 
@@ -57,8 +57,8 @@ inline constexpr std::array<const char*, kPlyFieldCount> kPlyFieldNames{
 struct PlyLayout {
   std::string variant;  ///< "INRIA", "2DGS" or "Mip-Splatting"
   int sh_degree = 0;
-  bool wide_positions = false;         ///< a position may not fit single precision
-  std::vector<const char*> materials;  ///< the names of the material properties that are there
+  bool wide_positions = false;         ///< positions may exceed single precision
+  std::vector<const char*> materials;  ///< names of the material properties present
 };
 
 /// Checks that `vertex` has the properties of a Gaussian splatting scene, see ply_reader.h.

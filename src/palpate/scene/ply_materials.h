@@ -1,5 +1,5 @@
 /// \file
-/// What the Gaussians of a .ply are made of, where it says so.
+/// Per-Gaussian material properties of a .ply.
 #pragma once
 
 #include <array>
@@ -13,15 +13,16 @@ namespace palpate {
 
 /// Material properties by row of the scene file.
 struct PlyMaterials {
-  /// By MaterialProperty: one number a row, NaN where it is not set; empty if the file has no such property.
+  /// Indexed by MaterialProperty: one number per row, NaN where it is not set; empty if the file lacks the
+  /// property.
   std::array<std::vector<float>, kMaterialPropertyCount> values;
 
-  /// True if there is no property at all.
+  /// True if the file has no material property.
   bool empty() const;
 };
 
-/// Reads the properties `stiffness`, `friction` and `damping` of the element `vertex`, as many as there are,
-/// of any numeric type, in ASCII or binary. Of a file that has none, or is no .ply, only the header is read.
+/// Reads whichever of the properties `stiffness`, `friction` and `damping` the element `vertex` has, of any
+/// numeric type, in ASCII or binary. If there are none, or the file is not a .ply, only the header is read.
 /// \throws Error as open_ply() does, and for a number that is negative, infinite or too large.
 PlyMaterials read_ply_materials(const std::string& path, const Progress& progress = {});
 

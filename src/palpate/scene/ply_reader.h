@@ -1,5 +1,5 @@
 /// \file
-/// Gaussian splatting scenes in .ply, as they occur in the wild.
+/// Reader of Gaussian splatting scenes in .ply, in all common variants.
 #pragma once
 
 #include <memory>
@@ -22,15 +22,15 @@ namespace palpate {
 ///     f_dc_0 .. f_dc_2         SH constant term, for colour
 ///     f_rest_0 ..              higher SH: counted, not kept; the count must be that of a degree
 ///     stiffness friction
-///     damping                  what it is made of; left to read_ply_materials()
+///     damping                  material properties; left to read_ply_materials()
 ///     anything else            ignored (nx ny nz among them)
 ///
-/// Other elements are skipped, before and after; bytes after the data are counted. Values wider
-/// than single precision are rounded to it, positions relative to GaussianScene::origin.
-/// \throws Error for a broken header, a missing property, a file that ends early, or a bad number.
+/// Other elements, before and after `vertex`, are skipped; bytes after the data are counted. Values wider
+/// than single precision are rounded to it, positions relative to GaussianScene::origin. \throws Error for a
+/// malformed header, a missing property, a truncated file, or an invalid number.
 std::unique_ptr<SceneReader> open_ply(InputFile file, const Progress& progress = {});
 
-/// All of it at once.
+/// Reads the whole scene.
 GaussianScene read_ply(InputFile file, const Progress& progress = {});
 
 }  // namespace palpate

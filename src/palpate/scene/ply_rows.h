@@ -1,5 +1,5 @@
 /// \file
-/// The Gaussians of a .ply as rows of numbers, whatever its encoding.
+/// Row-by-row access to the Gaussians of a .ply, whatever its encoding.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +17,20 @@ class PlyRows {
  public:
   virtual ~PlyRows() = default;
 
-  /// Of the rows that next() gives.
+  /// Decoder of the rows that next() delivers.
   virtual PlyDecoder decoder() const = 0;
 
-  /// Calls `decode` with every part of the next `n` rows once; where the file is binary, from several
-  /// threads. \throws Error where the file is damaged or cut; whatever `decode` throws.
+  /// Calls `decode` once for each block of the next `n` rows; for binary files, from several threads. \throws
+  /// Error where the file is damaged or truncated; whatever `decode` throws.
   virtual void next(std::size_t n, const RowReader::Decode& decode) = 0;
 
-  /// After the last row: walks over the elements behind it. \returns the bytes that nothing accounts for.
-  /// \throws Error where these elements are damaged or cut.
+  /// Call after the last row: skips the elements that follow. \returns the number of unexplained bytes at the
+  /// end. \throws Error where these elements are damaged or truncated.
   virtual std::uint64_t finish() = 0;
 };
 
-/// In front of the first row. \param ply is kept by reference.
-/// \throws Error for data before `vertex` that are broken, or too little data for its rows.
+/// Opens the rows at the first one. \param ply held by reference. \throws Error for malformed data before
+/// `vertex`, or too little data for its rows.
 std::unique_ptr<PlyRows> open_rows(const PlyScene& ply);
 std::unique_ptr<PlyRows> open_binary_rows(const PlyScene& ply);
 std::unique_ptr<PlyRows> open_ascii_rows(const PlyScene& ply);

@@ -1,5 +1,5 @@
 /// \file
-/// A .ply whose header is that of a Gaussian splatting scene.
+/// A .ply file with the header of a Gaussian splatting scene.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct PlyScene {
   GaussianScene describe() const;
 };
 
-/// Reads the header. \throws Error if it is broken or not that of a scene of at least one Gaussian.
+/// Reads the header. \throws Error if it is malformed or not that of a scene of at least one Gaussian.
 PlyScene read_ply_scene(InputFile file);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// Rows of one size out of a file, read and decoded by all processors.
+/// Parallel reader of fixed-size rows of a file.
 #pragma once
 
 #include <cstddef>
@@ -22,18 +22,18 @@ struct RowBlock {
   const char* row(std::size_t k) const { return bytes + k * stride; }
 };
 
-/// Reads rows of `stride` bytes that begin at byte `offset` of a file. The rows are read in blocks that
-/// stay in the cache of the processor that decodes them.
+/// Reads rows of `stride` bytes that begin at byte `offset` of a file, in blocks that stay in the cache of
+/// the processor that decodes them.
 class RowReader {
  public:
-  /// Takes a block whose first row is number `at` of those asked for.
+  /// Decodes a block whose first row has index `at` among the requested ones.
   using Decode = std::function<void(const RowBlock& block, std::size_t at)>;
 
-  /// \param file is kept by reference. \pre stride > 0.
+  /// \param file held by reference. \pre stride > 0.
   RowReader(const InputFile& file, std::uint64_t offset, std::size_t stride);
 
-  /// Calls `decode` with every part of the rows first ... first + n - 1 once, from several threads.
-  /// \throws Error when the read fails; whatever `decode` throws.
+  /// Calls `decode` once for each block of the rows first ... first + n - 1, from several threads. \throws
+  /// Error when the read fails; whatever `decode` throws.
   void read(std::uint64_t first, std::size_t n, const Decode& decode);
 
  private:

@@ -1,6 +1,6 @@
 /// \file
-/// From a captured scene to what a hand can touch: filter (paper III-A), choice of ellipsoid, and
-/// registration into the world (paper eq. 3).
+/// Filter from a captured scene to solid ellipsoids: which Gaussians are kept (paper III-A), the size of
+/// their ellipsoids, and registration into the world (paper eq. 3).
 #pragma once
 
 #include <array>
@@ -18,16 +18,16 @@
 
 namespace palpate {
 
-/// Which Gaussians are solid, and how large the ellipsoid of one is.
+/// Selection of solid Gaussians, and the size of their ellipsoids.
 struct SceneFilter {
   /// Kept if alpha > opacity_min (the paper's threshold, 0.1 to 0.3). In [0, 1].
   double opacity_min = 0.1;
-  /// Ellipsoid of a Gaussian: this many standard deviations. Positive.
+  /// Size of a Gaussian's ellipsoid in standard deviations. Positive.
   double sigma = 1.0;
-  /// Splatting draws nothing beyond 3.4; larger ellipsoids only cost time.
+  /// Upper limit of `sigma`: splatting draws nothing beyond 3.4; larger ellipsoids only cost time.
   static constexpr double kSigmaMax = 10.0;
-  /// If set, the level at which splatting still draws alpha = iso replaces sigma:
-  /// k_i = sqrt(2 ln(alpha_i / iso)). Gaussians with alpha <= iso vanish. In (0, 1).
+  /// If set, replaces sigma by the level set at which splatting draws alpha = iso: k_i = sqrt(2 ln(alpha_i /
+  /// iso)). Gaussians with alpha <= iso are dropped. In (0, 1).
   std::optional<double> iso;
   /// Kept if the longest standard deviation in the world is at most this. Unit: [m].
   std::optional<double> max_scale;
@@ -39,13 +39,13 @@ struct SceneFilter {
 
     bool operator==(const Sphere&) const = default;
   };
-  std::optional<Sphere> crop_sphere;  ///< likewise
+  std::optional<Sphere> crop_sphere;  ///< kept if the centre is inside, as crop_box
 
   bool operator==(const SceneFilter& other) const;
 };
 
-/// What became of the Gaussians of a scene or of a part of one; each is counted once, at the first rule that
-/// drops it in the order of the members.
+/// Number of Gaussians kept and dropped, for a scene or a part of one; each is counted once, at the first
+/// rule that drops it in the order of the members.
 struct FilterReport {
   std::size_t total = 0;
   std::array<std::size_t, kDefectCount> defects{};  ///< by Defect; [kNone] stays 0
@@ -55,13 +55,13 @@ struct FilterReport {
   std::size_t outside_crop = 0;
   std::size_t kept = 0;
 
-  /// All that cannot collide because of a defect.
+  /// Total number of Gaussians dropped because of a defect.
   std::size_t defective() const;
 
   bool operator==(const FilterReport&) const = default;
 };
 
-/// The reports of two parts of a scene add up to that of both.
+/// Adds the report of another part of the same scene.
 FilterReport& operator+=(FilterReport& sum, const FilterReport& part);
 
 /// The ellipsoids of the kept Gaussians in the world frame, in increasing order of id.
@@ -74,7 +74,7 @@ struct EllipsoidScene {
   std::size_t size() const { return ellipsoids.size(); }
 };
 
-/// Box of the central 98 % of the centres, in each coordinate. \pre not empty. Unit: [m].
+/// Box of the central 98 % of the centres in each coordinate. \pre not empty. Unit: [m].
 Eigen::AlignedBox3d central_box(const EllipsoidScene& scene);
 
 /// k of the ellipsoid of a Gaussian: the standard deviations out to which it is solid.
@@ -88,13 +88,13 @@ Ellipsoid world_ellipsoid(const Gaussian& gaussian, const SceneFilter& filter,
                           const Similarity& world_from_scene);
 
 /// True if `filter` keeps Gaussian i of `scene`, registered by `world_from_scene`. `activated` is
-/// scene.gaussian(i). Counts it in `report`: in the total, and where it is kept or dropped. Parts of a
-/// scene may be asked about by several threads, each with a report of its own.
+/// scene.gaussian(i). Counts it in `report`: in the total, and as kept or dropped. Several threads may
+/// process parts of a scene, each with its own report.
 bool keeps(const GaussianScene& scene, std::size_t i, const Gaussian& activated, const SceneFilter& filter,
            const Similarity& world_from_scene, FilterReport& report);
 
-/// Applies filter and registration. `report` says what became of every Gaussian. Runs in parallel on the
-/// caller's oneTBB arena; the result does not depend on the number of threads.
+/// Applies filter and registration. `report` receives the counts. Runs in parallel on the caller's oneTBB
+/// arena; the result does not depend on the number of threads.
 EllipsoidScene filter_scene(const GaussianScene& scene, const SceneFilter& filter,
                             const Similarity& world_from_scene, FilterReport& report,
                             const Progress& progress = {});

@@ -1,5 +1,5 @@
 /// \file
-/// Scene files read in bounded memory, a chunk at a time.
+/// Chunked scene reader with bounded memory.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@
 
 namespace palpate {
 
-/// Reads a scene file from front to back. Holds no more than the chunk it is asked to fill and a few
-/// buffers, so that a scene may be larger than memory. One thread at a time; inside, the rows of binary
-/// files are decoded in parallel on the caller's oneTBB arena.
+/// Reads a scene file from front to back. Holds only the requested chunk and a few buffers, so that a scene
+/// may be larger than memory. One thread at a time; internally, the rows of binary files are decoded in
+/// parallel on the caller's oneTBB arena.
 class SceneReader {
  public:
   /// Gaussians in every chunk but the last: about 8 MB.
@@ -24,17 +24,17 @@ class SceneReader {
   SceneReader(const SceneReader&) = delete;
   SceneReader& operator=(const SceneReader&) = delete;
 
-  /// What holds for the whole file (source, format, encodings, sh_degree, origin), without Gaussians.
+  /// Metadata of the whole file (source, format, encodings, sh_degree, origin), without Gaussians.
   /// trailing_bytes is known once next() has returned false.
   const GaussianScene& description() const { return description_; }
 
-  /// Gaussians in the file.
+  /// Number of Gaussians in the file.
   std::uint64_t count() const { return count_; }
 
-  /// Replaces `chunk` by the next Gaussians in the order of the file, ids continuing; false, with an
-  /// empty chunk, at the end. Arrays that the file lacks (colour, filter_3d) are empty in every chunk.
-  /// \throws Error where the file turns out to be damaged or cut; what follows the Gaussians is checked
-  /// at the end. The reader is of no use after that.
+  /// Replaces `chunk` by the next Gaussians in file order, ids continuing; returns false, with an empty
+  /// chunk, at the end. Arrays that the file lacks (colour, filter_3d) are empty in every chunk. \throws
+  /// Error if the file is found to be damaged or truncated; data after the Gaussians is checked at the end.
+  /// The reader is unusable after an error.
   bool next(GaussianScene& chunk);
 
  protected:
@@ -42,11 +42,11 @@ class SceneReader {
   SceneReader(GaussianScene description, std::uint64_t count, Progress progress);
 
  private:
-  /// Fills `chunk`, whose arrays have their size but for the optional ones, with the Gaussians from row
+  /// Fills `chunk`, whose arrays except the optional ones are already sized, with the Gaussians from row
   /// `first` on. Called with consecutive chunks.
   virtual void read(std::uint64_t first, GaussianScene& chunk) = 0;
 
-  /// Checks what follows the last Gaussian; returns the bytes that nothing accounts for. Called once.
+  /// Checks the data after the last Gaussian; returns the number of unexplained bytes. Called once.
   virtual std::uint64_t read_end() = 0;
 
   GaussianScene description_;
@@ -56,8 +56,8 @@ class SceneReader {
   Progress progress_;
 };
 
-/// Opens a scene file. The format is told by its first bytes, and by the extension only where a format
-/// has none of its own (`.splat`):
+/// Opens a scene file. The format is detected from its first bytes, and from the extension only for a format
+/// without a signature (`.splat`):
 ///   - INRIA `.ply` and its relatives, see ply_reader.h;
 ///   - `.splat`, see splat_reader.h.
 /// Positions that may not fit single precision (.ply of type double or int) are read once here, to find
@@ -66,8 +66,7 @@ class SceneReader {
 /// offset, property or row, and what to do.
 std::unique_ptr<SceneReader> open_scene(const std::string& path, const Progress& progress = {});
 
-/// All that `reader` has not read yet.
-/// \throws Error as SceneReader::next() does.
+/// Reads all remaining Gaussians. \throws Error as SceneReader::next() does.
 GaussianScene read_all(SceneReader& reader);
 
 }  // namespace palpate

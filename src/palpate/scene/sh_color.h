@@ -1,5 +1,5 @@
 /// \file
-/// Between the constant term of a Gaussian's spherical harmonics and a colour.
+/// Conversion between the constant SH term of a Gaussian and its colour.
 #pragma once
 
 #include <algorithm>

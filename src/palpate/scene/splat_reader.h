@@ -1,5 +1,5 @@
 /// \file
-/// The `.splat` format of browser viewers.
+/// Reader of the `.splat` format of browser viewers.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Reads `.splat`: no header, 32 bytes a Gaussian, little-endian:
+/// Reads `.splat`: no header, 32 bytes per Gaussian, little-endian:
 ///
 ///     offset  0  float[3]  position
 ///     offset 12  float[3]  sigma (linear)
@@ -20,7 +20,7 @@ namespace palpate {
 /// \throws Error if the size is not a multiple of 32.
 std::unique_ptr<SceneReader> open_splat(InputFile file, const Progress& progress = {});
 
-/// All of it at once.
+/// Reads the whole scene.
 GaussianScene read_splat(InputFile file, const Progress& progress = {});
 
 }  // namespace palpate

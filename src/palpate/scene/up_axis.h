@@ -13,10 +13,10 @@
 
 namespace palpate {
 
-/// Captured axis that points up, and becomes world +z. No format of scenes declares it but glTF.
+/// Captured axis that points up and becomes world +z. Of all scene formats, only glTF declares it.
 enum class UpAxis : std::uint8_t { kAsIs, kXDown, kXUp, kYDown, kYUp, kZDown, kZUp };
 
-/// In files and on the wire, in the order of its values.
+/// Names in files and protocols, in the order of the enumeration.
 inline constexpr std::array<std::string_view, 7> kUpAxisNames{"as-is", "x-down", "x-up", "y-down",
                                                               "y-up",  "z-down", "z-up"};
 constexpr std::string_view to_string(UpAxis axis) { return kUpAxisNames[static_cast<std::size_t>(axis)]; }
@@ -37,7 +37,7 @@ inline Eigen::Quaterniond upright(UpAxis axis) {
   }
 }
 
-/// `registration` of a capture that is turned upright first.
+/// `registration` with the capture turned upright first.
 inline Similarity upright(UpAxis axis, Similarity registration) {
   registration.rotation = registration.rotation * upright(axis);
   return registration;

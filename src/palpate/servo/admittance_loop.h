@@ -1,5 +1,5 @@
 /// \file
-/// A device of the admittance type behind the interface of one that takes wrenches.
+/// Adapter of an admittance-type device to the impedance-type HapticDevice interface.
 #pragma once
 
 #include <memory>
@@ -13,43 +13,42 @@
 
 namespace palpate {
 
-/// How an AdmittanceLoop is set up.
+/// Options of an AdmittanceLoop.
 struct AdmittanceLoopOptions {
   Admittance admittance;
   MotionLimits limits;
   double period = 1e-3;  ///< between calls of write(). Unit: [s]. > 0
-  /// Along each axis, and about each: what the loop is taken to be. `delay` without the half tick.
+  /// Loop model along each axis and about each axis. `delay` excludes the half tick.
   AdmittanceLoopModel along, about;
-  /// What admittance must have of gain margin; 0: it is not checked, for trials in virtual time.
+  /// Required gain margin of the admittance; 0 = not checked, for trials in virtual time.
   double margin = kDesignMargin;
-  std::optional<MotionSafety> safety;  ///< in place of MotionSafety::of() the device
+  std::optional<MotionSafety> safety;  ///< overrides MotionSafety::of() of the device
 };
 
-/// A MotionDevice as a HapticDevice, so that ServoTick and all that looks on see one like any other. What is
-/// written is the setpoint F_scene of the paper's section IV; with the hand's force it becomes an
+/// Presents a MotionDevice as a HapticDevice, so that ServoTick and all observers treat it like any other.
+/// The written wrench is the setpoint F_scene of the paper's section IV; with the hand's force it gives an
 /// acceleration:
 ///
 ///     MotionDevice::read -> MotionGovernor::admit -> [ServoTick: model, passivity, SafetyGovernor] -> write:
 ///         AdmittanceController -> MotionDevice::move -> MotionGovernor::moved
 ///
-/// Readings are measured ones, so the energy that PassivityController observes is that of the scene's force
-/// on the way that the handle really goes. capabilities() tell the virtual damping as the device's own, and
-/// as delay all that is between force and motion: ServoTick lowers stiffnesses that are not passive with
-/// these.
+/// Readings are measured, so PassivityController observes the work of the scene's force along the actual
+/// motion of the handle. capabilities() reports the virtual damping as the device's own and, as delay, the
+/// whole delay from force to motion; ServoTick lowers stiffnesses that are not passive with these.
 ///
-/// Where the device cannot follow, the controller's motion is put to what it does instead: nothing is wound
-/// up, and nothing jumps when it is free again. status_text() then tells what holds it.
+/// Where the device cannot follow, the controller's motion is reset to the device's actual motion: there is
+/// no windup, and no jump when the device is free again. status_text() then names the cause.
 ///
-/// While MotionGovernor brakes for a fault, read() has nothing, and the status is DeviceStatus::kFault.
+/// While MotionGovernor brakes for a fault, read() returns false and the status is DeviceStatus::kFault.
 class AdmittanceLoop final : public HapticDevice {
  public:
-  /// \param device must outlive it. \throws Error, which names the axis and the bound, if the admittance is
-  /// not stable with the loop's margin.
+  /// \param device must outlive this object. \throws Error, which names the axis and the bound, if the
+  /// admittance is not stable with the required margin.
   AdmittanceLoop(MotionDevice& device, const AdmittanceLoopOptions& options);
-  /// The same, with a device of its own.
+  /// Takes ownership of the device.
   AdmittanceLoop(std::unique_ptr<MotionDevice> device, const AdmittanceLoopOptions& options);
 
-  /// \throws Error as the constructor: an admittance that is not stable in `options`.
+  /// Checks the stability of the admittance in `options`. \throws Error as the constructor.
   static void check(const AdmittanceLoopOptions& options);
 
   void open() override;
@@ -61,23 +60,24 @@ class AdmittanceLoop final : public HapticDevice {
   void wait(const LoopClock& clock, double until) override { device_.wait(clock, until); }
   void stop() noexcept override;
 
-  /// Another admittance, and the stiffest contact from now on; M and D go there as AdmittanceController says.
-  /// From one thread besides the loop's. \throws Error as the constructor; nothing is then changed.
+  /// Sets another admittance and the stiffest contact from now on; M and D change gradually
+  /// (AdmittanceController). Called by one thread besides the loop's. \throws Error as the constructor;
+  /// nothing is then changed.
   void change(const Admittance& admittance, double contact_stiffness);
 
-  /// For stop(), resume() and tare() from any thread; else of the loop's.
+  /// stop(), resume() and tare() may be called from any thread; all else from the loop's thread.
   MotionGovernor& governor() { return governor_; }
   const MotionGovernor& governor() const { return governor_; }
 
   /// \name On the loop's thread
   /// @{
-  /// What the hand exerts on the handle, without the sensor's bias. Device's frame.
+  /// Wrench of the hand on the handle, sensor bias removed. Device's frame.
   Wrench user() const { return governor_.user(); }
-  /// The controller's, which the device is told.
+  /// The controller's setpoint, as sent to the device.
   const MotionSetpoint& motion() const { return controller_.motion(); }
-  const MotionAnswer& answer() const { return answer_; }  ///< the device's, to that
-  /// What has held the device in the last kToldFor, for a person; empty where nothing has. Against a limit
-  /// the controller's motion goes a little beyond, and is put back, many times a second.
+  const MotionAnswer& answer() const { return answer_; }  ///< the device's answer to that setpoint
+  /// Reason, readable by a person, why the device was held back within the last kToldFor; empty if it was
+  /// not. At a limit the controller's motion overshoots slightly and is reset many times a second.
   const char* held_by() const { return held_ && t_ - held_at_ < kToldFor ? held_reason_ : ""; }
   static constexpr double kToldFor = 0.25;  ///< Unit: [s].
   const Admittance& admittance() const { return controller_.admittance(); }
@@ -87,9 +87,9 @@ class AdmittanceLoop final : public HapticDevice {
   void tell_status() noexcept;
   static DeviceCapabilities told(const MotionDevice& device, const AdmittanceLoopOptions& options);
 
-  std::unique_ptr<MotionDevice> owned_;  ///< null where it is another's
+  std::unique_ptr<MotionDevice> owned_;  ///< null if the device is not owned
   MotionDevice& device_;
-  AdmittanceLoopOptions options_;  ///< of the thread that calls change()
+  AdmittanceLoopOptions options_;  ///< used by the thread that calls change()
   const double period_;            ///< Unit: [s].
   DeviceCapabilities capabilities_;
   MotionGovernor governor_;

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// X_DH: the pose of the handle H in the frame D of the device. It is no Pose, so that it cannot be passed
-/// where one in the world W is wanted: WorkspaceMap is the way there, and back.
+/// X_DH: the pose of the handle H in the frame D of the device. A type distinct from Pose, so that it cannot
+/// be passed where a pose in the world W is expected; WorkspaceMap converts between the two.
 struct DevicePose {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< of the handle's origin, in D. Unit: [m].
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< Unit norm, H to D.
@@ -16,10 +16,10 @@ struct DevicePose {
   /// Both measured and expressed in D.
   DevicePose(const Eigen::Vector3d& p_DH, const Eigen::Quaterniond& q_DH)
       : position(p_DH), orientation(q_DH) {}
-  /// \param X_DH is in D already: of a driver, or of what simulates one
+  /// \param X_DH pose in D already: from a driver or its simulation
   explicit DevicePose(const Pose& X_DH) : position(X_DH.position), orientation(X_DH.orientation) {}
 
-  /// The same numbers, for what works in D throughout.
+  /// The same numbers as a Pose, for code that works in D throughout.
   Pose in_device_frame() const { return {position, orientation}; }
 
   bool operator==(const DevicePose&) const = default;

@@ -1,5 +1,5 @@
 /// \file
-/// A device whose driver may throw after all.
+/// Exception guard around a device driver.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace palpate {
 
-/// What a loop sees of a device in place of it, so that a driver that throws on the loop's thread, which its
-/// contract forbids, ends its own hand and not the program with all other hands. From then on there is no
-/// reading, the motors are off, and the driver is not called again but for stop(): the force falls as for a
-/// device that is unplugged. Opened and closed by who owns the device.
+/// Stands between a loop and a device: a driver that throws on the loop's thread, which its contract forbids,
+/// ends only its own hand and not the program with all other hands. From then on there are no readings, the
+/// motors are off, and no function of the driver but stop() is called: the force falls as for an unplugged
+/// device. The owner of the device opens and closes it.
 class GuardedDevice final : public HapticDevice {
  public:
-  /// `device` must outlive it.
+  /// `device` must outlive this object.
   explicit GuardedDevice(HapticDevice& device) : device_(device) {}
 
   const DeviceCapabilities& capabilities() const override { return device_.capabilities(); }
@@ -25,7 +25,7 @@ class GuardedDevice final : public HapticDevice {
   void write(const Wrench& wrench) override;
   void stop() noexcept override { device_.stop(); }
 
-  /// What the driver threw; empty while it has thrown nothing. Any thread.
+  /// Message of the exception that the driver threw; empty if none. Any thread.
   std::string_view thrown() const { return {text_.data(), length_.load(std::memory_order_acquire)}; }
 
  private:
@@ -33,7 +33,7 @@ class GuardedDevice final : public HapticDevice {
   bool guard(const Call& call);
 
   HapticDevice& device_;
-  std::array<char, 256> text_{};  ///< written once: nothing is taken from the heap on the loop's thread
+  std::array<char, 256> text_{};  ///< written once: no allocation on the loop's thread
   std::atomic<std::size_t> length_ = 0;
 };
 

@@ -1,12 +1,12 @@
 /// \file
-/// Motion along one axis within limits of jerk, acceleration, velocity and position.
+/// Single-axis motion within limits of jerk, acceleration, velocity and position.
 #pragma once
 
 #include <limits>
 
 namespace palpate {
 
-/// Of one axis. The unit [u] is [m] or [rad].
+/// Motion limits of one axis. The unit [u] is [m] or [rad].
 struct AxisLimits {
   double jerk = 0.0;                                        ///< > 0. Unit: [u/s^3].
   double acceleration = 0.0;                                ///< > 0. Unit: [u/s^2].
@@ -15,25 +15,26 @@ struct AxisLimits {
   double upper = std::numeric_limits<double>::infinity();
 };
 
-/// Unit: [u], [u/s], [u/s^2].
+/// Motion state of one axis. Unit: [u], [u/s], [u/s^2].
 struct AxisState {
   double position = 0.0, velocity = 0.0, acceleration = 0.0;
 };
 
-/// After `dt` of the stop manoeuvre: the quickest way to rest, without a velocity of the other sign, at
-/// jerk -J, 0 and J. From rest it stays there.
+/// Returns the state after `dt` of the stop manoeuvre: the fastest way to rest without reversing the
+/// velocity, at jerk -J, 0 and J. A state at rest stays at rest.
 AxisState stopping(const AxisState& state, const AxisLimits& limits, double dt);
 
-/// The longest that the stop manoeuvre takes from within the limits: V / A + 2 A / J. Unit: [s].
+/// Upper bound of the duration of the stop manoeuvre from within the limits: V / A + 2 A / J. Unit: [s].
 double stop_time(const AxisLimits& limits);
 
-/// True if the state is within the limits, and so is the stop manoeuvre from there.
+/// Returns true if the state and the stop manoeuvre from it are within the limits.
 bool can_stop(const AxisState& state, const AxisLimits& limits);
 
-/// After `dt` with an acceleration that ends as near to `wanted` as the limits permit. A step is taken only
-/// to a state that can_stop(); between that of the stop manoeuvre, which always is one, and the wanted one,
-/// by bisection. So what begins within the limits stays within them, for every sequence of `wanted` and `dt`.
-/// A state that is not within them goes along the stop manoeuvre until it is. \param dt > 0. Unit: [s].
+/// Returns the state after `dt` whose acceleration is as near to `wanted` as the limits permit. The new state
+/// always satisfies can_stop(): it is found by bisection between the stop manoeuvre, which always does, and
+/// the wanted acceleration. A motion that starts within the limits therefore stays within them, for every
+/// sequence of `wanted` and `dt`. A state outside of the limits follows the stop manoeuvre until it is
+/// inside. \param dt > 0. Unit: [s].
 AxisState stepped(const AxisState& state, const AxisLimits& limits, double wanted, double dt);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// What a loop is doing, for who looks on.
+/// Live view of a running servo loop for another thread.
 #pragma once
 
 #include <array>
@@ -12,28 +12,28 @@
 
 namespace palpate {
 
-/// What a loop has felt so far.
+/// Totals of a loop since its start.
 struct LiveTotals {
-  std::uint64_t contact_ticks = 0;  ///< in which the tool touched something
+  std::uint64_t contact_ticks = 0;  ///< ticks with contact
   std::uint64_t contacts_max = 0;
-  double force_max = 0.0;    ///< that was sent. Unit: [N].
+  double force_max = 0.0;    ///< largest force sent. Unit: [N].
   double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
   double margin_min = 0.0;   ///< the least of TickRecord::margin; 0 if there was none
 };
 
-/// Keeps the newest tick, what has come together, and every change of the governor's state. The servo thread
-/// calls see(); the rest is for one other thread, unless it says more.
+/// Keeps the newest tick, running totals, and every state transition of the governor. The servo thread calls
+/// see(); all other functions are for one other thread unless stated otherwise.
 class LiveView final : public TickObserver {
  public:
   void see(const TickRecord& record, const TickTimes& times) override;
 
-  /// True if there was a tick since the last call; newest() is then that of it.
+  /// Returns true if there was a tick since the last call, which newest() then returns.
   bool update() { return newest_.update(); }
   const TickRecord& newest() const { return newest_.front().record; }
   const TickTimes& times() const { return newest_.front().times; }
   LiveTotals totals() const { return newest_.front().totals; }
 
-  /// The changes of state, oldest first; of more than kRemembered the first. Any thread.
+  /// State transitions, oldest first; only the first kRemembered are kept. Any thread.
   std::span<const GovernorTransition> transitions() const {
     return {transitions_.data(), remembered_.load(std::memory_order_acquire)};
   }

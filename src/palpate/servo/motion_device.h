@@ -1,5 +1,5 @@
 /// \file
-/// The interface of what measures a hand's force and takes a motion: devices of the admittance type.
+/// Interface of admittance-type devices, which measure the hand's wrench and follow a commanded motion.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +10,28 @@
 
 namespace palpate {
 
-/// What such a device says at one instant.
+/// Reading of an admittance-type device at one instant.
 struct MotionReading {
   double t = 0.0;   ///< when it was measured, on the loop's clock. Unit: [s].
   DevicePose pose;  ///< X_DH: of the TCP H, as measured
   Twist velocity;   ///< V_DH
-  /// Of the hand on the handle, as the force sensor says, torque about the TCP; along the axes of the
-  /// device's frame. Bias and all.
+  /// Wrench of the hand on the handle as measured by the force sensor, bias included; torque about the TCP,
+  /// along the axes of the device's frame.
   Wrench user;
-  double user_t = 0.0;  ///< when that was measured; the same again where it was not. Unit: [s].
+  double user_t = 0.0;  ///< time of that measurement; unchanged if there is no new one. Unit: [s].
   std::uint32_t hand = 0, buttons = 0;  ///< as DeviceReading
 };
 
-/// What a device makes of a motion that it is told.
+/// Answer of a device to a motion setpoint.
 struct MotionAnswer {
-  MotionSetpoint motion;    ///< that it will follow
-  bool held = false;        ///< that is not what it was told, by more than it takes for following
-  const char* reason = "";  ///< why, for a person; a literal
-  int joint = -1;           ///< which joint holds it; -1: none in particular
+  MotionSetpoint motion;    ///< motion that the device will follow
+  bool held = false;        ///< it deviates from the setpoint by more than the tolerance for following
+  const char* reason = "";  ///< reason for a person; a string literal
+  int joint = -1;           ///< limiting joint; -1 = none in particular
 };
 
-/// A device with its own position control. The life of a HapticDevice: the owner opens, enables and closes
-/// it, the loop's thread reads and moves it, once a tick and in this order, and any thread may stop it.
+/// A device with its own position control. Life cycle as HapticDevice: the owner opens, enables and closes
+/// it, the loop's thread reads and moves it, once per tick and in this order, and any thread may stop it.
 class MotionDevice {
  public:
   MotionDevice() = default;
@@ -39,27 +39,27 @@ class MotionDevice {
   MotionDevice(const MotionDevice&) = delete;
   MotionDevice& operator=(const MotionDevice&) = delete;
 
-  /// \name On the owner's thread, while no loop runs. As of HapticDevice.
+  /// \name On the owner's thread, while no loop runs; as HapticDevice
   /// @{
   virtual void open() {}
   virtual void enable() {}
   virtual void close() noexcept {}
   /// @}
 
-  /// With Causality::kAdmittance. `force_max` and `torque_max` are what the sensor measures.
+  /// Causality::kAdmittance; `force_max` and `torque_max` are the range of the sensor.
   virtual const DeviceCapabilities& capabilities() const = 0;
 
   /// \name On the loop's thread: no allocation, locks, exceptions or I/O
   /// @{
-  /// The newest reading, if there is one. \param t now. Unit: [s].
+  /// Gets the newest reading. \returns false if there is none. \param t now. Unit: [s].
   virtual bool read(double t, MotionReading& reading) = 0;
-  /// Where it shall be at the next tick. \pre finite, and within what it was made for
+  /// Commands the motion at the next tick. \pre finite, and within the limits the device was built for
   virtual MotionAnswer move(const MotionSetpoint& motion, double dt) = 0;
   virtual void wait(const LoopClock& clock, double until) { clock.sleep_until(until); }
   /// @}
 
-  /// Comes to rest by itself, each joint as fast as it may; the next move() goes on from there. From any
-  /// thread, also a signal handler.
+  /// Brakes each joint as fast as its limits permit; the next move() continues from there. From any thread,
+  /// also a signal handler.
   virtual void stop() noexcept {}
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// The only way from an admittance controller to a device: what SafetyGovernor is for a wrench.
+/// Safety governor of an admittance-type device: the counterpart of SafetyGovernor for motion.
 #pragma once
 
 #include <array>
@@ -15,80 +15,81 @@
 
 namespace palpate {
 
-/// What is allowed.
+/// Safety limits of an admittance-type device.
 struct MotionSafety {
-  double tick = 1e-3;                          ///< between calls, as planned. Unit: [s]. > 0
-  double reading_period = 1e-3;                ///< as the device promises. Unit: [s]. > 0
-  double gate_force = 2.0, gate_torque = 0.2;  ///< of the hand, below which the gate opens. Unit: [N], [N m].
-  double gate_time = 0.25;                     ///< for as long. Unit: [s].
-  double rise_time = 0.5;       ///< from the gate until all of the force moves the handle. Unit: [s].
+  double tick = 1e-3;            ///< between calls, as planned. Unit: [s]. > 0
+  double reading_period = 1e-3;  ///< nominal, of the device. Unit: [s]. > 0
+  double gate_force = 2.0,
+         gate_torque = 0.2;     ///< of the hand, below which the start gate opens. Unit: [N], [N m].
+  double gate_time = 0.25;      ///< time below these thresholds. Unit: [s].
+  double rise_time = 0.5;       ///< ramp from the gate to full effect of the force. Unit: [s].
   double stale_after = 0.02;    ///< or three readings. Unit: [s].
   double late_max = 0.02;       ///< as SafetyLimits::late_max
   double recover_after = 0.25;  ///< Unit: [s].
   double speed_max = 1.8, angular_speed_max = 4.5;  ///< as measured. Unit: [m/s], [rad/s].
-  double jump = 0.05, angular_jump = 0.2;  ///< between two readings, beyond the fastest. Unit: [m], [rad].
+  double jump = 0.05,
+         angular_jump = 0.2;  ///< between two readings, beyond the fastest motion. Unit: [m], [rad].
   double following_max = 0.1, angular_following_max = 0.35;  ///< see Fault::kNotFollowing. Unit: [m], [rad].
   ForceSensorLimits sensor;
 
   static MotionSafety of(const DeviceCapabilities& device, const MotionLimits& limits, double tick);
 };
 
-/// Stands between an admittance controller and a device. Whatever goes in,
+/// Stands between an admittance controller and a device. Whatever the input,
 ///
-///  - the controller gets forces that are finite, and that a hand can exert; none before the gate has opened;
-///  - a fault brakes: the handle is at rest within MotionLimits::stop_time() and stays there. Each fault that
-///    does not latch is over once nothing has been wrong for recover_after; then the hand's force must be
-///    small for gate_time, and moves the handle by a share that grows from nothing in rise_time;
-///  - at the first gate what the sensor says is its bias, so nobody must hold the handle; later gates go by
-///    that bias, until tare().
+///  - the controller receives only finite forces that a hand can exert, and none before the gate has opened;
+///  - a fault brakes: the handle is at rest within MotionLimits::stop_time() and stays there. A fault that
+///    does not latch ends once no fault has occurred for recover_after; then the hand's force must be small
+///    for gate_time, and its effect on the handle ramps up from zero within rise_time;
+///  - at the first gate the sensor's output is taken as its bias, so nobody must hold the handle; later gates
+///    use that bias, until tare().
 ///
-/// One thread calls, once a tick: admit(), then the controller with user() and share(), or its brake() where
+/// One thread calls, once per tick: admit(), then the controller with user() and share(), or its brake() if
 /// brakes(), then moved(). Any thread, or a signal handler, may call stop(), resume(), unpause() and tare().
-/// Takes nothing from the heap, locks nothing, throws nothing.
+/// Does not allocate, lock or throw.
 ///
 ///     kWaiting --hand's force small for gate_time--> kRising --rise_time--> kActive
 ///         any state --fault--> kFalling (brakes) --at rest--> kStopped
-///         kStopped --all gone for recover_after, and those that latch resumed--> kWaiting
+///         kStopped --no fault for recover_after, latched ones resumed--> kWaiting
 class MotionGovernor {
  public:
   explicit MotionGovernor(const MotionSafety& safety);
 
-  /// Takes the newest reading, at the time `t` of the tick; the same one again where none has come.
-  /// \pre `t` never falls.
+  /// Takes the newest reading, at the time `t` of the tick; the previous one again if there is no new one.
+  /// \pre `t` never decreases.
   void admit(const MotionReading& reading, double t);
-  /// The same where the device has not said anything yet.
+  /// The same while the device has not sent any reading yet.
   void admit_none(double t);
 
-  /// The last reading that was good.
+  /// The last valid reading.
   const MotionReading& reading() const { return reading_; }
-  /// Of the hand, without the sensor's bias. Device's frame.
+  /// Wrench of the hand, sensor bias removed. Device's frame.
   Wrench user() const { return sensor_.wrench(); }
-  /// Of all forces, what moves the handle in this tick, in [0, 1].
+  /// Fraction of all forces that takes effect in this tick, in [0, 1].
   double share() const;
-  /// The controller brakes in this tick, and does not step.
+  /// True if the controller must brake in this tick instead of stepping.
   bool brakes() const {
     return state_ == GovernorState::kFalling || state_ == GovernorState::kStopped || share() == 0.0;
   }
 
-  /// What the controller and the device have made of it. \param wanted is sent as it is if it is finite
-  /// \returns false where it is not: the device stays where it was told to be. \param at_rest the motion has
-  /// come to its end
+  /// Reports the motion of controller and device. \param wanted setpoint, sent unchanged if finite \returns
+  /// false if it is not: the device then keeps its last setpoint. \param at_rest the motion has come to rest
   bool moved(const MotionSetpoint& wanted, const MotionSetpoint& followed, bool at_rest);
 
-  /// As those of SafetyGovernor.
+  /// As the functions of SafetyGovernor of these names.
   void stop(Fault why = Fault::kEmergencyStop) {
     stop_asked_.fetch_or(1U << static_cast<unsigned>(why), std::memory_order_relaxed);
   }
   void resume() { resume_asked_.store(true, std::memory_order_relaxed); }
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
-  /// Nobody holds the handle: what the sensor says at the next gate is its bias.
+  /// Takes the sensor's output at the next gate as its bias. \pre nobody holds the handle
   void tare() { tare_asked_.store(true, std::memory_order_relaxed); }
 
   GovernorState state() const { return state_; }
   Fault fault() const { return fault_; }
-  SensorFault sensor_fault() const { return sensor_fault_; }  ///< of the last Fault::kForceSensor
+  SensorFault sensor_fault() const { return sensor_fault_; }  ///< cause of the last Fault::kForceSensor
   const Wrench& bias() const { return sensor_.bias(); }
-  /// The last changes of state, oldest first, at most SafetyGovernor::kRemembered.
+  /// The last state transitions, oldest first, at most SafetyGovernor::kRemembered.
   std::span<const GovernorTransition> transitions() const { return {transitions_.data(), remembered_}; }
 
  private:
@@ -109,7 +110,7 @@ class MotionGovernor {
   double t_ = 0.0, since_ = 0.0, passed_ = 0.0, late_ = 0.0;
   double small_since_ = 0.0, wrong_at_ = 0.0, arrived_ = 0.0;
   bool begun_ = false, started_ = false, tared_ = false, at_rest_ = true, heard_sensor_ = false;
-  unsigned held_ = 0;  ///< latched faults that nobody has resumed, a bit each
+  unsigned held_ = 0;  ///< latched faults not yet resumed, one bit each
   MotionReading newest_, reading_;
   std::atomic<unsigned> stop_asked_ = 0;
   std::atomic<bool> resume_asked_ = false, unpause_asked_ = false, tare_asked_ = false;

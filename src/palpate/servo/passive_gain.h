@@ -1,35 +1,35 @@
 /// \file
-/// A spring that is changed while a hand leans on it.
+/// Passive change of a force model's gain under load.
 #pragma once
 
 namespace palpate {
 
-/// What a model's wrench is multiplied with so that a change of the gain does no work. A spring that is made
-/// g times as stiff under a hand holds g times the energy, which the hand has not put in. Here the hand keeps
-/// what it has: with S the energy in the model's spring, the wrench is the gradient of
+/// Factor on a model's wrench with which a change of the gain does no work. A spring made g times as stiff
+/// under load stores g times the energy, which the hand has not put in. Here the stored energy is preserved:
+/// with S the energy in the model's spring, the wrench is the gradient of
 ///
 ///     U = (sqrt(g S) - c)^2        wrench = -dU/dx = g (1 - c / sqrt(g S)) (-dS/dx)
 ///
-/// with c such that U is the same before and after g has changed, and no more than g S. The force is then
-/// sqrt(g) times what it was at once, g times for what is pressed further, and c goes as the hand lets go.
+/// with c such that U is the same before and after g changes, and at most g S. The force changes by the
+/// factor sqrt(g) at once and by g for further indentation, and c vanishes as the hand lets go.
 ///
-/// What winds the spring up without the hand's work is left out of U in the same way: a tool that is turned
-/// into a surface through a device that shows no torque.
+/// Energy that enters the spring without work of the hand is excluded from U in the same way, as where a tool
+/// is turned into a surface through a device without torque output.
 ///
-/// One object a port and thread; takes nothing from the heap.
+/// One object per port and thread; does not allocate.
 class PassiveGain {
  public:
   explicit PassiveGain(double gain) : gain_(gain) {}
 
-  /// What to multiply with at this tick. \param gain g, >= 0 \param stored S; NaN where nobody knows: the
-  /// gain itself is told. Unit: [J]. \param given what has gone into S since the last call, and was not the
-  /// hand's; negative where it has come out. Unit: [J].
+  /// Factor for this tick. \param gain g, >= 0 \param stored S; NaN if unknown: the gain itself is then
+  /// returned. Unit: [J]. \param given energy that has entered S since the last call without work of the
+  /// hand; negative if it has left. Unit: [J].
   double at(double gain, double stored, double given = 0.0);
 
   /// U at the last call of at(). Unit: [J].
   double stored_energy() const { return root_ * root_; }
 
-  /// Nothing is pressed.
+  /// Resets c to zero: no load.
   void reset() { lag_ = 0.0; }
 
  private:

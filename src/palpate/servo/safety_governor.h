@@ -1,5 +1,5 @@
 /// \file
-/// The only way from a force model to a motor.
+/// Safety governor of a haptic device: every wrench from a force model passes it on the way to the motors.
 #pragma once
 
 #include <array>
@@ -18,153 +18,158 @@
 
 namespace palpate {
 
-/// What a device says at one instant.
+/// Reading of a device at one instant.
 struct DeviceReading {
   double t = 0.0;   ///< when it was measured, on the loop's clock. Unit: [s].
   DevicePose pose;  ///< X_DH: of the handle H, in the frame D of the device
   Twist velocity;   ///< V_DH: of H, measured and expressed in D
-  /// Another number: another hand has the handle, or the device was away, and the handle may be anywhere.
+  /// Changes if another hand holds the handle, or the device was disconnected: the handle may then be
+  /// anywhere.
   std::uint32_t hand = 0;
-  std::uint32_t buttons = 0;  ///< a bit each, set while it is pressed; the lowest is the first
-  /// F_H_D: of the hand on the handle, where the device measures it; torque about the origin of H, expressed
-  /// in D.
+  std::uint32_t buttons = 0;  ///< one bit each, set while pressed; the lowest bit is the first button
+  /// F_H_D: wrench of the hand on the handle, if the device measures it; torque about the origin of H,
+  /// expressed in D.
   std::optional<Wrench> user = {};
 };
 
-/// What is allowed. The defaults fit a hand on any of the devices that are sold for hands.
+/// Safety limits. The defaults suit a hand on any commercial desktop device.
 struct SafetyLimits {
   double force_max = 0.0;   ///< Unit: [N]. > 0
   double torque_max = 0.0;  ///< Unit: [N m]. >= 0
-  /// Kept over SustainedLimit::kTime; 0: as much as the peak. Unit: [N], [N m].
+  /// Sustained limits over SustainedLimit::kTime; 0 = equal to the peak. Unit: [N], [N m].
   double force_sustained = 0.0, torque_sustained = 0.0;
-  /// How fast the wrench may change; from nothing to all in kSlewTime by default. Unit: [N/s], [N m/s].
+  /// Slew rate limits of the wrench; by default from zero to the peak in kSlewTime. Unit: [N/s], [N m/s].
   double force_slew = 0.0, torque_slew = 0.0;
-  double tick = 1e-3;            ///< between calls, as planned. Unit: [s]. > 0
-  double reading_period = 1e-3;  ///< between readings, as the device promises. Unit: [s]. > 0
+  double tick = 1e-3;            ///< nominal time between calls. Unit: [s]. > 0
+  double reading_period = 1e-3;  ///< nominal time between readings of the device. Unit: [s]. > 0
 
-  double gate_share = 0.05;  ///< of force_max and torque_max: a wrench below both opens the gate
-  double gate_time = 0.05;   ///< for as long. Unit: [s].
-  double rise_time = 0.5;    ///< from the gate to full force. Unit: [s].
+  double gate_share =
+      0.05;  ///< fraction of force_max and torque_max: a wrench below both opens the start gate
+  double gate_time = 0.05;  ///< time below both. Unit: [s].
+  double rise_time = 0.5;   ///< ramp from the gate to full force. Unit: [s].
 
-  double stale_after = 0.02;  ///< or three readings of a device that has fewer. Unit: [s].
-  /// By how much ticks may be late, together: what each comes later than two ticks after the last one. A
-  /// tenth of the time that passes is forgiven. Unit: [s].
+  double stale_after = 0.02;  ///< or three reading periods of a slower device. Unit: [s].
+  /// Accumulated lateness that is tolerated: for each tick, the time beyond two periods since the last one.
+  /// It decays by a tenth of the elapsed time. Unit: [s].
   double late_max = 0.02;
-  /// No hand holds still for so long, to a count of six encoders, but dry friction may hold one: then the
-  /// force fades, within fade_time, until the pose changes. Unit: [s].
+  /// No hand keeps all six encoder counts constant for so long, but dry friction may: the force then fades
+  /// within fade_time, until the pose changes. Unit: [s].
   double frozen_after = 5.0, fade_time = 2.0;
   double contacts_after = 0.2;        ///< Unit: [s].
   double recover_after = 0.25;        ///< Unit: [s].
-  double speed_max = 3.0;             ///< Unit: [m/s]. A quick stroke of a hand in contact is at 1 m/s.
+  double speed_max = 3.0;             ///< Unit: [m/s]. A quick stroke in contact reaches 1 m/s.
   double angular_speed_max = 40;      ///< Unit: [rad/s].
-  double jump_speed = 10.0;           ///< that no hand has between two readings. Unit: [m/s].
+  double jump_speed = 10.0;           ///< speed between two readings that no hand reaches. Unit: [m/s].
   double jump_angular_speed = 150.0;  ///< likewise. Unit: [rad/s].
-  double noise = 2e-3;                ///< of positions: a way that is no motion. Unit: [m].
+  double noise = 2e-3;                ///< of positions: displacement not counted as motion. Unit: [m].
   double angular_noise = 0.05;        ///< Unit: [rad].
-  double energy_max = 0.05;           ///< put out beyond what was put in. Unit: [J].
+  double energy_max = 0.05;           ///< largest net energy output. Unit: [J].
   double energy_leak =
-      0.1;  ///< of that forgiven: what a sampled spring gives away to a lively hand. Unit: [W].
-  /// Of what was put in, the most that is remembered: at least what a hand puts in that crosses the
-  /// workspace, or where it has been, twice against all of the force. Unit: [J].
+      0.1;  ///< decay of the net output: what a sampled spring may supply to a fast-moving hand. Unit: [W].
+  /// Upper bound of the energy credited to the hand: at least the work of crossing the workspace, or the
+  /// range visited so far, twice against the full force. Unit: [J].
   double energy_reserve = 0.5;
 
-  /// From nothing to force_max.
+  /// Time from zero to force_max at the default slew rate. Unit: [s].
   static constexpr double kSlewTime = 0.01;
 
   static SafetyLimits of(const DeviceCapabilities& device, double tick);
 };
 
-/// SafetyGovernor's states.
+/// States of a SafetyGovernor.
 enum class GovernorState : std::uint8_t {
-  kWaiting,  ///< no force, until what is asked for is small: the tool may begin inside something
-  kRising,   ///< a growing share of what is asked for
-  kActive,   ///< all of it, within limits
-  kFalling,  ///< a fault: what is left of the force falls to zero
-  kStopped,  ///< a fault: no force
+  kWaiting,  ///< start gate: no force until the requested wrench is small, as the tool may start inside an
+             ///< object
+  kRising,   ///< ramps up to the requested wrench
+  kActive,   ///< the requested wrench, within limits
+  kFalling,  ///< fault: the force ramps to zero
+  kStopped,  ///< fault: no force
 };
 std::string_view to_string(GovernorState state);
 
-/// A change of state, and why.
+/// A state transition and its cause.
 struct GovernorTransition {
   double t = 0.0;  ///< Unit: [s].
   GovernorState to = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
 };
 
-/// Stands between what a force model asks for and what a device is sent. Whatever goes in, what comes out is
+/// Stands between a force model and a device. Whatever the input, the wrench sent is
 ///
-///  - finite, at most force_max and torque_max, in the direction that was asked for; on average over
-///    SustainedLimit::kTime, at most what the motors hold for ever;
-///  - no farther from what came out before than slew makes in the time since, or in two ticks; but a fall
-///    goes straight to its end;
+///  - finite, at most force_max and torque_max, in the requested direction; on average over
+///    SustainedLimit::kTime, at most the sustained limits;
+///  - limited in slew: no farther from the previous output than the slew rate permits in the elapsed time, or
+///    in two ticks if that is less; a fall instead ramps linearly to zero;
 ///  - zero while the state is kWaiting or kStopped, and within FaultTraits::fall_time of every fault. Faults
-///    compose: while one holds, the force never rises, and it is zero in the shortest time that any asks for.
+///    compose: while any is present the force never rises, and it is zero within the shortest of their fall
+///    times.
 ///
-/// All bounds are of the time that has passed, not of a number of ticks. One thread calls, once a tick and in
-/// this order: admit() with what the device says, then the force model with reading(), then release() with
-/// what that asks for. Any thread, or a signal handler, may call stop(), resume() and unpause(). Takes
-/// nothing from the heap, locks nothing, throws nothing.
+/// All bounds refer to elapsed time, not to a number of ticks. One thread calls, once per tick and in this
+/// order: admit() with the reading of the device, then the force model with reading(), then release() with
+/// the wrench the model requests. Any thread, or a signal handler, may call stop(), resume() and unpause().
+/// Does not allocate, lock or throw.
 ///
 ///     kWaiting --small for gate_time--> kRising --rise_time--> kActive
 ///         any state --fault--> kFalling --fall_time--> kStopped
-///         kStopped --all gone for recover_after, and those that latch resumed--> kWaiting
+///         kStopped --no fault for recover_after, latched ones resumed--> kWaiting
 class SafetyGovernor {
  public:
   explicit SafetyGovernor(const SafetyLimits& limits);
 
-  /// Takes the newest reading there is, at the time `t` of the tick; the same one again where none has come.
-  /// \returns true if it is good and new. \pre `t` never falls.
+  /// Takes the newest reading, at the time `t` of the tick; the previous one again if there is no new one.
+  /// \returns true if it is valid and new. \pre `t` never decreases.
   bool admit(const DeviceReading& reading, double t);
-  /// The same where the device has not said anything yet.
+  /// The same while the device has not sent any reading yet.
   void admit_none(double t);
 
-  /// The last reading that was good. Force models see no other.
+  /// The last valid reading, the only one that force models see.
   const DeviceReading& reading() const { return reading_; }
 
-  /// What to send, F_H_D, for a model that asks for `wanted`, likewise, on contacts that are `contacts_age`
-  /// old. Unit: [s].
+  /// Returns the wrench to send, F_H_D. \param wanted wrench that the model requests, likewise F_H_D \param
+  /// contacts_age age of the contacts it is based on. Unit: [s].
   Wrench release(const Wrench& wanted, double contacts_age);
 
-  /// Raises `why`, of its own accord: with a latched fault, no force from the next fall on, until resume().
-  /// From any thread, also a signal handler.
+  /// Raises the fault `why` on request: if it latches, the force falls and stays zero until resume(). From
+  /// any thread, also a signal handler.
   void stop(Fault why = Fault::kEmergencyStop) {
     stop_asked_.fetch_or(1U << static_cast<unsigned>(why), std::memory_order_relaxed);
   }
-  /// Lets the force come back after latched faults, through the gate, if their cause is gone. What is raised
-  /// in the same tick holds. From any thread, also a signal handler.
+  /// Clears latched faults: the force returns through the start gate if their cause is gone. Faults raised in
+  /// the same tick remain. From any thread, also a signal handler.
   void resume() { resume_asked_.store(true, std::memory_order_relaxed); }
-  /// Takes back stop(Fault::kPaused), and nothing else. Likewise.
+  /// Clears stop(Fault::kPaused) and no other fault. From any thread, also a signal handler.
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
 
-  /// What share of what release() was asked for last goes through by and by: none in a fall. In [0, 1].
+  /// Fraction of the wrench last requested of release() that is let through once slew has settled; 0 in a
+  /// fall. In [0, 1].
   double let_through() const { return let_through_; }
 
   GovernorState state() const { return state_; }
-  /// Why the force is held back; kNone if it is not.
+  /// Reason for withholding force; kNone if there is none.
   Fault fault() const { return fault_; }
-  /// The last changes of state, oldest first, at most kRemembered.
+  /// The last state transitions, oldest first, at most kRemembered.
   std::span<const GovernorTransition> transitions() const { return {transitions_.data(), remembered_}; }
-  /// How many there were in all.
+  /// Number of transitions in all.
   std::size_t transition_count() const { return transition_count_; }
   static constexpr std::size_t kRemembered = 64;
 
-  /// Net energy that the device has put into the hand: positive if it is active. Of what the hand has put in,
-  /// no more is remembered than SafetyLimits::energy_reserve. Unit: [J].
+  /// Net energy that the device has delivered to the hand: positive if it is active. The energy credited to
+  /// the hand is bounded by SafetyLimits::energy_reserve. Unit: [J].
   double energy() const { return energy_; }
 
  private:
-  /// The fastest that something moves, of which a reading may be more by noise or because it came a little
-  /// late: a bucket that holds what may be moved, and fills as time passes.
+  /// Speed bound tolerant of noise and slightly late readings: a token bucket of permitted travel that fills
+  /// with time.
   struct SpeedBound {
     double speed, noise;
     double left = 0.0;
-    /// \param dt since the last reading, \param period between readings, as promised. \returns false for a
-    /// way that is longer than there is room for.
+    /// \param dt since the last reading \param period nominal time between readings \returns false if the
+    /// travel `way` exceeds the content of the bucket.
     bool take(double way, double dt, double period);
   };
 
   void begin_tick(double t);
-  /// The first thing that is wrong with a reading, kNone if nothing is.
+  /// Returns the first fault of a reading, kNone if it has none.
   Fault check(const DeviceReading& reading);
   void watch_energy(const DevicePose& from, const DevicePose& to, double dt);
   void watch_rate(bool fresh);
@@ -172,42 +177,42 @@ class SafetyGovernor {
   void watch_stillness(bool moved);
   void raise(Fault fault);
   void hear();
-  /// Latched faults that hold no longer.
+  /// Clears latched faults.
   void forgive(unsigned faults);
   bool holds(Fault fault) const;
   void enter(GovernorState state);
   void remember();
-  /// Moves on from the state if its time has come. \param small what is asked for is below the gate
+  /// Leaves the state if its time is over. \param small the requested wrench is below the gate threshold
   void advance(bool small);
   double share() const;
 
   SafetyLimits limits_;
   GovernorState state_ = GovernorState::kWaiting;
   Fault fault_ = Fault::kNone;
-  double t_ = 0.0, since_ = 0.0;  ///< now, and when the state was entered. Unit: [s].
+  double t_ = 0.0, since_ = 0.0;  ///< now, and time of entry into the state. Unit: [s].
   double passed_ = 0.0;           ///< since the last tick. Unit: [s].
   double late_ = 0.0;             ///< see SafetyLimits::late_max. Unit: [s].
-  double small_since_ = 0.0;      ///< since when what is asked for is below the gate. Unit: [s].
-  double wrong_at_ = 0.0;         ///< when something was wrong last. Unit: [s].
+  double small_since_ = 0.0;      ///< since when the requested wrench is below the gate threshold. Unit: [s].
+  double wrong_at_ = 0.0;         ///< time of the last fault. Unit: [s].
   bool begun_ = false;            ///< admit() was called
-  bool started_ = false;          ///< there was a reading
-  unsigned held_ = 0;             ///< latched faults that nobody has resumed, a bit each
+  bool started_ = false;          ///< a reading was received
+  unsigned held_ = 0;             ///< latched faults not yet resumed, one bit each
   SpeedBound jump_, quick_, angular_jump_, angular_quick_;
-  DeviceReading newest_;   ///< that was a pose at all
-  DeviceReading reading_;  ///< that was good
-  double arrived_ = 0.0;   ///< when a new reading came last. Unit: [s].
-  double moved_ = 0.0;     ///< when the pose changed last, or no force was asked for. Unit: [s].
-  double fade_ = 1.0;      ///< what is left of the force where nothing moves
-  bool presses_ = false;   ///< more is asked for than the gate lets pass
-  double fresh_ = 1.0;     ///< share of the time that new readings speak for, filtered
+  DeviceReading newest_;   ///< newest with a well-formed pose
+  DeviceReading reading_;  ///< newest valid one
+  double arrived_ = 0.0;   ///< arrival of the last new reading. Unit: [s].
+  double moved_ = 0.0;     ///< when the pose last changed, or no force was requested. Unit: [s].
+  double fade_ = 1.0;      ///< remaining fraction of the force while the pose is frozen
+  bool presses_ = false;   ///< the requested wrench is above the gate threshold
+  double fresh_ = 1.0;     ///< fraction of the time covered by new readings, filtered
   double energy_ = 0.0;
-  Eigen::AlignedBox3d reach_;  ///< where the handle has been, in D. Unit: [m].
+  Eigen::AlignedBox3d reach_;  ///< range of the handle so far, in D. Unit: [m].
   Wrench sent_;
   double let_through_ = 0.0;
-  SustainedLimit force_, torque_;            ///< of what is sent
-  Wrench at_fall_;                           ///< what was sent at fall_from_
-  double fall_from_ = 0.0, fall_end_ = 0.0;  ///< a straight line to zero. Unit: [s].
-  std::atomic<unsigned> stop_asked_ = 0;     ///< a bit for every Fault
+  SustainedLimit force_, torque_;            ///< of the wrench sent
+  Wrench at_fall_;                           ///< wrench sent at fall_from_
+  double fall_from_ = 0.0, fall_end_ = 0.0;  ///< linear ramp to zero. Unit: [s].
+  std::atomic<unsigned> stop_asked_ = 0;     ///< one bit for every Fault
   std::atomic<bool> resume_asked_ = false, unpause_asked_ = false;
   std::array<GovernorTransition, kRemembered> transitions_;
   std::size_t remembered_ = 0, transition_count_ = 0;

@@ -1,5 +1,5 @@
 /// \file
-/// The thread that a hand holds on to.
+/// Servo thread: runs a ServoTick at a fixed rate.
 #pragma once
 
 #include <atomic>
@@ -15,35 +15,35 @@
 
 namespace palpate {
 
-/// When a tick was, besides what happened in it.
+/// Timing of a tick.
 struct TickTimes {
-  double late = 0.0;           ///< from when it was due to when it began. Unit: [s].
-  double compute = 0.0;        ///< from then until the force was sent. Unit: [s].
-  double whole = 0.0;          ///< until all was done, also for those who look on. Unit: [s].
-  double spent = 0.0;          ///< of a processor\'s time, on all of it. Unit: [s].
-  double age = 0.0;            ///< of the reading when the force was sent. Unit: [s].
+  double late = 0.0;           ///< from due time to start. Unit: [s].
+  double compute = 0.0;        ///< from start until the force was sent. Unit: [s].
+  double whole = 0.0;          ///< from start to end, observers included. Unit: [s].
+  double spent = 0.0;          ///< processor time of the whole tick. Unit: [s].
+  double age = 0.0;            ///< age of the reading when the force was sent. Unit: [s].
   std::uint64_t overruns = 0;  ///< so far
 };
 
-/// Sees every tick, on the servo thread: what ServoTick::run() must not do, it must not do either.
+/// Observer of every tick, called on the servo thread: it must not allocate, lock, throw or log, as
+/// ServoTick::run().
 class TickObserver {
  public:
   virtual ~TickObserver() = default;
   virtual void see(const TickRecord& record, const TickTimes& times) = 0;
 };
 
-/// What a loop has done so far. Any thread may look while it runs.
+/// Statistics of a loop since its start. Any thread may read them while it runs.
 struct LoopStatistics {
   TimeHistogram late, whole, spent, age;  ///< TickTimes of all ticks
   std::atomic<std::uint64_t> ticks = 0;
-  std::atomic<std::uint64_t> overruns =
-      0;  ///< ticks that were due while another one took too long, and left out
+  std::atomic<std::uint64_t> overruns = 0;  ///< ticks skipped because another one took too long
 };
 
 /// Runs a ServoTick at a fixed rate on a thread of its own, with real-time priority where that is permitted.
-/// A tick that takes too long makes the next ones late; those whose time is over are left out and counted,
-/// and the beat goes on where it was. A second thread watches the beat: where there has been none for
-/// kPatience, it stops the device (ServoTick::stall()).
+/// A tick that takes too long delays the next ones; those whose period is over are skipped and counted, and
+/// the schedule keeps its phase. A watchdog thread stops the device (ServoTick::stall()) if there has been no
+/// tick for kPatience.
 class ServoLoop {
  public:
   struct Options {
@@ -52,10 +52,10 @@ class ServoLoop {
     ThreadPriority priority;
   };
 
-  /// Begins. All must outlive it. \param clock that the devices and workers go by, too
+  /// Starts the loop. All arguments must outlive this object. \param clock also that of devices and workers
   ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickObserver*> observers,
             const Options& options);
-  /// stop(), if nobody did.
+  /// Calls stop() if it has not been called.
   ~ServoLoop();
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
@@ -64,10 +64,10 @@ class ServoLoop {
   void stop();
 
   const LoopStatistics& statistics() const { return statistics_; }
-  /// Of who watches the beat; three beats, where they are slower. Unit: [s].
+  /// Timeout of the watchdog; three periods if they are longer. Unit: [s].
   static constexpr double kPatience = 0.05;
 
-  /// Lines that say what the system did not permit. Waits for the first tick.
+  /// Messages about what the operating system refused. Waits for the first tick.
   std::vector<std::string> refused() const;
 
  private:
@@ -80,7 +80,7 @@ class ServoLoop {
   std::vector<TickObserver*> observers_;
   LoopStatistics statistics_;
   double mean_age_ = 0.0;             ///< TickTimes::age, filtered. Unit: [s].
-  std::vector<std::string> refused_;  ///< before begun_
+  std::vector<std::string> refused_;  ///< written before begun_ is set
   std::atomic<bool> begun_ = false, ends_ = false, over_ = false;
   std::thread thread_, watchdog_;
 };

@@ -1,5 +1,5 @@
 /// \file
-/// Quantiles of times, counted while they are measured.
+/// Histogram of durations with quantiles, updated in real time.
 #pragma once
 
 #include <array>
@@ -8,11 +8,11 @@
 
 namespace palpate {
 
-/// Counts times in classes 2^(1/16) apart, 4 % each, from 10 ns to a minute. One thread adds; any thread may
-/// look meanwhile and then sees almost all.
+/// Counts durations in classes 2^(1/16) apart, 4 % each, from 10 ns to a minute. One thread adds; any thread
+/// may read concurrently and may miss the latest entries.
 class TimeHistogram {
  public:
-  /// \param seconds below and above the classes: counts in the first or the last
+  /// \param seconds counted in the first or last class if out of range
   void add(double seconds);
 
   std::uint64_t count() const { return count_.load(std::memory_order_relaxed); }
@@ -35,16 +35,16 @@ class TimeHistogram {
   std::atomic<double> max_ = 0.0;
 };
 
-/// The times that a TimeHistogram got between two looks at it. One thread, while another adds.
+/// Durations added to a TimeHistogram between two calls of next(). One thread, while another adds.
 class TimeWindow {
  public:
   /// `of` must outlive it.
   explicit TimeWindow(const TimeHistogram& of) : of_(of) {}
 
-  /// What follows is of the times since the last call, or since the beginning.
+  /// Starts a new evaluation, of the durations since the last call, or since the beginning.
   void next();
   std::uint64_t count() const { return count_; }
-  /// To the width of a class; 0 of nothing. Unit: [s].
+  /// Accurate to the width of a class; 0 if empty. Unit: [s].
   double mean() const;
   double quantile(double q) const;
 

@@ -1,5 +1,5 @@
 /// \file
-/// What runs BackgroundWork beside the servo loop.
+/// Workers that run BackgroundWork beside the servo loop.
 #pragma once
 
 #include <atomic>
@@ -11,23 +11,24 @@
 
 namespace palpate {
 
-/// Does its work in rounds, again and again: takes what is wanted, takes its time, hands the answer over.
+/// Repeats its work in rounds: takes a request, computes, hands the result over.
 class Worker {
  public:
   virtual ~Worker() = default;
 
-  /// How long ago the newest answer was asked for: what the watchdog looks at. Any thread. \param t now, on
-  /// the loop's clock. Unit: [s]. \returns Unit: [s].
+  /// Staleness: time since the newest result was requested, checked by the watchdog. Any thread. \param t
+  /// now, on the loop's clock. Unit: [s]. \returns Unit: [s].
   virtual double age(double t) const = 0;
 };
 
-/// A worker in virtual time, each of whose rounds takes exactly `delay`.
+/// A worker in virtual time whose rounds take exactly `delay` each.
 class VirtualWorker final : public Worker {
  public:
   /// `work` must outlive it. \param delay Unit: [s]. >= 0
   VirtualWorker(std::vector<BackgroundWork*> work, double delay) : work_(std::move(work)), delay_(delay) {}
 
-  /// All that happens until `t`. \param t never falls. Unit: [s].
+  /// Finishes the current round if it is over at `t`, and starts the next. \param t never decreases. Unit:
+  /// [s].
   void run_until(double t);
 
   double age(double t) const override { return t - answered_; }
@@ -36,17 +37,18 @@ class VirtualWorker final : public Worker {
   std::vector<BackgroundWork*> work_;
   double delay_;
   bool started_ = false;
-  double taken_ = 0.0, answered_ = 0.0;  ///< when the questions of this round and of the newest answer were
-                                         ///< taken. Unit: [s].
+  double taken_ = 0.0,
+         answered_ =
+             0.0;  ///< when the requests of this round and of the newest result were taken. Unit: [s].
 };
 
 /// A worker on a thread of its own, of ordinary priority.
 class WorkerThread final : public Worker {
  public:
-  /// Begins. `work` must outlive it. \param delay that every round takes longer than it must, to see what
-  /// comes of it. Unit: [s].
+  /// Starts the thread. `work` must outlive it. \param delay added to every round, for experiments. Unit:
+  /// [s].
   WorkerThread(std::vector<BackgroundWork*> work, const LoopClock& clock, double delay = 0.0);
-  /// Waits for the round that is under way.
+  /// Waits for the current round.
   ~WorkerThread() override;
   WorkerThread(const WorkerThread&) = delete;
   WorkerThread& operator=(const WorkerThread&) = delete;

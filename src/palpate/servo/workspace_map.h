@@ -1,5 +1,5 @@
 /// \file
-/// From a device's workspace to the world.
+/// Map from a device's workspace to the world.
 #pragma once
 
 #include <palpate/geometry/pose.h>
@@ -7,16 +7,16 @@
 
 namespace palpate {
 
-/// Where a device is in the world, and how much larger the world is than its workspace:
+/// Placement of a device in the world, and the scale of the world relative to its workspace:
 ///
 ///     x_world = offset + scale R x_device        q_world = R q_device H
 ///
-/// A potential U of the world is felt as U / scale^2, so that a surface is as stiff in the hand as it is in
-/// the world, in N/m:
+/// A potential U of the world is rendered as U / scale^2, so that the stiffness of a surface, in N/m, is the
+/// same at the hand as in the world:
 ///
 ///     F_device = R^T F_world / scale             T_device = R^T T_world / scale^2
 struct WorkspaceMap {
-  double scale = 1.0;  ///< metres of the world a metre of the hand's way. > 0
+  double scale = 1.0;                                            ///< world metres per device metre. > 0
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< R, unit norm
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();              ///< of the device's origin. Unit: [m].
   /// H: orientation of the tool in the frame of the handle; identity until a clutch has turned the handle.
@@ -24,11 +24,11 @@ struct WorkspaceMap {
 
   bool operator==(const WorkspaceMap&) const = default;
 
-  /// \returns X_WT, of the tool T, where the handle is at X_DH
+  /// \returns X_WT of the tool T for the handle at X_DH
   Pose to_world(const DevicePose& X_DH) const {
     return {offset + scale * (rotation * X_DH.position), rotation * X_DH.orientation * tool};
   }
-  /// \returns V_WT, expressed in W, where the handle moves with V_DH, expressed in D
+  /// \returns V_WT, expressed in W, for a handle that moves with V_DH, expressed in D
   Twist to_world(const Twist& V_DH) const {
     return {scale * (rotation * V_DH.linear), rotation * V_DH.angular};
   }
@@ -43,12 +43,12 @@ struct WorkspaceMap {
     return {rotation.conjugate() * F_T_W.force / scale,
             rotation.conjugate() * F_T_W.torque / (scale * scale)};
   }
-  /// Changes offset and H so that the tool is at X_WT where the handle is at X_DH.
+  /// Sets offset and H such that the tool is at X_WT with the handle at X_DH.
   void attach(const Pose& X_WT, const DevicePose& X_DH) {
     offset += X_WT.position - to_world(X_DH).position;
     tool = ((rotation * X_DH.orientation).conjugate() * X_WT.orientation).normalized();
   }
-  /// Of an energy of the world, in J.
+  /// Converts an energy in the world to one at the device. Unit: [J].
   double to_device(double energy) const { return energy / (scale * scale); }
 };
 

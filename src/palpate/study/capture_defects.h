@@ -1,5 +1,5 @@
 /// \file
-/// Scenes of known surfaces with what real captures have wrong with them.
+/// Scenes of known surfaces with the defects of real captures.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What is wrong with a capture. h is the spacing of its Gaussians; sizes are standard deviations.
+/// Defects of a capture. h is the spacing of its Gaussians; sizes are standard deviations.
 struct CaptureDefects {
   /// Extents in the surface vary by a log-normal factor, sd 0.7 of ln; one Gaussian in 100 is five times as
   /// large besides, one in 50 a needle of 10:1.

@@ -1,5 +1,5 @@
 /// \file
-/// Force models on captured scenes: is what the hand feels where the eye sees it?
+/// Evaluation of force models on captured scenes against the visible surface.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace palpate {
 
-/// A straight way to the seen surface: from outside of the scene towards a Gaussian, from any side.
+/// A straight path to the seen surface, from outside the scene towards a Gaussian, from any side.
 struct CaptureAim {
   Eigen::Vector3d from;   ///< of the tool's handle, outside of the scene. World frame. Unit: [m].
   Eigen::Vector3d along;  ///< unit
@@ -91,7 +91,7 @@ struct CaptureFigures {
 
 class Hand;
 
-/// A model on a scene. One thread.
+/// Evaluation of one model on one scene. One thread.
 class CaptureEvaluation {
  public:
   /// `index` and `seen` are of the same scene and must outlive it. \param stiffness that the model promises;
@@ -125,7 +125,7 @@ class CaptureEvaluation {
   ContactSet contacts_;
 };
 
-/// How alike two captures of one object feel, at the same poses.
+/// Similarity of the forces of two captures of one object at the same poses.
 struct CaptureLikeness {
   Spread ratio;                 ///< of |F|, the second's over the first's, where both are felt and 5 mm deep
   double p10 = 0.0, p90 = 0.0;  ///< of that

@@ -1,12 +1,12 @@
 /// \file
-/// Balls that are moved across what is not smooth: a step of known height, and an edge.
+/// Response of force models to a step of known height and to an edge, crossed by a ball.
 #pragma once
 
 #include <palpate/study/evaluation.h>
 
 namespace palpate {
 
-/// How a step of known height is felt across. NaN for a model without a proxy.
+/// Proxy motion across a step of known height. NaN for a model without a proxy.
 struct StepResponse {
   static constexpr double kBall = 0.005;    ///< radius of what crosses it. Unit: [m].
   static constexpr double kHeight = 0.003;  ///< true. Unit: [m].
@@ -23,7 +23,7 @@ StepResponse step_response(const EvaluationSetup& setup);
 /// Height of the centre of a ball of StepResponse::kBall that rolls over that step, `way` from it. Unit: [m].
 double step_truth(double way);
 
-/// How a convex edge of 90 degrees is felt across. NaN for a model without a proxy.
+/// Proxy motion across a convex edge of 90 degrees. NaN for a model without a proxy.
 struct EdgeResponse {
   Spread off;    ///< largest distance of the proxy from where a ball rolls, a crossing. Unit: [m].
   double where;  ///< of the largest of all: way along where the ball's centre rolls, from the middle of its

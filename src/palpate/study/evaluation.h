@@ -1,5 +1,5 @@
 /// \file
-/// Force models against surfaces that are known exactly: how true is what the hand feels?
+/// Evaluation of force models against exactly known surfaces.
 #pragma once
 
 #include <cstddef>
@@ -20,15 +20,15 @@
 
 namespace palpate {
 
-/// A model that feels the scene of an index with a tool; the index outlives it. It has this friction, if it
-/// has any.
+/// Creates a force model for a tool on the scene of an index, which outlives it. `friction` applies if the
+/// model supports friction.
 using ForceModelMaker =
     std::function<std::unique_ptr<ForceModel>(const SceneIndex&, const Tool&, double friction)>;
 
-/// What is felt, with what, and how much of it.
+/// Parameters of an evaluation.
 struct EvaluationSetup {
   std::string shape;                           ///< of procedural_shapes()
-  ProceduralOptions scene;                     ///< its noise is what the model has to cope with
+  ProceduralOptions scene;                     ///< its noise disturbs the model
   Tool tool{Eigen::Vector3d::Constant(0.02)};  ///< one ellipsoid
   ForceModelMaker model;
   double stiffness = 0.0;    ///< that the model promises; 0 if none. Unit: [N/m].
@@ -66,10 +66,10 @@ struct Evaluation {
   /// shape and every model. Unit: [N].
   std::vector<double> held;
 
-  /// Of pushes aslant by up to 30 degrees, to three tool radii beyond the surface, at 0.1 to 1 m/s and every
-  /// tenth at 2 m/s: those that came out on the other side. A model with a proxy does if that gets inside or
-  /// behind; another if its force pulls along, or is none behind the surface. On a sheet they keep so far
-  /// from its border that the nearest way out is never around it.
+  /// Pushes tilted by up to 30 degrees, to three tool radii beyond the surface, at 0.1 to 1 m/s and every
+  /// tenth at 2 m/s, and the number of them that pass through. A model with a proxy passes through if the
+  /// proxy gets inside or behind; another if its force pulls along, or is zero behind the surface. On a
+  /// sheet, pushes keep so far from its border that the shortest way out is never around it.
   std::size_t pushes = 0, through = 0;
   std::size_t fast = 0, fast_through = 0;  ///< of them at 2 m/s
 
@@ -85,16 +85,16 @@ struct Evaluation {
   Spread tick;  ///< time of contacts and force, in contact. Unit: [us].
 };
 
-/// One thread; the same answers every time but for Evaluation::tick.
+/// Single-threaded; deterministic except for Evaluation::tick.
 /// \throws Error if the shape is unknown or has no place that is smooth enough.
 Evaluation evaluate(const EvaluationSetup& setup, const Progress& progress = {});
 
-/// |F| on one scene over |F| on another at the same poses, where both are felt. \pre both are of the same
-/// shape, tool, places and seed.
+/// Returns |F| on one scene over |F| on another at the same poses, where both are nonzero. \pre both are of
+/// the same shape, tool, places and seed.
 Spread force_ratio(const Evaluation& one, const Evaluation& other);
 
-/// Friction as Evaluation::friction has it, over each of `coefficients` that the model is asked to have; in
-/// one scene, at ten places.
+/// Returns the friction measured as for Evaluation::friction over each commanded coefficient of
+/// `coefficients`; in one scene, at ten places.
 Curve friction_response(const EvaluationSetup& setup, const std::vector<double>& coefficients);
 
 }  // namespace palpate

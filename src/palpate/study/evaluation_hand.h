@@ -1,5 +1,5 @@
 /// \file
-/// What evaluations share: a tool that is moved through a scene, and where it may go. Not for use elsewhere.
+/// Tool motion through a scene, shared by the evaluations. Internal to study/.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Eigen::Vector3d random_direction(Random& random);
 /// Of `count` unit vectors that are evenly spread, number `k`: a spiral of golden angles.
 Eigen::Vector3d even_direction(int k, int count);
 
-/// NaN of none.
+/// Returns part / all; NaN if `all` is 0.
 double share_of(std::size_t part, std::size_t all);
 
 /// Where the tool's centre is when its point that is first to touch is `depth` below `place`. The tool is
@@ -43,13 +43,13 @@ double reach(const Tool& tool, const Eigen::Vector3d& n);
 GaussianScene gaussians_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
 SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
 
-/// A tool in a scene, moved tick by tick.
+/// Moves a tool through a scene tick by tick.
 class Hand {
  public:
   Hand(const SceneIndex& index, const Tool& tool, const ForceModelMaker& model, double friction = 0.0)
       : tool_(tool), tracker_(index, tool), model_(model(index, tool, friction)) {}
 
-  /// As if nothing had been touched.
+  /// Resets the state to that without contact.
   void reset();
 
   /// The next tick.
@@ -68,7 +68,7 @@ class Hand {
     }
   }
 
-  /// Forgets all, and comes down on `place` from outside, to `depth`.
+  /// Resets the state, then approaches `place` along its normal to `depth`.
   void come_down(const SurfaceSample& place, double depth);
 
   const Tool& tool() const { return tool_; }
@@ -85,7 +85,7 @@ class Hand {
   std::vector<double> ticks_;
 };
 
-/// Changes of the force beyond what a spring on the tool's motion would make.
+/// Largest change of the force beyond that of a spring under the tool's motion.
 class ForceSteps {
  public:
   explicit ForceSteps(double stiffness) : stiffness_(stiffness) {}

@@ -1,7 +1,7 @@
 /// \file
-/// What evaluate() does at each place, one class a measurement. Not for use elsewhere.
+/// Measurements of evaluate() at each place, one class each. Internal to study/.
 ///
-/// Each is told of places with `at`, and writes what it has found with `tell`.
+/// Each class measures a place with `at`, and writes its results with `tell`.
 #pragma once
 
 #include <optional>

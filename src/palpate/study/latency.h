@@ -1,5 +1,5 @@
 /// \file
-/// Stopwatch and latency figures, of `palpate bench` and of the benchmarks.
+/// Stopwatch and latency statistics, for `palpate bench` and the benchmarks.
 #pragma once
 
 #include <chrono>

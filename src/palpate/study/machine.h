@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Where and when: processor, cores, compiler, date (UTC). One line.
+/// Returns processor, cores, compiler and date (UTC) in one line.
 std::string machine();
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 /// \file
-/// Surfaces given by two parameters, as Gaussians in baked light.
+/// Parametric surface patches sampled as Gaussians with baked light.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// What a surface looks like at a place.
+/// Material colour of a surface at a place.
 struct Paint {
   Eigen::Vector3d albedo;  ///< linear, in [0, 1]
   double gloss = 0.0;      ///< in [0, 1]

@@ -1,5 +1,5 @@
 /// \file
-/// Scenes whose true surface is known exactly: what a hand should feel in them can be computed.
+/// Procedural scenes with an exactly known surface.
 #pragma once
 
 #include <array>
@@ -32,8 +32,8 @@ struct PartSample {
   std::size_t part;  ///< index into AnalyticSurface::parts()
 };
 
-/// A union of parts in the world frame. The parts may touch, but must not penetrate each other.
-/// Immutable; any number of threads may ask at once.
+/// A union of parts in the world frame. The parts may touch, but must not penetrate each other. Immutable;
+/// any number of threads may query it concurrently.
 class AnalyticSurface {
  public:
   /// \param default_spacing of a sampling when none is asked for. Unit: [m].
@@ -68,7 +68,7 @@ class AnalyticSurface {
   std::vector<SurfacePart> parts_;
 };
 
-/// How a surface becomes Gaussians.
+/// Options of sampling a surface as Gaussians.
 struct ProceduralOptions {
   std::uint64_t seed = 1;
   /// Mean distance of neighbours: a surface of area A gets about A / spacing^2 Gaussians. Positive;
@@ -81,10 +81,10 @@ struct ProceduralOptions {
   double tilt = 0.0;
 };
 
-/// No scene is made with more Gaussians than this: about 1.5 GB.
+/// Maximum number of Gaussians of a procedural scene: about 1.5 GB.
 inline constexpr std::size_t kMaxProceduralGaussians = 20'000'000;
 
-/// The names that make_surface() knows. Lengths in m, z up, centred on the origin:
+/// Returns the names that make_surface() accepts. Lengths in m, z up, centred on the origin:
 ///   sphere    R 0.15
 ///   plane     0.4 x 0.4 sheet in z = 0, outward +z
 ///   box       0.3 x 0.2 x 0.16 solid with sharp edges

@@ -1,5 +1,5 @@
 /// \file
-/// Times the contact query along a path.
+/// Timing of contact queries along a path.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@
 
 namespace palpate {
 
-/// What one pose costs: the least of all rounds, since whatever else the machine does only adds. Unit: [us].
+/// Times of one pose: the minimum over all rounds, since other load only adds time. Unit: [us].
 struct PoseFigures {
   double fresh, tracked, force;
   /// Sizes of the stages, see ContactSet.
   std::size_t candidates, filtered, contacts;
 };
 
-/// What is timed.
+/// Query to be timed.
 struct TimedQuery {
   const ContactQuery& query;
   const SceneIndex* index;  ///< the same, for a tracker to follow; null if `query` is no SceneIndex
@@ -33,7 +33,7 @@ struct TimedQuery {
 std::vector<PoseFigures> time_path(const TimedQuery& timed, const Trajectory& path, ForceModel& model,
                                    int rounds, const Progress& progress);
 
-/// Queries a second that query_batch() answers on the calling thread's task arena: the best of `rounds`
+/// Returns the queries per second of query_batch() on the calling thread's task arena: the best of `rounds`
 /// passes over `poses`. \pre poses is not empty.
 double time_batches(const TimedQuery& timed, const std::vector<Pose>& poses, int rounds,
                     const Progress& progress);

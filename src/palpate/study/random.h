@@ -1,5 +1,5 @@
 /// \file
-/// Random numbers that are the same on every platform.
+/// Platform-independent random numbers.
 #pragma once
 
 #include <cmath>

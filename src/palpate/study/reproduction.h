@@ -1,5 +1,5 @@
 /// \file
-/// The evaluation of the paper (section V) on a simulated room-scale device, in virtual time.
+/// Reproduction of the paper's evaluation (section V) on a simulated room-scale device, in virtual time.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-/// A scene that is registered into the room of the device. World frame: that of the device's base.
+/// A scene registered to the room of the device. World frame: that of the device's base.
 struct ReproductionScene {
   const SceneIndex* index = nullptr;
   const EllipsoidScene* kept = nullptr;
@@ -26,7 +26,7 @@ struct ReproductionScene {
   Similarity world_from_scene;
 };
 
-/// What holds the tool.
+/// Device type.
 enum class ReproductionDevice : std::uint8_t {
   kAdmittance,  ///< GiantDevice behind AdmittanceLoop
   /// One that takes a wrench and shows it without delay, as heavy and as damped as the handle of the other in
@@ -35,7 +35,7 @@ enum class ReproductionDevice : std::uint8_t {
 };
 std::string_view to_string(ReproductionDevice device);
 
-/// What feels the scene.
+/// Force model under test.
 struct ReproductionModel {
   std::string name;
   std::unique_ptr<ForceModel> force;
@@ -61,7 +61,7 @@ struct ReproductionTick {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
-/// What came of a touch.
+/// Result of one touch.
 struct ReproductionContact {
   double begins = 0.0;             ///< first tick with force. Unit: [s]. NaN: there was none
   std::size_t colliding = 0;       ///< the most
@@ -90,8 +90,8 @@ struct ReproductionRun {
 /// Makes the mechanics of the giant with a hand on that path.
 using JointPlantMaker = std::function<std::unique_ptr<JointPlant>(const GiantSetup&, HandPath)>;
 
-/// A hand takes the tool along `path` with that device in it. \param setup its contact_stiffness is what the
-/// admittance is stable with \param plant of kAdmittance
+/// Simulates a hand that moves the tool along `path` with that device. \param setup its contact_stiffness is
+/// what the admittance is stable with \param plant of kAdmittance
 ReproductionRun reproduce(const ReproductionScene& scene, const Tool& tool, const RoomPath& path,
                           ReproductionModel model, ReproductionDevice device, const GiantSetup& setup,
                           const JointPlantMaker& plant, const Progress& progress = {});

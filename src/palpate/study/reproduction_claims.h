@@ -1,5 +1,5 @@
 /// \file
-/// What section V of the paper says, beside what was measured.
+/// Claims of section V of the paper with the measured figures.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 /// \file
-/// Path of a person's hand through a room with a scene in it, from touch to touch.
+/// Path of a hand through a room from touch to touch of a scene.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// What the hand does, and where it can reach. World frame, z up.
+/// Motion and workspace of the hand. World frame, z up.
 struct RoomPathOptions {
   std::size_t touches = 7;        ///< >= 1
   std::uint64_t seed = 1;         ///< of the choice of places

@@ -1,5 +1,5 @@
 /// \file
-/// Where a scene stands in the room of a large device.
+/// Placement of a scene in the room of a large device.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// How a scene is put into the world, and what is left of it.
+/// Registration and filter of a scene in the room.
 struct RoomPlacement {
   UpAxis frame = UpAxis::kAsIs;
   Similarity registration;

@@ -1,5 +1,5 @@
 /// \file
-/// Where a captured surface is seen: the reference that what is felt is held against.
+/// Visible surface of a captured scene, the reference for the evaluation of forces.
 #pragma once
 
 #include <optional>
@@ -13,13 +13,13 @@
 
 namespace palpate {
 
-/// A scene as splatting draws it, all of its Gaussians, in double precision and without an index. Along a ray
-/// they are composited front to back, each where the ray is nearest to it by its own measure, with
+/// A scene as rendered by splatting: all of its Gaussians, in double precision and without an index. Along a
+/// ray they are composited front to back, each where the ray is nearest to it by its own measure, with
 ///
 ///     alpha = opacity exp(-m^2 / 2), at most 0.99        (Kerbl et al. 2023)
 ///
 /// and the seen surface is where the transmittance falls below one half. Shares no code with the force
-/// models. Immutable; any number of threads may ask at once.
+/// models. Immutable; any number of threads may query it concurrently.
 class SeenSurface {
  public:
   SeenSurface(const GaussianScene& scene, const Similarity& world_from_scene);

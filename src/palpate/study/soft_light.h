@@ -1,5 +1,5 @@
 /// \file
-/// Light of a sky and a window, with soft shadows, for colours that are baked into a scene.
+/// Sky and window light with soft shadows, for colours baked into a scene.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A thing that covers others and casts a shadow.
+/// An object that occludes others and casts a shadow.
 struct Occluder {
   Eigen::Vector3d center;  ///< of a ball that holds it
   double radius;           ///< of that ball. Unit: [m].

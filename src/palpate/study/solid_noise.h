@@ -1,5 +1,5 @@
 /// \file
-/// Noise in space, for surfaces and colours that look grown: the same on every platform.
+/// Procedural 3D noise for surfaces and colours, identical on every platform.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ namespace palpate {
 /// [-1, 1], of about one period a unit. Made of sums, products and integer hashes alone.
 double solid_noise(const Eigen::Vector3d& p, std::uint32_t seed);
 
-/// A sum of `octaves` of it, each of half the size and half the height of the one before, in [-1, 1].
+/// Returns a sum of `octaves` of solid_noise(), each of half the period and half the amplitude of the
+/// previous one, in [-1, 1].
 double fractal_noise(const Eigen::Vector3d& p, int octaves, std::uint32_t seed);
 
 /// The same of 1 - 2 |noise|: sharp crests and round valleys, in [-1, 1].

@@ -1,5 +1,5 @@
 /// \file
-/// What many measurements of one thing come to.
+/// Quantiles of repeated measurements, and curves of them.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct Spread {
 
 Spread spread_of(std::vector<double> values);
 
-/// One place of a curve that was measured many times.
+/// One point of a curve, from repeated measurements.
 struct CurvePoint {
   double at;
   Spread value;
@@ -23,7 +23,7 @@ struct CurvePoint {
 /// In rising order of `at`. Places where nothing was measured are left out.
 using Curve = std::vector<CurvePoint>;
 
-/// Gathers a curve in bins of equal width; what is outside is dropped.
+/// Collects a curve in bins of equal width; values outside are dropped.
 class CurveBins {
  public:
   /// \pre low < high, count > 0.

@@ -1,5 +1,5 @@
 /// \file
-/// How firmly a scene can be held on to: trials of the whole loop with a simulated hand, in virtual time.
+/// Contact stability trials of the whole loop with a simulated hand, in virtual time.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace palpate {
 
-/// At most `count` places of a scene that differ, as touch_path() finds them. \throws Error as that does.
+/// Returns at most `count` distinct places of a scene, chosen as by touch_path(). \throws Error as
+/// touch_path().
 std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool,
                                      int count, std::uint64_t seed);
 
@@ -32,7 +33,8 @@ struct StabilityTrial {
   double gain = 1.0;          ///< ServoTickOptions::gain
   double worker_delay = 0.0;  ///< of the thread that looks for contacts ahead; 0: the loop looks. Unit: [s].
   double hold = 0.0;  ///< for how long a force is computed and then held (ZeroOrderHold); 0: not. Unit: [s].
-  bool governed = true;  ///< false: the governor does not end what puts out energy, so that it is seen whole
+  /// False: the governor does not stop active behaviour, so that all of its energy is measured.
+  bool governed = true;
 
   static constexpr double kTick = 1e-3;   ///< Unit: [s].
   static constexpr double kPress = 0.01;  ///< Unit: [m].
@@ -44,14 +46,14 @@ struct StabilityTrial {
   static constexpr double kSlideSpeed = 0.1;          ///< Unit: [m/s].
 };
 
-/// What was seen in one tick of a trial.
+/// State of one tick of a trial.
 struct StabilityTick {
   double t = 0.0;      ///< Unit: [s].
   double depth = 0.0;  ///< of the handle along PressPlace::inward, from first contact. Unit: [m].
   double force = 0.0;  ///< that was sent. Unit: [N].
 };
 
-/// What came of a trial.
+/// Result of a trial.
 struct StabilityOutcome {
   double limit_cycle = 0.0;    ///< peak to peak of the handle in the last second of the rest. Unit: [m].
   double port_energy = 0.0;    ///< PassivityController::put_out(). Unit: [J].
@@ -67,8 +69,8 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
 /// [m].
 inline constexpr double kLimitCycleMax = 0.05e-3;
 
-/// By bisection, the largest stiffness with which the hand rests within kLimitCycleMax and the governor has
-/// nothing to end, for a model that has `stiffness` at gain 1. At most kStiffest. Unit: [N/m].
+/// Returns by bisection the largest stiffness with which the hand rests within kLimitCycleMax and the
+/// governor does not intervene, for a model with `stiffness` at gain 1. At most kStiffest. Unit: [N/m].
 double z_width(const StabilityTrial& trial, const PressPlace& place, double stiffness);
 inline constexpr double kStiffest = 5e4;
 
@@ -77,11 +79,11 @@ inline constexpr double kStiffest = 5e4;
 /// with a constant force, so that nothing damps it but the device itself.
 /// @{
 
-/// By bisection, the stiffness above which what is left of a disturbance grows. \param passivity with the
+/// Returns by bisection the stiffness above which a disturbance grows. \param passivity with the
 /// PassivityController. Unit: [N/m].
 double wall_z_width(const DeviceProfile& profile, double period, bool passivity);
 
-/// The same, in theory: the largest K for which all eigenvalues of the sampled loop
+/// Returns the theoretical limit: the largest K for which all eigenvalues of the sampled loop
 ///
 ///     m x'' + b x' = -K x_k - B (x_k - x_(k-1)) / T,    held from tick to tick,
 ///

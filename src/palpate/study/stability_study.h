@@ -1,5 +1,5 @@
 /// \file
-/// Trials of stability of many devices, hands and models at some places of a scene.
+/// Stability trials over devices, hands and force models at several places of a scene.
 #pragma once
 
 #include <functional>
@@ -16,13 +16,13 @@ namespace palpate {
 
 /// Where the contacts of a trial come from.
 enum class ContactSource {
-  kLoop,    ///< looked for in the loop
-  kWorker,  ///< by a thread that looks ahead, and is late
-  kHold,    ///< the force itself is computed by a thread that is late, and held: the paper's
+  kLoop,    ///< searched in the loop
+  kWorker,  ///< searched by a delayed worker thread that looks ahead
+  kHold,    ///< the force is computed by a delayed thread and held, as in the paper
 };
 std::string_view to_string(ContactSource source);
 
-/// A device, a hand, a model: the worst of all places.
+/// Worst result over all places for one device, hand and model.
 struct StabilityRow {
   std::string profile, model;
   HandProperties hand;
@@ -51,7 +51,7 @@ struct StabilityTables {
   std::vector<WallRow> walls;
 };
 
-/// What is to be tried: every profile with every model, hand and source of contacts.
+/// Parameters of the study: every profile is tried with every model, hand and source of contacts.
 struct StabilityStudy {
   const SceneIndex* index = nullptr;  ///< must outlive it
   Tool tool;

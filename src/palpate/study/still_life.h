@@ -1,5 +1,5 @@
 /// \file
-/// A procedural scene worth touching: a still life on a table, of things that a fingertip tells apart.
+/// Procedural still-life scene, also the built-in scene.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-/// One thing of a still life.
+/// One object of a still life.
 struct StillLifeObject {
   std::string name;   ///< e.g. "orange"
   IdRange ids;        ///< its Gaussians
@@ -27,7 +27,7 @@ struct StillLifeObject {
   double relief = 0.0;  ///< no centre of its Gaussians is farther from `shape`. Unit: [m].
 };
 
-/// The scene and what it is made of.
+/// The scene and its objects.
 struct StillLife {
   GaussianScene scene;
   std::vector<StillLifeObject> objects;  ///< in the order of their Gaussians, of which each has one
@@ -47,10 +47,10 @@ inline constexpr double kStillLifeSpacing = 0.0028;
 /// if the spacing is not in [0.001, 0.02] m.
 StillLife make_still_life(std::uint64_t seed = 1, double spacing = kStillLifeSpacing);
 
-/// As regions of a MaterialMap: by id, so in any registration.
+/// Returns the materials as regions of a MaterialMap, by id and thus valid in any registration.
 std::vector<MaterialRegion> material_regions(const StillLife& still_life);
 
-/// As columns of a .ply.
+/// Returns the materials as columns of a .ply.
 PlyMaterials material_columns(const StillLife& still_life);
 
 }  // namespace palpate

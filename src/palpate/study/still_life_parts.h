@@ -1,5 +1,5 @@
 /// \file
-/// The things of a still life: their surfaces, their paint, and the room they take.
+/// Objects of the still-life scene: surfaces, paint and occupied space.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace palpate::still_life {
 
-/// One thing, before it becomes Gaussians.
+/// One object, before it is sampled as Gaussians.
 struct Thing {
   std::string name;
   Material material;

@@ -1,5 +1,5 @@
 /// \file
-/// Where trials push, and how. Not for use elsewhere.
+/// Contact places and push directions of the trials. Internal to study/.
 #pragma once
 
 #include <limits>
@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// A straight way of a tool. World frame.
+/// A straight path of a tool. World frame.
 struct TrialAim {
   Eigen::Vector3d point;   ///< that the handle is pushed at. Unit: [m].
   Eigen::Vector3d along;   ///< unit
@@ -23,7 +23,7 @@ struct TrialAim {
   Tool tool;               ///< turned as it is held
 };
 
-/// A known solid or sheet, as large as a tool needs it, and a kind of place on it. Immutable.
+/// A known solid or sheet, sized for a tool, and a kind of place on it. Immutable.
 class TrialPlace {
  public:
   /// \param name of trial_places() \param variant 0 or 1: the thickness of a plate is one or two of the

@@ -1,5 +1,5 @@
 /// \file
-/// The tools that trials are made with, from a hand's width down to a pin's point.
+/// Tools of the trials, from the width of a hand to the point of a pin.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// The names that trial_tool() knows. Semi-axes in mm:
+/// Returns the names that trial_tool() accepts. Semi-axes in mm:
 ///   ball20, ball10, ball5, ball2   round
 ///   rod      100 x 3 x 3
 ///   needle   5 x 5 x 100, which trials push tip first

@@ -1,5 +1,5 @@
 /// \file
-/// Any tool, anywhere, at any speed: strokes at known solids that say where a force model fails.
+/// Force model trials with any tool at any place and speed on known solids.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace palpate {
 
-/// The names of the places that trials push at, on solids and sheets that are as large as the tool needs:
+/// Returns the names of the places that trials push at, on solids and sheets sized for the tool:
 ///   face     of a box, within 20 degrees of its normal
 ///   edge     of a box, aimed within 3 mm and 45 degrees of its outward bisector
 ///   corner   the same
@@ -43,7 +43,7 @@ struct TrialSetup {
   std::uint64_t seed = 1;     ///< of the two scenes that strokes take turns in, and of the strokes
 };
 
-/// A tick of a stroke. World frame.
+/// One tick of a stroke. World frame.
 struct TrialTick {
   Eigen::Vector3d tool, proxy;  ///< positions of the handle. Unit: [m].
   Eigen::Vector3d force;        ///< Unit: [N].
@@ -73,7 +73,7 @@ struct TrialStroke {
   std::optional<double> late() const;
 };
 
-/// What strokes come to. Shares are NaN of none.
+/// Statistics of strokes. Shares are NaN if there are none.
 struct TrialFigures {
   std::size_t strokes = 0, slow = 0;  ///< slow: up to 0.5 m/s
   /// Of slow strokes from outside that meet the seen surface:
@@ -105,10 +105,10 @@ struct TrialFigures {
   std::vector<std::size_t> silent_strokes, sunk_strokes, through_strokes, stuck_strokes, late_strokes;
 };
 
-/// Of a row. One thread; the same answers every time but for TrialFigures::tick.
+/// Runs all strokes of a row. Single-threaded; deterministic except for TrialFigures::tick.
 TrialFigures run_trials(const TrialSetup& setup, const Progress& progress = {});
 
-/// Stroke `number` of a row alone, as it is among the others; its ticks in `ticks` where that is given.
+/// Repeats stroke `number` of a row alone, with identical results; stores its ticks in `ticks` if not null.
 TrialStroke repeat_trial(const TrialSetup& setup, std::size_t number,
                          std::vector<TrialTick>* ticks = nullptr);
 

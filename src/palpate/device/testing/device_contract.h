@@ -1,6 +1,6 @@
 /// \file
-/// The contract of HapticDevice as tests, for every driver. Needs GoogleTest. To be included by one source of
-/// a program, which says what to test:
+/// Conformance tests of the HapticDevice contract, for every driver. Needs GoogleTest. To be included by one
+/// source of a program, which says what to test:
 ///
 ///     #include <palpate/device/testing/device_contract.h>
 ///     using namespace palpate::test;

@@ -1,5 +1,5 @@
 /// \file
-/// A device that fails as it is told to, to test what uses devices.
+/// Scripted device with injected failures, for tests.
 #pragma once
 
 #include <atomic>
