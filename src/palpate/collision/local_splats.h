@@ -35,8 +35,8 @@ struct LocalSplats {
   Array<float> opacity;  ///< alpha in (0, 1]
   Array<std::uint32_t> id;
 
-  /// Minimum semi-axis relative to the longest one, used for the whitening: Gaussians of zero thickness are
-  /// legal, but have none.
+  /// Minimum semi-axis relative to the longest one, used for the whitening: a Gaussian of zero thickness is
+  /// legal, but its whitening is singular.
   static constexpr float kLeastThickness = 1e-3F;
 
   Eigen::Vector3d position(std::size_t i) const { return {center[0][i], center[1][i], center[2][i]}; }

@@ -1,5 +1,5 @@
 /// \file
-/// Gaussian splatting scene, as stored in its file.
+/// 3D Gaussian splatting scene, as stored in its file.
 #pragma once
 
 #include <array>
