@@ -121,7 +121,9 @@ TEST(Reproduction, CountsAndTimesThePapersPipeline) {
     EXPECT_LE(tick.filtered, tick.candidates);
     EXPECT_LE(tick.colliding, tick.filtered);
     EXPECT_GE(tick.cpu_us, 0.0);
-    if (tick.colliding == 0) EXPECT_EQ(tick.felt.norm(), 0.0);
+    if (tick.colliding == 0) {
+      EXPECT_EQ(tick.felt.norm(), 0.0);
+    }
     in_contact += static_cast<std::size_t>(tick.colliding > 0);
   }
   EXPECT_GT(in_contact, 3000U);  // two holds of 1.5 s

@@ -47,7 +47,9 @@ TEST(RoomPath, TouchesInItsTimesAndNowhereElse) {
   std::size_t k = 0;
   for (const TimedPose& p : made.path) {
     while (k < 3 && p.t > made.touches[k].ends) ++k;
-    if (k == 3 || p.t < made.touches[k].begins) EXPECT_LT(contacts(room, p.pose), 3U) << p.t;
+    if (k == 3 || p.t < made.touches[k].begins) {
+      EXPECT_LT(contacts(room, p.pose), 3U) << p.t;
+    }
   }
   for (const RoomTouch& touch : made.touches) {
     EXPECT_GT(contacts(room, pose_at(made.path, 0.5 * (touch.pressed + touch.slides))), 3U);

@@ -114,7 +114,7 @@ struct DeviceConfig {
   WorkspaceMap map;
   /// \name Of a giant; see GiantSetup
   /// @{
-  std::string chain;                               ///< file of read_chain(); empty: giant_chain()
+  std::string chain = {};                          ///< file of read_chain(); empty: giant_chain()
   double virtual_mass = GiantSetup::kVirtualMass;  ///< Unit: [kg].
   std::optional<double> virtual_damping = {};      ///< Unit: [N s/m].
   /// @}

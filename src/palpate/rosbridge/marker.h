@@ -26,10 +26,10 @@ struct Marker {
   std::uint32_t id = 0;
   Action action = Action::kAdd;
   Type type = Type::kSphere;
-  Pose pose;
+  Pose pose = {};
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();  ///< diameters; of an arrow: shaft, head. Unit: [m].
   Color color{};
-  std::vector<Eigen::Vector3d> points;  ///< of an arrow: from, to. Unit: [m].
+  std::vector<Eigen::Vector3d> points = {};  ///< of an arrow: from, to. Unit: [m].
 };
 
 Marker ellipsoid_marker(const std::string& ns, std::uint32_t id, const Ellipsoid& ellipsoid,
