@@ -74,18 +74,32 @@ struct Quiet final : MotionDevice {
   int moves = 0;
 };
 
-AdmittanceLoopOptions stable_loop() {
+AdmittanceLoopOptions without_margin() {
   AdmittanceLoopOptions options = loop();
   options.admittance.damping = {300.0, 250.0, 400.0};
   options.admittance.angular_damping.setConstant(3.0);
+  options.margin = 0.0;
   return options;
 }
 
-TEST(AdmittanceLoop, IsADeviceOfItsControllersDampingAndItsLoopsDelay) {
-  AdmittanceLoopOptions options = stable_loop();
+class AdmittanceLoopTest : public testing::Test {
+ protected:
+  AdmittanceLoopTest() {
+    loop.open();
+    loop.enable();
+  }
+  bool read(int tick) { return loop.read(tick * options.period, reading); }
+
+  AdmittanceLoopOptions options = without_margin();
+  Quiet quiet;
+  AdmittanceLoop loop{quiet, options};
+  DeviceReading reading;
+};
+
+TEST(AdmittanceLoopCapabilities, AreOfItsControllersDampingAndItsLoopsDelay) {
+  AdmittanceLoopOptions options = without_margin();
   options.along.lag = 4e-3;
   options.along.sensor_lag = 2e-3;
-  options.margin = 0.0;
   Quiet quiet;
   quiet.can.damping = 7.0;
   quiet.can.force_max = 33.0;
@@ -99,45 +113,31 @@ TEST(AdmittanceLoop, IsADeviceOfItsControllersDampingAndItsLoopsDelay) {
   EXPECT_EQ(can.force_max, 33.0) << "the rest is the device's";
 }
 
-TEST(AdmittanceLoop, MovesNothingBeforeTheDeviceHasSpoken) {
-  AdmittanceLoopOptions options = stable_loop();
-  options.margin = 0.0;
-  Quiet quiet;
-  AdmittanceLoop loop(quiet, options);
-  loop.open();
-  loop.enable();
-  DeviceReading reading;
+TEST_F(AdmittanceLoopTest, MovesNothingBeforeTheDeviceHasSpoken) {
   for (int k = 1; k < 10; ++k) {
-    EXPECT_FALSE(loop.read(k * options.period, reading));
+    EXPECT_FALSE(read(k));
     loop.write({{5, 0, 0}, {}});
   }
   EXPECT_EQ(quiet.moves, 0);
   quiet.speaks = true;
   quiet.at.position = {0.1, 0.2, 0.3};
-  EXPECT_TRUE(loop.read(10 * options.period, reading));
+  EXPECT_TRUE(read(10));
   EXPECT_EQ(reading.pose, quiet.at);
   loop.write({{5, 0, 0}, {}});
   EXPECT_EQ(quiet.moves, 1);
   EXPECT_EQ(quiet.at.position, Eigen::Vector3d(0.1, 0.2, 0.3)) << "the gate is shut";
 }
 
-TEST(AdmittanceLoop, TellsNoReadingThatIsOldAndNoneInAFault) {
-  AdmittanceLoopOptions options = stable_loop();
-  options.margin = 0.0;
-  Quiet quiet;
-  AdmittanceLoop loop(quiet, options);
-  loop.open();
-  loop.enable();
-  DeviceReading reading;
+TEST_F(AdmittanceLoopTest, TellsNoReadingThatIsOldAndNoneInAFault) {
   quiet.speaks = true;
-  EXPECT_TRUE(loop.read(options.period, reading));
+  EXPECT_TRUE(read(1));
   quiet.speaks = false;
-  EXPECT_FALSE(loop.read(2 * options.period, reading));
+  EXPECT_FALSE(read(2));
   EXPECT_EQ(loop.status(), DeviceStatus::kEnabled);
   quiet.speaks = true;
-  EXPECT_TRUE(loop.read(3 * options.period, reading));
+  EXPECT_TRUE(read(3));
   loop.stop();
-  EXPECT_FALSE(loop.read(4 * options.period, reading));
+  EXPECT_FALSE(read(4));
   EXPECT_EQ(loop.status(), DeviceStatus::kFault);
 }
 

@@ -60,6 +60,16 @@ double measured_damping(double mass, const AdmittanceLoopModel& l) {
   return high;
 }
 
+/// Where `below` ends to be true, between `low` and `high`.
+template <class Below>
+double end_of(double low, double high, Below below) {
+  for (int k = 0; k < 200; ++k) {
+    const double middle = 0.5 * (low + high);
+    (below(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
 // On the bound s = j w: K cos(w tau) = M w^2 and K sin(w tau) = D w.
 TEST(LeastAdmittance, IsTheClosedFormWhereThatIsKnown) {
   for (const double mass : {0.5, 3.0, 20.0})
@@ -67,12 +77,9 @@ TEST(LeastAdmittance, IsTheClosedFormWhereThatIsKnown) {
       AdmittanceLoopModel loop;
       loop.contact_stiffness = 2000.0;
       loop.delay = delay;
-      double low = 0.0, high = 0.5 * std::numbers::pi / delay;
-      for (int k = 0; k < 200; ++k) {
-        const double w = 0.5 * (low + high);
-        (2000.0 * std::cos(w * delay) > mass * w * w ? low : high) = w;
-      }
-      const double damping = 2000.0 * std::sin(low * delay) / low;
+      const double w = end_of(0.0, 0.5 * std::numbers::pi / delay,
+                              [&](double at) { return 2000.0 * std::cos(at * delay) > mass * at * at; });
+      const double damping = 2000.0 * std::sin(w * delay) / w;
       EXPECT_NEAR(least_damping(mass, loop, 1.0), damping, 1e-3 * damping) << mass << ", " << delay;
     }
 }
@@ -84,12 +91,11 @@ TEST(LeastAdmittance, IsTheClosedFormOfADamperThatIsLate) {
       AdmittanceLoopModel loop;
       loop.contact_damping = 4.0 * mass / delay;
       loop.delay = delay;
-      double low = 0.5 * std::numbers::pi / delay, high = 2.0 * low;
-      for (int k = 0; k < 200; ++k) {
-        const double w = 0.5 * (low + high);
-        (loop.contact_damping * std::sin(w * delay) > mass * w ? low : high) = w;
-      }
-      const double damping = -loop.contact_damping * std::cos(low * delay);
+      const double quarter = 0.5 * std::numbers::pi / delay;
+      const double w = end_of(quarter, 2.0 * quarter, [&](double at) {
+        return loop.contact_damping * std::sin(at * delay) > mass * at;
+      });
+      const double damping = -loop.contact_damping * std::cos(w * delay);
       ASSERT_GT(damping, 0.0);
       EXPECT_NEAR(least_damping(mass, loop, 1.0), damping, 1e-3 * damping) << mass << ", " << delay;
     }
@@ -106,17 +112,13 @@ TEST(LeastAdmittance, IsThatOfHurwitzForAResonance) {
                      a1 = D + 2.0 * z * K / w;
         return a3 * a2 * a1 > a4 * a1 * a1 + a3 * a3 * K;
       };
-      double low = 0.0, high = 1e5;
-      if (stable(low)) continue;
-      for (int k = 0; k < 200; ++k) {
-        const double middle = 0.5 * (low + high);
-        (stable(middle) ? high : low) = middle;
-      }
+      if (stable(0.0)) continue;
+      const double least = end_of(0.0, 1e5, [&](double D) { return !stable(D); });
       AdmittanceLoopModel loop;
       loop.contact_stiffness = K;
       loop.resonance = w;
       loop.resonance_damping = z;
-      EXPECT_NEAR(least_damping(M, loop, 1.0), high, 2e-3 * high) << w << ", " << z;
+      EXPECT_NEAR(least_damping(M, loop, 1.0), least, 2e-3 * least) << w << ", " << z;
     }
 }
 

@@ -25,6 +25,13 @@ MotionSafety safety() {
   return s;
 }
 
+/// Of a handle that rests where nobody pushes.
+MotionReading resting(double t) {
+  MotionReading reading;
+  reading.t = reading.user_t = t;
+  return reading;
+}
+
 class MotionGovernorTest : public testing::Test {
  protected:
   /// One tick of a device that is where its controller is.
@@ -173,10 +180,8 @@ TEST(MotionGovernor, OpensAndComesBackAtItsTimesToTheTick) {
   MotionGovernor governor(s);
   const double end = 1.0;
   for (double t = 0.0; t <= 2.0 * end; t += kExact) {
-    MotionReading reading;
-    reading.t = reading.user_t = t;
     if (t == end) governor.stop(Fault::kChanging);
-    governor.admit(reading, t);
+    governor.admit(resting(t), t);
     governor.moved({}, {}, true);
   }
   const double waits = end + s.recover_after;
@@ -199,13 +204,11 @@ TEST(MotionGovernor, RemembersTheLastChangesOfState) {
   MotionGovernor governor(safety());
   std::vector<double> stopped;
   for (double t = kTick; stopped.size() < SafetyGovernor::kRemembered; t += kTick) {
-    MotionReading reading;
-    reading.t = reading.user_t = t;
     if (governor.state() == GovernorState::kWaiting) {
       governor.stop(Fault::kChanging);
       stopped.push_back(t);
     }
-    governor.admit(reading, t);
+    governor.admit(resting(t), t);
     governor.moved({}, {}, true);
   }
   ASSERT_EQ(governor.transitions().size(), SafetyGovernor::kRemembered);
@@ -221,9 +224,7 @@ TEST(MotionGovernor, StaysShutBeforeTheDeviceAndItsSensorHaveSpoken) {
   MotionGovernor silent(safety()), deaf(safety());
   for (double t = 0.0; t < 1.0; t += kTick) {
     silent.admit_none(t);
-    MotionReading reading;
-    reading.t = t;
-    reading.user_t = t;
+    MotionReading reading = resting(t);
     reading.user.force.x() = kNan;
     deaf.admit(reading, t);
     for (MotionGovernor* governor : {&silent, &deaf}) {
@@ -301,9 +302,7 @@ TEST(MotionGovernor, TicksMayBeLateByItsBudget) {
   double t = 0.0;
   const auto tick = [&](double passed) {
     t += passed;
-    MotionReading reading;
-    reading.t = reading.user_t = t;
-    governor.admit(reading, t);
+    governor.admit(resting(t), t);
     governor.moved({}, {}, true);
   };
   tick(kTick);
