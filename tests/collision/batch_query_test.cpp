@@ -141,6 +141,8 @@ TEST_F(BatchQuery, ColumnsAreWhatOneQueryAtATimeAnswersOnAnyNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     index_.query_batch(tools_, columns);
     ASSERT_EQ(columns.tools(), tools_.size());
+    ASSERT_EQ(columns.candidates.size(), tools_.size());
+    ASSERT_EQ(columns.filtered.size(), tools_.size());
     for (std::size_t i = 0; i < tools_.size(); ++i) ASSERT_EQ(bits_of(set_of(columns, i)), expected[i]) << i;
     EXPECT_EQ(columns.first.back(), columns.contacts());
     EXPECT_GT(columns.contacts(), 1000U);

@@ -104,6 +104,29 @@ TEST_F(IndexFileTest, SaysWhatItIsOf) {
   EXPECT_EQ(d.source.content, content_hash(scene_.path()));
 }
 
+// Whoever asks only that reads the first and the last page, and takes neither for what it is not.
+TEST_F(IndexFileTest, SaysItsSourceOnlyIfItIsWhole) {
+  const auto source_of = [&](const std::string& bytes) {
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+    return index_source(path_);
+  };
+  const std::optional<IndexSource> source = source_of(bytes_);
+  ASSERT_TRUE(source);
+  EXPECT_EQ(source->stamp, stamp_of(scene_.path()));
+  EXPECT_EQ(source->content, content_hash(scene_.path()));
+  const std::size_t last = bytes_.size() - kPage;
+  for (const std::size_t at : {std::size_t{3}, std::size_t{8}, std::size_t{12}, last, last + 40}) {
+    std::string spoilt = bytes_;
+    spoilt[at] = static_cast<char>(spoilt[at] ^ 1);
+    EXPECT_FALSE(source_of(spoilt)) << "byte " << at;
+  }
+  EXPECT_FALSE(source_of(bytes_ + bytes_.substr(last))) << "a last page of a shorter file";
+  EXPECT_FALSE(source_of(bytes_.substr(0, kPage)));
+  EXPECT_FALSE(source_of(""));
+  std::filesystem::remove(path_);
+  EXPECT_FALSE(index_source(path_));
+}
+
 TEST_F(IndexFileTest, HasTheLayoutOfTheHeader) {
   const IndexView view = index_.view();
   const std::size_t arrays = 1024 * view.blocks.size() + 448 * view.nodes.size();

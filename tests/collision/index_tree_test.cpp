@@ -93,6 +93,57 @@ TEST(IndexTree, FarFromItsOriginIsValid) {
   expect_valid(SceneIndex(scene, {}, {}).view(), scene);
 }
 
+double half_area(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  const Eigen::Vector3d size = high - low;
+  return size.x() * size.y() + size.y() * size.z() + size.z() * size.x();
+}
+
+/// Of the boxes of all blocks.
+double leaf_area(const IndexView& view) {
+  double sum = 0.0;
+  for (const IndexNode& node : view.nodes) {
+    for (std::size_t k = 0; k < kIndexWidth; ++k) {
+      if ((node.child[k] & IndexNode::kLeaf) == 0 || node.low[0][k] > node.high[0][k]) continue;
+      sum += half_area({node.low[0][k], node.low[1][k], node.low[2][k]},
+                       {node.high[0][k], node.high[1][k], node.high[2][k]});
+    }
+  }
+  return sum;
+}
+
+/// The same where the centres are halved along the longest side of their box. \param balls of radius sigma[0]
+double halved_area(std::span<Splat> balls) {
+  Eigen::Vector3d low = balls[0].position, high = low, from = low, to = low;
+  for (const Splat& ball : balls) {
+    const Eigen::Vector3d reach = ball.sigma;
+    low = low.cwiseMin(ball.position - reach);
+    high = high.cwiseMax(ball.position + reach);
+    from = from.cwiseMin(ball.position);
+    to = to.cwiseMax(ball.position);
+  }
+  if (balls.size() <= kIndexWidth) return half_area(low, high);
+  Eigen::Index axis = 0;
+  (to - from).maxCoeff(&axis);
+  const auto middle = balls.begin() + static_cast<std::ptrdiff_t>(balls.size() / 2);
+  std::nth_element(balls.begin(), middle, balls.end(),
+                   [axis](const Splat& a, const Splat& b) { return a.position[axis] < b.position[axis]; });
+  return halved_area({balls.begin(), middle}) + halved_area({middle, balls.end()});
+}
+
+// What a query has to look at goes with the area of boxes (Goldsmith and Salmon 1987): where sizes differ,
+// and the scene is far longer than wide and to one side of its origin, halving is no match.
+TEST(IndexTree, HasLessAreaThanHalvingHas) {
+  Random random(106);
+  std::vector<Splat> balls;
+  for (int k = 0; k < 16 * 1024; ++k) {
+    const double radius = k % 20 == 0 ? random.log_uniform(0.1, 1.0) : 0.01;
+    const Eigen::Vector3d at = random.in_box(0.5);
+    balls.push_back(
+        splat({30.0 + 20.0 * at.x(), 3.0 + 2.0 * at.y(), at.z()}, Eigen::Vector3d::Constant(radius)));
+  }
+  EXPECT_LT(leaf_area(SceneIndex(scene_of(balls), {}, {}).view()), 0.6 * halved_area(balls));
+}
+
 // Nothing tells these apart: the builder may not look for a plane that does, nor dig a level for each.
 TEST(IndexTree, OfEqualGaussiansIsFlat) {
   const GaussianScene scene = scene_of(std::vector<Splat>(20000, splat({1, 2, 3}, {0.1, 0.2, 0.3})));

@@ -171,6 +171,7 @@ TEST_F(LocalSplatsOnEveryTarget, InPortionsAreTheSame) {
       const std::vector<std::uint32_t> before = ids_of(divided.newest());
       int calls = 1;
       for (; !divided.update(solid, kMost); ++calls) {
+        EXPECT_TRUE(divided.has_searched());
         ASSERT_EQ(ids_of(divided.newest()), before) << "what was found last stays meanwhile";
         ASSERT_GT(divided.walked(), 0U);
         ASSERT_LT(divided.walked(), kMost + kAFewBesides);
@@ -179,7 +180,9 @@ TEST_F(LocalSplatsOnEveryTarget, InPortionsAreTheSame) {
       EXPECT_GE(calls, 2);
       EXPECT_EQ(ids_of(divided.newest()), ids_of(whole.around(solid)));
       EXPECT_EQ(divided.taken_up(), divided.newest().size);
+      EXPECT_TRUE(divided.has_searched());
       EXPECT_TRUE(divided.update(solid, 0)) << "it knows";
+      EXPECT_FALSE(divided.has_searched());
       EXPECT_EQ(divided.taken_up(), 0U);
     }
   });

@@ -31,6 +31,9 @@ Drawn draw(Random& random) {
     const double scale = random.log_uniform(1e-3, 1e3);
     drawn.world = {scale, random.rotation(), far()};
   }
+  // Near the index's origin, however far both are from the world's: there much of the centre cancels.
+  if (random.integer(0, 2) == 0)
+    drawn.tool.center = drawn.world * (drawn.origin + random.log_uniform(1e-3, 10.0) * random.direction());
   return drawn;
 }
 

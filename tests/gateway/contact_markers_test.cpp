@@ -205,6 +205,24 @@ TEST_F(ContactMarkersTest, WhoFollowsFromAnyMessageOnSeesWhatThereIs) {
   }
 }
 
+// A tool of two parts; 2 N along z are an arrow of 40 mm.
+TEST(HandMarkers, AreThePartsAndTheForceOnTheHand) {
+  const Tool tool({{"palm", {0.01, 0.01, 0.01}}, {"finger", {0.02, 0.01, 0.01}, Pose{{0.1, 0, 0}}}});
+  TickRecord tick;
+  tick.tool.position = {1, 2, 3};
+  tick.sent_world.force = {0, 0, 2};
+  const std::vector<Marker> markers = hand_markers("left", 0, tool, tick);
+  ASSERT_EQ(markers.size(), 3U);
+  EXPECT_EQ(markers[0].ns, "left");
+  EXPECT_EQ(markers[1].pose.position, Vector3d(1.1, 2, 3));
+  const Marker& force = markers[2];
+  EXPECT_EQ(force.ns, "left/force");
+  ASSERT_EQ(force.points.size(), 2U);
+  EXPECT_EQ(force.points[0], tick.tool.position);
+  EXPECT_NEAR((force.points[1] - Vector3d(1, 2, 3.04)).norm(), 0.0, 1e-12);
+  EXPECT_GT(force.color.a, markers[0].color.a) << "parts are seen through";
+}
+
 TEST_F(ContactMarkersTest, TheResetDeletesAll) {
   EXPECT_EQ(ContactMarkers::reset().action, Marker::Action::kDeleteAll);
 }

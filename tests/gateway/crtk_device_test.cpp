@@ -112,6 +112,14 @@ TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
   EXPECT_THAT(link.peer->said.at(0), HasSubstr("stamps of the future"));
   link.pose(0.2);
   EXPECT_TRUE(link.tick()) << "one of them changes nothing";
+  for (int k = 0; k < 1200; ++k) {  // nor another, long after
+    link.pose(0.2);
+    link.tick();
+  }
+  link.pose(0.1, -10.0);
+  EXPECT_FALSE(link.tick());
+  link.pose(0.2);
+  ASSERT_TRUE(link.tick());
   const std::uint32_t hand = link.reading.hand;
   bool read = false;
   for (int k = 0; k < 1300 && !read; ++k) {
@@ -307,6 +315,67 @@ TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
   EXPECT_THROW(CrtkDevice(o, std::make_unique<CrtkPeer>()), Error);
 }
 
+// Poses stand still while the driver says 0.2 m/s and 3 rad/s: where both are heard, it is the driver's that
+// counts.
+TEST(CrtkDevice, IsCarriedOnByTheVelocityThatItsDriverTells) {
+  CrtkOptions o = crtk_options();
+  o.extrapolation = 5e-3;
+  CrtkLink link(o);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Twist told{{0.2, 0, 0}, {0, 0, 3}};
+  const auto carried = [&](const std::vector<std::pair<const char*, Twist>>& twists, int silent_ticks) {
+    for (int k = 0; k < 5; ++k) {
+      link.pose(0.0);
+      link.tick();
+    }
+    for (const auto& [source, twist] : twists) link.device->take_velocity({0.0, "base", source}, twist);
+    for (int k = 0; k < silent_ticks; ++k) sleep_until(monotonic_now() + kMilli);
+    link.pose(0.0);
+    EXPECT_TRUE(link.tick());
+    DeviceReading next = link.reading;
+    for (int k = 0; k < 4; ++k) {
+      if (link.tick()) next = link.reading;
+    }
+    return next;
+  };
+  const DeviceReading moved = carried({{"/arm", told}}, 0);
+  EXPECT_GT(moved.pose.position.x(), 1e-4);
+  EXPECT_GT(2.0 * moved.pose.orientation.z(), 1e-3);
+  EXPECT_EQ(carried({{"/arm", told}}, 50).pose.position.x(), 0.0) << "that one is old";
+  EXPECT_EQ(carried({{"/other", told}}, 0).pose.position.x(), 0.0);
+  EXPECT_EQ(carried({{"/arm", {{nan, 0, 0}, {0, 0, 0}}}}, 0).pose.position.x(), 0.0);
+  EXPECT_EQ(carried({{"/arm", {{0.2, 0, 0}, {0, nan, 0}}}}, 0).pose.position.x(), 0.0);
+}
+
+TEST(CrtkDevice, NothingIsCarriedOnBeforeTheFirstPoseAndNothingSentBeforeTheFirstTick) {
+  CrtkOptions o = crtk_options();
+  o.extrapolation = 5e-3;
+  CrtkLink link(o);
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(link.tick()) << "there is no pose";
+  EXPECT_EQ(link.peer->sent(), 0U);
+  EXPECT_GT(link.peer->echo(), 0U) << "though the sender runs";
+}
+
+TEST(CrtkDevice, TheOneWayDelayMayBeNoneAndNotTheAgeLimit) {
+  CrtkOptions o = crtk_options();
+  o.one_way = 0.0;
+  EXPECT_NO_THROW(CrtkDevice(o, std::make_unique<CrtkPeer>()));
+  for (const double wrong : {-1e-3, 0.02, std::numeric_limits<double>::quiet_NaN()}) {
+    o.one_way = wrong;
+    EXPECT_THROW(CrtkDevice(o, std::make_unique<CrtkPeer>()), Error) << wrong;
+  }
+}
+
+// Its clock is set back meanwhile, by more than that; the offset that was known is forgotten.
+TEST(CrtkDevice, APublisherThatWasSilentForLongMayStampFromAnew) {
+  CrtkLink link;
+  link.ticks(3, 0.1);
+  sleep_until(monotonic_now() + StampClock::kSeconds + 1.0);
+  link.pose(0.2, 1000.0);
+  EXPECT_TRUE(link.tick());
+  EXPECT_EQ(link.device->dropped(), 0U);
+}
+
 // What was carried on looks newer than the pose that comes next, which was measured before.
 TEST(CrtkDevice, NoReadingIsOlderThanTheOneBefore) {
   CrtkOptions o = crtk_options();
@@ -333,10 +402,11 @@ TEST(CrtkDevice, MayBeOpenForLongBeforeTheLoopBegins) {
     device.take_pose({driver_now(), "base", "/arm"}, {});
     sleep_until(monotonic_now() + kMilli);
   }
-  device.enable();
   const LoopClock clock;
+  sleep_until(monotonic_now() + 0.2);  // and the loop's clock, before the first tick
+  device.enable();
   DeviceReading reading;
-  int read = 0;
+  int read = 0, fresh = 0;
   for (int k = 0; k < 50; ++k) {
     device.take_pose({driver_now(), "base", "/arm"}, {});
     clock.sleep_until(clock.now() + kMilli);
@@ -345,8 +415,10 @@ TEST(CrtkDevice, MayBeOpenForLongBeforeTheLoopBegins) {
     ++read;
     ASSERT_LE(reading.t, t);
     ASSERT_GT(reading.t, t - 0.5);
+    fresh += reading.t > t - 0.1 ? 1 : 0;
   }
   EXPECT_GT(read, 40);
+  EXPECT_GT(fresh, 30);
 }
 
 }  // namespace

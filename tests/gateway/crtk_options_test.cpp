@@ -51,6 +51,8 @@ TEST(CrtkOptions, ThatAreWrongAreNamed) {
            {"/omni,rate", "'rate' is not NAME=VALUE"},
            {"/omni,weight=1", "there is no option 'weight'"},
            {"/omni,rate=fast", "'fast' is no number"},
+           {"/omni,rate=500Hz", "'500Hz' is no number"},
+           {"/omni,rate=1e999", "'1e999' is no number"},
            {"/omni,rate=nan", "'nan' is no number"},
            {"/omni,rate=-5", "'-5' is no number"},
            {"/omni,rate=0", "rate must be positive"},

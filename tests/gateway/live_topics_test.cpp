@@ -350,6 +350,7 @@ TEST_F(LiveTopicsTest, APoseIsAsOldAsItsStampSaysOnceTheClockIsKnown) {
   const auto pose = [&](double x, std::int64_t ms) {
     return Json{{"header", header({50, ms * 1'000'000}, "device", 0)}, {"pose", to_json(Pose{{x, 0, 0}})}};
   };
+  clock.sleep_until(0.2);  // so that no time is 0
   say(kHand, pose(1.0, 0));
   EXPECT_NEAR(hand.newest().t, clock.now(), 0.1) << "nothing is known of its clock";
   const auto asked = all(*first)["/palpate/client/echo"];

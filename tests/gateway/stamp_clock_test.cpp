@@ -38,6 +38,16 @@ TEST(StampClock, NothingIsKnownOfAStampOfTheFuture) {
   EXPECT_TRUE(clock.age(9.0 + kOffset, 1.003)) << "the clock was set";
 }
 
+TEST(StampClock, WhoIsResetForgetsWhatEchoesTold) {
+  StampClock clock(kOneWay);
+  const auto number = clock.echoes().ask(1.0);
+  clock.echoes().answer(number, 1.0 + kOffset, 1.0);
+  EXPECT_NEAR(*clock.age(1.1 + kOffset, 1.2), 0.1, 1e-9);
+  clock.reset();
+  EXPECT_NEAR(*clock.age(1.1 + kOffset, 1.2), 2.0 * kOneWay, 1e-9)
+      << "the first of a clock that nothing is known of";
+}
+
 TEST(StampClock, FollowsAClockThatDrifts) {
   StampClock clock(kOneWay);
   constexpr double kDrift = 1e-4;
