@@ -390,6 +390,7 @@ void Cast(DepthViewLanes lanes) {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
       const V t = splat.depth(x, y), m2 = splat.m2(x, y);
       const auto drawn = hn::And(is_drawn(lanes, k, t, m2), hn::Gt(t, hn::Load(d, lanes.begin() + k)));
+      if (hn::AllFalse(d, drawn)) return;
       const V before = hn::Load(d, lanes.left() + k);
       const V after = hn::IfThenElse(drawn, hn::NegMulAdd(before, splat.alpha(m2), before), before);
       hn::Store(after, d, lanes.left() + k);
