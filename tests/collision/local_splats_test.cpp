@@ -229,8 +229,11 @@ TEST(LocalSplats, ForgetTheirGrainWhereThereIsRoom) {
   Random random(917);
   const SceneIndex index(test::scene_of(crowded_square(random)), SceneFilter{}, Similarity{});
   SplatTracker tracker(index);
+  std::size_t at_first = 0;
   for (const double x : {0.3, 0.32, 0.34}) {
     const std::size_t size = tracker.around(ball_at(x, 0.3)).size;
+    if (at_first == 0) at_first = tracker.walked();
+    EXPECT_LT(tracker.walked(), 1.5 * at_first) << "searched once: the grain of before does";
     EXPECT_GT(size, LocalSplats::kCapacity / 3) << x;
     EXPECT_LE(size, LocalSplats::kCapacity) << x;
   }

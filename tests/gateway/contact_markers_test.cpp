@@ -72,9 +72,11 @@ class ContactMarkersTest : public testing::Test {
 
 TEST_F(ContactMarkersTest, EveryContactIsASphereWhereItsEllipsoidIsAndAnArrowAlongItsNormal) {
   Contact c = contact(7, 0.002);
+  c.center += Vector3d(1e-9, 0, 0);  // in more digits than the lookup has
   const Json both = message({c});
   ASSERT_EQ(both.size(), 2U);
-  const Ellipsoid ellipsoid = lookup.at(7);
+  Ellipsoid ellipsoid = lookup.at(7);
+  ellipsoid.center = c.center;
   EXPECT_EQ(both[0], to_json(head, ellipsoid_marker("contacts", 7, ellipsoid,
                                                     {both[0]["color"]["r"], both[0]["color"]["g"],
                                                      both[0]["color"]["b"], both[0]["color"]["a"]})));

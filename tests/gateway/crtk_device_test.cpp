@@ -356,6 +356,19 @@ TEST(CrtkDevice, NothingIsCarriedOnBeforeTheFirstPoseAndNothingSentBeforeTheFirs
   EXPECT_GT(link.peer->echo(), 0U) << "though the sender runs";
 }
 
+TEST(CrtkDevice, AsksForAnEchoTenTimesASecondHoweverOftenItWrites) {
+  CrtkLink link;
+  link.ticks(5, 0.0);
+  const std::uint64_t first = link.peer->echo();
+  const double begin = monotonic_now();
+  for (int k = 0; k < 400; ++k) {
+    link.device->write({});
+    sleep_until(monotonic_now() + kMilli);
+  }
+  EXPECT_GE(link.peer->echo(), first + 1);
+  EXPECT_LE(link.peer->echo(), first + 10.0 * (monotonic_now() - begin) + 1.0);
+}
+
 TEST(CrtkDevice, TheOneWayDelayMayBeNoneAndNotTheAgeLimit) {
   CrtkOptions o = crtk_options();
   o.one_way = 0.0;
