@@ -1,10 +1,15 @@
 // From a scene file to an index: by the file beside the scene where that fits, and never worse than without.
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -12,9 +17,12 @@
 #include <unistd.h>
 
 #include <palpate/base/error.h>
+#include <palpate/collision/index_builder.h>
 #include <palpate/collision/index_file.h>
 #include <palpate/collision/open_index.h>
 #include <support/indexed_scene.h>
+#include <support/random_pairs.h>
+#include <support/temporary_file.h>
 
 namespace palpate {
 namespace {
@@ -314,6 +322,69 @@ TEST_F(OpenIndex, IsMadeByManyProcessesAtOnce) {
     std::size_t fit = 0;
     for (const SceneFilter& filter : filters) fit += fits(filter);
     EXPECT_EQ(fit, 1U);
+  }
+}
+
+/// A Gaussian as .splat has it.
+struct SplatRecord {
+  std::array<float, 3> position{}, sigma{};
+  std::array<std::uint8_t, 4> color{}, rotation{};
+};
+static_assert(sizeof(SplatRecord) == 32);
+
+/// Writes `record` as the one of this number; what was never written is zero, and a defect.
+void put(int file, std::size_t number, const SplatRecord& record) {
+  ASSERT_EQ(::pwrite(file, &record, sizeof record, static_cast<off_t>(number * sizeof record)), 32);
+}
+
+std::vector<Contact> touching(const SceneIndex& index, const Ellipsoid& tool) {
+  ContactSet found;
+  index.query(tool, found);
+  std::ranges::sort(found.contacts, {}, &Contact::id);
+  return found.contacts;
+}
+
+// More Gaussians than a tree may have, though few are kept: the scene is read twice and indexed in parts.
+TEST(OpenIndexOfManyGaussians, IsTheOneOfThoseThatAreKept) {
+  constexpr std::size_t kKept = 20'000, kEvery = 420;
+  static_assert(kKept * kEvery > kMaxTreeRecords);
+  const test::TemporaryFile few("", "few.splat"), many("", "many.splat");
+  const int few_file = ::open(few.path().c_str(), O_WRONLY),
+            many_file = ::open(many.path().c_str(), O_WRONLY);
+  test::Random random(811);
+  const auto place = [](std::size_t k) { return kEvery * k + 7; };
+  for (std::size_t k = 0; k < kKept; ++k) {
+    const Eigen::Vector3f at = random.direction().cast<float>();
+    const SplatRecord record{
+        {at.x(), at.y(), at.z()}, {0.01F, 0.01F, 0.002F}, {9, 9, 9, 230}, {200, 90, 128, 40}};
+    put(few_file, k, record);
+    put(many_file, place(k), record);
+  }
+  ASSERT_EQ(::ftruncate(many_file, static_cast<off_t>(kKept * kEvery * sizeof(SplatRecord))), 0);
+  ::close(few_file);
+  ::close(many_file);
+  const SceneIndex expected = open_index(few.path(), {}, {}, IndexFiles::kNone).index;
+  for (const auto& [files, origin] :
+       {std::pair(IndexFiles::kNone, Origin::kMemory), std::pair(IndexFiles::kUse, Origin::kNewFile),
+        std::pair(IndexFiles::kUse, Origin::kFile)}) {
+    const OpenedIndex opened = open_index(many.path(), {}, {}, files);
+    EXPECT_EQ(static_cast<int>(opened.origin), static_cast<int>(origin));
+    EXPECT_EQ(opened.report.total, kKept * kEvery);
+    EXPECT_EQ(opened.report.kept, kKept);
+    EXPECT_EQ(opened.index.size(), kKept);
+    std::size_t touched = 0;
+    for (int n = 0; n < 50; ++n) {
+      const Ellipsoid tool =
+          Ellipsoid::from_semi_axes({random.direction(), random.rotation()}, {0.02, 0.05, 0.1});
+      const std::vector<Contact> found = touching(opened.index, tool), truth = touching(expected, tool);
+      ASSERT_EQ(found.size(), truth.size());
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        EXPECT_EQ(found[k].id, place(truth[k].id));
+        EXPECT_EQ(found[k].k_min, truth[k].k_min);
+      }
+      touched += found.size();
+    }
+    EXPECT_GT(touched, 500U);
   }
 }
 
