@@ -29,7 +29,7 @@ constexpr double kSlowest = 0.05, kSlow = 0.5, kFastest = 50.0;  // [m/s]
 constexpr double kShallowTrial = 3.0;                            // in the thinnest semi-axis
 constexpr double kFurther = 0.03;                                // from inside. [m]
 constexpr double kBefore = 1.5, kAway = 0.02, kFarAway = 0.3;    // in the tool's radius; [m]
-constexpr int kRest = 10, kPatience = 5;                         // [ticks]
+constexpr int kRest = 10, kPatience = 5, kStart = 8;             // [ticks]
 constexpr double kSilent = 0.1;                                  // of stiffness times depth
 constexpr double kSilentDepth = 0.005, kFelt = 0.004;            // [m]
 constexpr double kSunk = 0.5;                                    // of the thinnest semi-axis
@@ -237,8 +237,11 @@ class Trial {
     const double thinnest = setup_.tool.thinnest();
     const double depth = tick.depth - way_.start_depth - scene_.noise;
     const double proxy_depth = tick.proxy_depth - way_.start_depth - scene_.noise;
-    if (is_first_ && scene_.place.starts_inside()) lets_in_ = is_behind(proxy, scene_.noise);
-    is_first_ = false;
+    if (scene_.place.starts_inside() && starting_ > 0) {
+      --starting_;
+      if (!is_behind(upright(tick.tool), scene_.noise)) lets_in_ = is_behind(proxy, scene_.noise);
+      return;
+    }
     if (lets_in_) {  // as good as out, but there it stays
       if (!is_behind(proxy, -thinnest)) result_.through = true;
       return;
@@ -267,8 +270,8 @@ class Trial {
   Way way_;
   TrialStroke result_;
   int deep_for_ = 0;
-  bool is_first_ = true;
-  bool lets_in_ = false;  ///< the tool starts inside, and the proxy has come out on the inner side
+  int starting_ = kStart;  ///< ticks in which a tool that starts inside may still come out
+  bool lets_in_ = false;   ///< the tool starts inside, and the proxy has come out on the inner side
 };
 
 /// What many strokes come to.

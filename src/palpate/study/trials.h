@@ -93,7 +93,8 @@ struct TrialFigures {
   std::size_t silent = 0;
   /// Strokes in which the proxy gets deeper than half the thinnest semi-axis into the solid (where the tool
   /// starts inside: deeper than it started), and those in which it comes out on the other side of a plate or
-  /// sheet. A start inside may let the proxy out on the inner side: it is through if it then comes back.
+  /// sheet. A start inside is not judged for the first 8 ticks, in which the proxy may come out on the inner
+  /// side: it is through if it comes back later.
   std::size_t sunk = 0, through = 0;
   /// Strokes from outside at flat places at whose end, where they began and nothing is touched, a force is
   /// left. Around an edge or rim a proxy may rightly stay behind.
