@@ -184,14 +184,14 @@ Command declare_bench(CLI::App& parent) {
   declare_common(app, options->common, "print figures as JSON");
   declare_scene(app, options->live, SceneArgument::kPositional);
   add_text(app, "--trajectory", options->trajectory, "T.csv",
-           "tool poses in the world (default: as make-path makes them)");
+           "tool poses, world frame (default: the path of make-path)");
   add_text(app, "--histogram", options->histogram, "H.svg",
-           "picture of the times of fresh queries in contact");
+           "output file of a latency histogram of fresh queries in contact");
   add_count(app, "--rounds", options->rounds, 1, 1000,
-            "times to go along the path; the least time of each pose counts");
+            "repetitions of the path; the minimum time per pose is used");
   add_count(app, "--threads", options->threads, 1, kMostThreads,
-            "for the throughput (default: all); latency is of one thread");
-  add_choice(app, "--simd", options->simd, simd_targets(), "instruction set (default: the best)");
+            "threads for the throughput (default: all); latency is measured on one thread");
+  add_choice(app, "--simd", options->simd, simd_targets(), "instruction set (default: the best available)");
   declare_field(app, options->live, "tool");
   options->query.declare(app, options->live);
   declare_group(app, options->live, ConfigGroup::kForce);

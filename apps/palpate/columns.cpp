@@ -10,7 +10,7 @@ namespace palpate::cli {
 
 Command declare_columns(CLI::App& parent) {
   CLI::App& app =
-      add_hidden_command(parent, "columns", "Every column of a CSV and field of --json, as a page");
+      add_hidden_command(parent, "columns", "Reference page of all CSV columns and --json fields");
   return {&app, [] { fmt::print("{}", columns_page()); }};
 }
 

@@ -129,34 +129,39 @@ void run(const Options& options) {
 void declare_what(CLI::App& app, Options& options) {
   const auto known = procedural_shapes();
   add_choices(app, "--shapes", options.shapes, {known.begin(), known.end()},
-              "surfaces to feel, as make-scene names them");
+              "surfaces to evaluate, named as in make-scene");
   add_choices(app, "--models", options.models, {"proxy", "field", "density"}, "force models to compare");
-  add_numbers(app, "--spacings", options.spacings, 1e-4, 0.1, "mean distances of neighbours, m");
-  add_number(app, "--noise", options.noise, 0.0, 0.1, "m", "sd of the displacement along the normal");
-  add_number(app, "--tilt", options.tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
+  add_numbers(app, "--spacings", options.spacings, 1e-4, 0.1,
+              "mean distances between neighbouring Gaussians, m");
+  add_number(app, "--noise", options.noise, 0.0, 0.1, "m",
+             "standard deviation of the displacement along the normal");
+  add_number(app, "--tilt", options.tilt_degrees, 0.0, 90.0, "deg",
+             "standard deviation of the tilt of a splat's normal");
 }
 
 void declare_how_much(CLI::App& app, Options& options) {
   constexpr int kMost = 100'000;
-  add_count(app, "--scenes", options.scenes, 1, 1000, "made of each, with one seed after the other");
-  add_count(app, "--places", options.places, 1, kMost, "where each is pressed and slid along, in all");
+  add_count(app, "--scenes", options.scenes, 1, 1000, "scenes per row, with consecutive seeds");
+  add_count(app, "--places", options.places, 1, kMost,
+            "places per row to press and slide along, over all scenes");
   add_count(app, "--pushes", options.pushes, 0, kMost,
-            "to the other side of each, every tenth at 2 m/s; of --scene: in and back");
-  add_seed(app, options.seed, "of the first scene, and of the places");
+            "pushes per row through the surface, every tenth at 2 m/s; with --scene: pushes in and back");
+  add_seed(app, options.seed, "random seed of the first scene and of the places");
 }
 
 }  // namespace
 
 Command declare_evaluate(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "evaluate",
-                              "Force models against the analytic truth, or what is seen of a capture");
+  CLI::App& app =
+      add_command(parent, "evaluate",
+                  "Force models against analytic ground truth, or against the seen surface of a capture");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the tables as JSON");
   declare_what(app, *options);
   declare_how_much(app, *options);
-  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, a line a row");
+  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, one line per row");
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
-  add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
+  add_text(app, "--svg", options->svg, "DIR", "existing folder for the figures of the page as SVG files");
   options->capture.declare(app);
   options->trials.declare(app);
   options->live.tool = Tool(Eigen::Vector3d::Constant(0.02));

@@ -142,12 +142,13 @@ void CaptureOptions::declare(CLI::App& app) {
   constexpr int kMost = 100'000;
   declare_scene(app, live, SceneArgument::kOption);
   add_text(app, "--against", against, "SCENE",
-           "of --scene: another capture of the same object, registered alike");
+           "with --scene: another capture of the same object, with the same registration");
   add_text(app, "--worst", worst, "DIR",
-           "of --scene: a folder, for the worst pushes as trajectories for replay");
+           "with --scene: existing folder for trajectories of the worst pushes, for replay");
   add_count(app, "--rays", rays, 1, 10'000,
-            "of --scene: of the tool's cross-section that look for the seen surface");
-  add_count(app, "--slides", slides, 0, kMost, "of --scene: how many of the pushes are slides, too");
+            "with --scene: rays over the tool's cross-section that locate the seen surface");
+  add_count(app, "--slides", slides, 0, kMost,
+            "with --scene: number of slides, at the places of the first pushes");
 }
 
 void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {

@@ -120,16 +120,18 @@ TrialOptions::TrialOptions()
 void TrialOptions::declare(CLI::App& app) {
   constexpr int kMost = 1'000'000;
   add_count(app, "--trials", strokes, 1, kMost,
-            "instead: push the proxy of any tool at any place, at 0.05 to 50 m/s, so often a row");
+            "run trials of the proxy model instead: strokes per row of tool, place and capture kind, at 0.05 "
+            "to 50 m/s");
   add_texts(app, "--trial-tools", tools, "NAME,...",
-            fmt::format("of --trials: {}, or FILE.toml", fmt::join(trial_tools(), ", ")));
+            fmt::format("with --trials: tools to push: {}, or FILE.toml", fmt::join(trial_tools(), ", ")));
   add_choices(app, "--trial-places", places, {trial_places().begin(), trial_places().end()},
-              "of --trials: where the tool is pushed at");
+              "with --trials: places to push at");
   std::vector<std::string> kinds{kEven};
   kinds.insert(kinds.end(), capture_defects().begin(), capture_defects().end());
-  add_choices(app, "--like", like, kinds, "of --trials: what captures are like, as make-scene makes them");
+  add_choices(app, "--like", like, kinds,
+              "with --trials: defects of the captures, named as in make-scene; even = none");
   add_count(app, "--stroke", stroke, 0, kMost,
-            "of --trials in one row: this one alone, and every tick of it in --csv");
+            "with --trials of one row: run only the stroke with this number, and write its ticks to --csv");
 }
 
 void evaluate_trials(const TrialOptions& options, const TrialTask& task) {

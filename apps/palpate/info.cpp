@@ -20,8 +20,9 @@
 namespace palpate::cli {
 
 Command declare_info(CLI::App& parent) {
-  CLI::App& app = add_command(
-      parent, "info", "Counts, bounds, opacity and scale quantiles, lint findings, what the filter keeps");
+  CLI::App& app =
+      add_command(parent, "info",
+                  "Counts, bounds, opacity and scale quantiles, lint findings and filter result of a scene");
   auto common = std::make_shared<CommonOptions>();
   auto live = std::make_shared<LiveConfig>();
   declare_common(app, *common, "print figures as JSON");

@@ -24,9 +24,10 @@ namespace palpate::cli {
 
 void declare_common(CLI::App& app, CommonOptions& options, const std::string& json_help) {
   options.app = &app;
-  add_flag(app, "-q,--quiet", options.quiet, "no progress and no summary");
+  add_flag(app, "-q,--quiet", options.quiet, "print neither progress nor summary");
   if (!json_help.empty()) add_flag(app, "--json", options.json, json_help);
-  add_text(app, "--config", options.config, "FILE", "TOML file of options, keys as here without the dashes");
+  add_text(app, "--config", options.config, "FILE",
+           "TOML file of options; keys are the long option names without dashes");
 }
 
 namespace {
@@ -57,7 +58,7 @@ int refuse(const CLI::ParseError& error, const Arguments& arguments) {
 }
 
 int run(const std::vector<std::string>& given) {
-  CLI::App app("Feel captured 3D Gaussian Splatting scenes.", "palpate");
+  CLI::App app("Haptic rendering of captured 3D Gaussian Splatting scenes.", "palpate");
   app.set_version_flag("--version", program_version());
   app.require_subcommand(1);
   const std::vector<Command> commands{declare_info(app),       declare_setup(app),     declare_query(app),

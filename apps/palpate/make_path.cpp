@@ -65,16 +65,16 @@ void run(const Options& options) {
 
 Command declare_make_path(CLI::App& parent) {
   CLI::App& app =
-      add_command(parent, "make-path", "A path that touches a scene here and there, as a trajectory file");
+      add_command(parent, "make-path", "Trajectory file of a path that touches a scene at several places");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common);
-  add_text(app, "--out", options->out, "T.csv", "the trajectory").required();
-  add_count(app, "--touches", options->path.touches, 1, 1000, "how many places to touch");
-  add_seed(app, options->path.seed, "of the choice of places");
+  add_text(app, "--out", options->out, "T.csv", "output file of the trajectory").required();
+  add_count(app, "--touches", options->path.touches, 1, 1000, "number of places to touch");
+  add_seed(app, options->path.seed, "random seed of the choice of places");
   constexpr double kMost = 1e3;
-  add_number(app, "--press", options->path.press, 0.0, kMost, "m", "how deep to press beyond first contact");
-  add_number(app, "--slide", options->path.slide, 0.0, kMost, "m", "how far to slide along the surface");
-  add_number(app, "--rate", options->path.rate, 1.0, 1e5, "Hz", "poses a second");
+  add_number(app, "--press", options->path.press, 0.0, kMost, "m", "depth of the press beyond first contact");
+  add_number(app, "--slide", options->path.slide, 0.0, kMost, "m", "length of the slide along the surface");
+  add_number(app, "--rate", options->path.rate, 1.0, 1e5, "Hz", "rate of the poses");
   declare_scene(app, options->live, SceneArgument::kPositional);
   declare_field(app, options->live, "tool");
   return {&app, [=] { run(*options); }};

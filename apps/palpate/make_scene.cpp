@@ -68,22 +68,25 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_make_scene(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "make-scene", "Analytic scene with known surface, as INRIA .ply");
+  CLI::App& app =
+      add_command(parent, "make-scene", "Synthetic scene with analytically known surface, as INRIA .ply");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common);
   const auto shapes = procedural_shapes();
   std::vector<std::string> names{shapes.begin(), shapes.end()};
   names.emplace_back(kStillLife);
-  add_choice(app, "SHAPE", options->shape, names, "what to make").required();
-  add_text(app, "--out", options->out, "S.ply", "the scene").required();
-  add_seed(app, options->procedural.seed, "of all randomness");
-  add_parsed(app, "--spacing", "m", "mean distance of neighbours, m (default: the shape's own)",
+  add_choice(app, "SHAPE", options->shape, names, "shape of the surface").required();
+  add_text(app, "--out", options->out, "S.ply", "output file of the scene").required();
+  add_seed(app, options->procedural.seed, "random seed");
+  add_parsed(app, "--spacing", "m",
+             "mean distance between neighbouring Gaussians, m (default: depends on the shape)",
              [options](const std::string& text) { options->procedural.spacing = parse_positive(text); });
   add_number(app, "--noise", options->procedural.noise, 0.0, 1.0, "m",
-             "sd of the displacement along the normal");
-  add_number(app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg", "sd of the tilt of a splat's normal");
+             "standard deviation of the displacement along the normal");
+  add_number(app, "--tilt", options->tilt_degrees, 0.0, 90.0, "deg",
+             "standard deviation of the tilt of a splat's normal");
   add_choices(app, "--like", options->like, {capture_defects().begin(), capture_defects().end()},
-              "what captures have wrong with them");
+              "defects of real captures to add");
   return {&app, [=] { run(*options); }};
 }
 

@@ -73,10 +73,10 @@ std::string command_section(const CLI::Formatter& help, const CLI::App& command)
 constexpr const char* kIntroduction =
     R"(.SH DESCRIPTION
 .B palpate
-lets a hand feel a captured 3D Gaussian Splatting scene directly, without a mesh: every Gaussian is an ellipsoid, so is the tool, and
-what the tool touches becomes a force.
+renders captured 3D Gaussian Splatting scenes haptically, without a mesh: every Gaussian is an ellipsoid, the tool is one or more
+ellipsoids, and a force model turns the contacts between them into a wrench.
 .B palpate run
-does so live, with a simulated device and hand until there is yours, and prints the address of a page that shows it.
+does so live, by default with a simulated device and hand, and prints the address of the viewer.
 The world is right\-handed with z up; units are SI.
 )";
 
@@ -94,7 +94,8 @@ Bad usage.
 .SH FILES
 .TP
 .I SCENE.palpate
-The index that the first command on a scene leaves beside it, so that later ones start at once.
+The index that the first command on a scene writes beside it.
+Later commands read it and start without a delay.
 .TP
 .IR PREFIX /lib/palpate/palpate_device_NAME.so
 A device driver, for
@@ -120,8 +121,8 @@ std::string man_page(const CLI::App& root) {
     list += fmt::format(".TP\n.B {}\n{}\n", roff(command->get_name()), roff(command->get_description()));
     sections += command_section(help, *command);
   }
-  std::string purpose = root.get_description();  // "Feel ... scenes."
-  purpose.front() = 'f';
+  std::string purpose = root.get_description();  // "Haptic ... scenes."
+  purpose.front() = 'h';
   purpose.pop_back();
   std::string options;
   for (const CLI::Option* option : root.get_options()) options += entry(help, *option);
@@ -138,7 +139,7 @@ std::string man_page(const CLI::App& root) {
 }  // namespace
 
 Command declare_man_page(CLI::App& parent) {
-  CLI::App& app = add_hidden_command(parent, "man-page", "The manual page, as man(1) reads it");
+  CLI::App& app = add_hidden_command(parent, "man-page", "The manual page in man(1) format");
   const CLI::App* root = &parent;
   return {&app, [root] { fmt::print("{}", man_page(*root)); }};
 }

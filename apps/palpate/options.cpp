@@ -96,13 +96,15 @@ void QueryOptions::declare(CLI::App& app, LiveConfig& config) {
   app_ = &app;
   const std::string group(title(ConfigGroup::kTool));
   add_choice(app, "--pipeline", pipeline, {"exact", "paper"},
-             "exact, or the paper's kd-tree and golden section")
+             "contact search: exact, or the paper's kd-tree and golden-section search")
       .in_group(group);
   declare_field(app, config, kNoIndexFile).in_group(group);
-  add_parsed(app, "--search-radius", "m", "of the paper's kd-tree (default: reaches 99 % of the Gaussians)",
+  add_parsed(app, "--search-radius", "m",
+             "paper: search radius of the kd-tree (default: reaches 99 % of the Gaussians)",
              [this](const std::string& text) { search_radius = parse_positive(text); })
       .in_group(group);
-  add_count(app, "--iterations", iterations, 1, 200, "of the paper's golden section").in_group(group);
+  add_count(app, "--iterations", iterations, 1, 200, "paper: iterations of the golden-section search")
+      .in_group(group);
 }
 
 Pipeline QueryOptions::build(const LiveConfig& config, const Progress& progress) const {

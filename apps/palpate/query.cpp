@@ -62,11 +62,11 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_query(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "query", "One pose: the contacts and the wrench");
+  CLI::App& app = add_command(parent, "query", "Contacts and wrench at one pose");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print contacts and wrench as JSON");
   declare_scene(app, options->live, SceneArgument::kPositional);
-  add_parsed(app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose in the world, m",
+  add_parsed(app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose, world frame, m",
              [options](const std::string& text) { options->pose = parse_pose(text); })
       .required();
   declare_field(app, options->live, "tool");

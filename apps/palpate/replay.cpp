@@ -75,20 +75,22 @@ void run(Options& options) {
 }  // namespace
 
 Command declare_replay(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "replay", "Every pose of a trajectory file, offline and deterministic");
+  CLI::App& app = add_command(
+      parent, "replay", "Contacts and wrench at every pose of a trajectory file, offline and deterministic");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the summary as JSON");
   declare_scene(app, options->live, SceneArgument::kOptionalPositional);
   need_one(app, "SCENE", kFromRun);
-  add_text(
-      app, kFromRun, options->from, "RUN.csv",
-      "repeat a run: its settings and its poses, where no option says otherwise; SCENE if that has moved");
-  add_text(app, "--trajectory", options->trajectory, "T.csv", "tool poses in the world: t,x,y,z,qw,qx,qy,qz")
+  add_text(app, kFromRun, options->from, "RUN.csv",
+           "repeat a run with its settings and poses, unless options override them; give SCENE if the scene "
+           "file has moved");
+  add_text(app, "--trajectory", options->trajectory, "T.csv", "tool poses, world frame: t,x,y,z,qw,qx,qy,qz")
       .required();
-  add_text(app, "--out", options->out, "RUN.csv", "the run: contacts, wrench and time of every pose")
+  add_text(app, "--out", options->out, "RUN.csv",
+           "output file: contacts, wrench and computation time of every pose")
       .required();
   add_count(app, "--threads", options->threads, 1, kMostThreads,
-            "how many (default: all); the result does not depend on it");
+            "number of threads (default: all); does not affect the result");
   declare_field(app, options->live, "tool");
   options->query.declare(app, options->live);
   declare_group(app, options->live, ConfigGroup::kForce);

@@ -94,12 +94,14 @@ void run(const Options& options) {
 }
 
 void declare_window(CLI::App& app, RunWindow& window) {
-  add_parsed(app, "--from", "S", "leave out what was before, s on the run's clock",
+  add_parsed(app, "--from", "S", "start of the time window, s on the run's clock",
              [&window](const std::string& text) { window.from = parse_number(text); });
-  add_parsed(app, "--to", "S", "leave out what came after", [&window](const std::string& text) {
-    window.to = parse_number(text);
-    if (window.to < window.from) throw BadValue(fmt::format("{} is before --from {}", text, window.from));
-  });
+  add_parsed(app, "--to", "S", "end of the time window, s on the run's clock",
+             [&window](const std::string& text) {
+               window.to = parse_number(text);
+               if (window.to < window.from)
+                 throw BadValue(fmt::format("{} is before --from {}", text, window.from));
+             });
 }
 
 }  // namespace
@@ -114,16 +116,16 @@ std::string recording_page(const std::string& csv) {
 }
 
 Command declare_report(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "report", "The run as an interactive, self-contained page");
+  CLI::App& app = add_command(parent, "report", "Interactive, self-contained page of a run");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common);
-  add_files(
-      app, "RUN.csv", options->runs,
-      "a run, as replay writes it, or a recording, whose settings are those of --scene where no option says "
-      "otherwise; others are drawn over the first, each on its own clock")
+  add_files(app, "RUN.csv", options->runs,
+            "output of replay, or a recording; with --scene, its settings apply unless options override "
+            "them; further runs are plotted over the first, each on its own clock")
       .required();
-  add_text(app, "--out,--html", options->out, "R.html", "the page").required();
-  add_text(app, "--svg", options->svg, "DIR", "a folder, for figures of counts, forces and times as files");
+  add_text(app, "--out,--html", options->out, "R.html", "output file of the page").required();
+  add_text(app, "--svg", options->svg, "DIR",
+           "existing folder for figures of counts, forces and times as SVG files");
   declare_window(app, options->window);
   declare_scene(app, options->live, SceneArgument::kOption);
   declare_field(app, options->live, "tool");

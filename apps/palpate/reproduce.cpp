@@ -165,8 +165,8 @@ void run(Options options) {
 }  // namespace
 
 Command declare_reproduce(CLI::App& parent) {
-  CLI::App& app =
-      add_command(parent, "reproduce", "Repeat the paper's evaluation on a simulated room-scale device");
+  CLI::App& app = add_command(parent, "reproduce",
+                              "Reproduction of the paper's evaluation on a simulated room-scale device");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print all figures as JSON");
   LiveConfig& live = options->live;
@@ -174,18 +174,18 @@ Command declare_reproduce(CLI::App& parent) {
   live.device.hand = {0.15, 4.0, 400.0};
   declare_scene(app, live, SceneArgument::kOptionalPositional);
   add_choice(app, "--plant", options->plant, {"own", "mujoco"},
-             "mechanics of the device: the project's own, or MuJoCo's");
-  add_count(app, "--touches", options->touches, 2, 26, "places that are touched");
+             "mechanics of the device: the project's own or MuJoCo");
+  add_count(app, "--touches", options->touches, 2, 26, "number of places to touch");
   add_number(app, "--press", options->press, 0.001, 0.2, "m",
-             "how far beyond first contact the hand wants to go");
+             "commanded depth of the hand beyond first contact");
   add_number(app, "--stall", options->stall, 0.0, 1.0, "s",
-             "the same again with forces that take so long, and are held; 0: not");
-  add_seed(app, options->seed, "of the scene and the choice of places");
+             "computation and hold time of the forces in additional runs; 0 = no additional runs");
+  add_seed(app, options->seed, "random seed of the scene and of the choice of places");
   for (const char* name : {"tool", "hand", "chain", "virtual-mass", "virtual-damping"})
     declare_field(app, live, name);
-  add_text(app, "--csv", options->csv, "T.csv", "every tick of the first two runs");
+  add_text(app, "--csv", options->csv, "T.csv", "every tick of the first two runs, as CSV");
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
-  add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
+  add_text(app, "--svg", options->svg, "DIR", "existing folder for the figures of the page as SVG files");
   declare_field(app, live, "model");
   declare_force_parameters(app, live);
   return {&app, [=, &app] {

@@ -266,22 +266,25 @@ void run(const Options& options) {
 
 Command declare_run(CLI::App& parent) {
   CLI::App& app =
-      add_command(parent, kCommand, "Feel a scene live: a servo loop between a device and a scene");
+      add_command(parent, kCommand, "Live haptic rendering: a servo loop between a device and a scene");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the summary as JSON");
   LiveConfig& live = options->live;
   declare_scene(app, live, SceneArgument::kOptionalPositional);
-  add_number(app, "--seconds", options->seconds, 0.0, 1e7, "s", "how long (default: until q, or Ctrl-C)");
-  add_text(app, "--record", options->record, "RUN.csv",
-           "every tick, for palpate report; of a hand NAME in RUN-NAME.csv; must not exist");
-  add_texts(app, "--hands", options->hands, "NAME[=FILE.toml],...",
-            "other hands over the same scene, each with a device of its own; a file as of --config has what "
-            "differs from the first hand");
-  add_flag(app, "--hands-touch", options->hands_touch, "the hands feel each other's tools");
+  add_number(app, "--seconds", options->seconds, 0.0, 1e7, "s", "duration (default: until q or Ctrl-C)");
+  add_text(
+      app, "--record", options->record, "RUN.csv",
+      "record every tick, for palpate report; a hand NAME is recorded in RUN-NAME.csv; must not exist yet");
+  add_texts(
+      app, "--hands", options->hands, "NAME[=FILE.toml],...",
+      "additional hands in the same scene, each with a device of its own; a FILE.toml, as for --config, has "
+      "the settings that differ from those of the first hand");
+  add_flag(app, "--hands-touch", options->hands_touch,
+           "render contact forces between the tools of the hands");
   declare_group(app, live, ConfigGroup::kDevice);
   declare_group(app, live, ConfigGroup::kLoop);
   declare_group(app, live, ConfigGroup::kGateway);
-  add_texts(app, "--scenes", options->scenes, "DIR,...", "folders whose scenes the viewer may open")
+  add_texts(app, "--scenes", options->scenes, "DIR,...", "folders of scenes that the viewer may open")
       .in_group(std::string(title(ConfigGroup::kGateway)));
   declare_field(app, live, "tool");
   declare_field(app, live, "no-index-file").in_group("Options");

@@ -68,12 +68,12 @@ void run(const Options& options) {
 }  // namespace
 
 Command declare_setup(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "setup",
-                              "Frame, scale, filter and crop for an unknown scene, each with its reason");
+  CLI::App& app = add_command(
+      parent, "setup", "Proposed frame, scale, filter and crop for an unknown scene, each with a reason");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the proposals as JSON");
   add_text(app, "SCENE", options->live.scene.path, "", "3DGS scene, .ply or .splat").required();
-  add_text(app, "--out", options->out, "FILE.toml", "write them as a file for --config");
+  add_text(app, "--out", options->out, "FILE.toml", "write the proposals as a file for --config");
   declare_field(app, options->live, "tool");
   return {&app, [=] { run(*options); }};
 }

@@ -160,29 +160,30 @@ void run(const Options& options) {
 Command declare_stability(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "stability",
-                  "How firmly a scene can be held on to: devices, hands and models, in virtual time");
+                  "Contact stability of a scene across devices, hands and force models, in virtual time");
   auto options = std::make_shared<Options>();
   options->profiles = profile_names();
   options->hands = usual_hands();
   declare_common(app, options->common, "print the tables as JSON");
   declare_scene(app, options->live, SceneArgument::kOptionalPositional);
-  add_choices(app, "--profiles", options->profiles, profile_names(), "devices to hold");
+  add_choices(app, "--profiles", options->profiles, profile_names(), "device profiles to compare");
   add_choices(app, "--models", options->models, {kForceModelNames.begin(), kForceModelNames.end()},
               "force models to compare");
-  add_parsed(app, "--hands", "m,b,k,...", "hands, three numbers each: kg, N s/m and N/m (default: nine)",
+  add_parsed(app, "--hands", "m,b,k,...",
+             "hands: mass, damping and stiffness of each, in kg, N s/m and N/m (default: nine hands)",
              [options](const std::string& text) {
                const auto v = parse_numbers(text, 3, 300);
                if (v.size() % 3 != 0) throw BadValue("a hand is three numbers: m,b,k");
                options->hands.clear();
                for (std::size_t i = 0; i < v.size(); i += 3) options->hands.push_back(parse_hand(&v[i]));
              });
-  add_count(app, "--places", options->places, 1, 100, "where the scene is pressed");
-  add_seed(app, options->seed, "of the choice of places");
+  add_count(app, "--places", options->places, 1, 100, "number of places to press");
+  add_seed(app, options->seed, "random seed of the choice of places");
   add_number(app, "--delay", options->delay, 0.0, 0.09, "s",
-             "of the worker, and of the force that is held; 0: neither");
-  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, a line a row");
+             "delay of the worker and of the held force; 0 = try neither");
+  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, one line per row");
   add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
-  add_text(app, "--svg", options->svg, "DIR", "a folder, for the figures of the page as files");
+  add_text(app, "--svg", options->svg, "DIR", "existing folder for the figures of the page as SVG files");
   declare_field(app, options->live, "tool");
   declare_force_parameters(app, options->live);
   return {&app, [=] { run(*options); }};

@@ -21,315 +21,323 @@ struct Named {
 using Names = std::vector<Named>;
 
 const Names kTrajectory{
-    {"t", "s", "time; increases"},
-    {"x", "m", "tool centre, world"},
-    {"y", "m", "likewise"},
-    {"z", "m", "likewise"},
-    {"qw", "1", "orientation of the tool, world; all four may be left out: upright"},
-    {"qx", "1", "likewise"},
-    {"qy", "1", "likewise"},
-    {"qz", "1", "likewise"},
+    {"t", "s", "time, increasing"},
+    {"x", "m", "position of the tool centre, x component, world frame"},
+    {"y", "m", "position of the tool centre, y component, world frame"},
+    {"z", "m", "position of the tool centre, z component, world frame"},
+    {"qw", "1",
+     "orientation of the tool, quaternion, w component, world frame; qw to qz are optional (default: "
+     "upright)"},
+    {"qx", "1", "orientation of the tool, quaternion, x component, world frame"},
+    {"qy", "1", "orientation of the tool, quaternion, y component, world frame"},
+    {"qz", "1", "orientation of the tool, quaternion, z component, world frame"},
 };
 
 const Names kMade{
-    {"version", "", "of the program"},
-    {"command", "", "that made it"},
-    {"scene", "", "name of the scene's file, or of the built-in scene"},
-    {"scene_checksum", "", "xxh3-16MiB: XXH3 over the XXH3 of every 16 MiB of the file"},
-    {"materials_checksum", "", "the same of --materials; only with that"},
-    {"device", "", "of a live loop: its name, and its kind"},
+    {"version", "", "version of the program"},
+    {"command", "", "command that produced the result"},
+    {"scene", "", "name of the scene file or of the built-in scene"},
+    {"scene_checksum", "", "checksum of the scene file; xxh3-16MiB: XXH3 over the XXH3 of every 16 MiB"},
+    {"materials_checksum", "", "checksum of the --materials file, in the same format; only with --materials"},
+    {"device", "", "name and kind of the device; only for a live loop"},
     {"machine", "", "processor, cores, compiler, date (UTC)"},
-    {"settings", "", "object: options of the command by their long names, as --help describes them"},
+    {"settings", "", "object: command options by long name, as in --help"},
 };
 
 const Names kInfo{
-    {"file", "", "as it was given"},
-    {"format", "", "that the file was taken for"},
-    {"gaussians", "1", "in the file"},
-    {"sh_degree", "1", "of the spherical harmonics"},
-    {"trailing_bytes", "byte", "behind the data"},
-    {"bounds", "captured", "box of the centres: min, max"},
-    {"robust_bounds", "captured", "of the central 98 % of each coordinate"},
-    {"opacity", "1", "quantiles, by their share"},
-    {"longest_sigma", "captured", "likewise"},
-    {"shortest_sigma", "captured", "likewise"},
-    {"lint", "1", "findings: how many of each"},
-    {"filter.opacity_min", "1", "--opacity-min"},
-    {"filter.kept", "1", "Gaussians that can be touched"},
-    {"filter.share", "1", "of all"},
-    {"filter.defective", "1", "left out: they cannot collide"},
-    {"filter.low_opacity", "1", "left out by --opacity-min"},
-    {"filter.below_iso", "1", "by --iso"},
-    {"filter.over_max_scale", "1", "by --max-scale"},
-    {"filter.outside_crop", "1", "by the crop"},
-    {"kept_share", "1", "of all, above each of the paper's thresholds of opacity"},
-    {"frame", "", "what is assumed about the captured frame"},
-    {"world_bounds", "m", "box of the kept ellipsoids, world: min, max"},
-    {"proposed", "", "what setup proposes; null where nothing can be touched"},
-    {"made", "", "see above"},
+    {"file", "", "file name as given"},
+    {"format", "", "detected file format"},
+    {"gaussians", "1", "number of Gaussians in the file"},
+    {"sh_degree", "1", "degree of the spherical harmonics"},
+    {"trailing_bytes", "byte", "unexplained bytes after the data"},
+    {"bounds", "captured", "bounding box of the centres: min, max"},
+    {"robust_bounds", "captured", "bounding box of the central 98 % of each coordinate: min, max"},
+    {"opacity", "1", "quantiles of the opacity, keyed by fraction"},
+    {"longest_sigma", "captured", "quantiles of the longest standard deviation"},
+    {"shortest_sigma", "captured", "quantiles of the shortest standard deviation"},
+    {"lint", "1", "number of lint findings of each kind"},
+    {"filter.opacity_min", "1", "value of --opacity-min"},
+    {"filter.kept", "1", "Gaussians that the filter keeps"},
+    {"filter.share", "1", "kept fraction of all Gaussians"},
+    {"filter.defective", "1", "Gaussians dropped as defective: they cannot collide"},
+    {"filter.low_opacity", "1", "Gaussians dropped by --opacity-min"},
+    {"filter.below_iso", "1", "Gaussians dropped by --iso"},
+    {"filter.over_max_scale", "1", "Gaussians dropped by --max-scale"},
+    {"filter.outside_crop", "1", "Gaussians dropped by --crop-box or --crop-sphere"},
+    {"kept_share", "1", "fraction of all Gaussians above each opacity threshold of the paper"},
+    {"frame", "", "assumptions about the captured frame"},
+    {"world_bounds", "m", "bounding box of the kept ellipsoids, world frame: min, max"},
+    {"proposed", "", "proposals of palpate setup; null if the filter keeps nothing"},
+    {"made", "", "provenance (see `made`)"},
 };
 
 const Names kSetup{
-    {"frame", "", "--frame: value, and the reason"},
-    {"scale", "m/unit", "--scale, likewise"},
-    {"opacity_min", "1", "--opacity-min, likewise"},
-    {"max_scale", "m", "--max-scale, likewise; value null: none"},
-    {"crop_box", "m", "--crop-box, likewise"},
-    {"made", "", "see above"},
+    {"frame", "", "--frame: value and reason"},
+    {"scale", "m/unit", "--scale: value and reason"},
+    {"opacity_min", "1", "--opacity-min: value and reason"},
+    {"max_scale", "m", "--max-scale: value (null = no limit) and reason"},
+    {"crop_box", "m", "--crop-box: value (null = no crop) and reason"},
+    {"made", "", "provenance (see `made`)"},
 };
 
 const Names kQuery{
     {"candidates", "1", "Gaussians after the broad phase"},
-    {"filtered", "1", "of them, those whose bounding spheres meet"},
+    {"filtered", "1", "candidates after the bounding-sphere test"},
     {"contacts[].id", "1", "row of the Gaussian in the scene file"},
-    {"contacts[].k_min", "1", "K_min (paper eq. 6): 0 just touching, 1 centres coincide"},
-    {"contacts[].lambda", "1", "where K is least"},
-    {"contacts[].opacity", "1", "of the Gaussian"},
-    {"contacts[].center", "m", "of the Gaussian, world"},
-    {"contacts[].point", "m", "of contact, world"},
-    {"contacts[].normal", "1", "outward, world"},
-    {"contacts[].depth", "m", "of the overlap, along the normal"},
-    {"contacts[].part", "", "of the tool, its name"},
-    {"contacts[].confidence", "1", "that there is a surface, 0 to 1; null with --pipeline paper"},
-    {"force", "N", "on the tool, world"},
-    {"torque", "N m", "about the tool centre, world"},
-    {"confidence", "1", "of the force"},
-    {"made", "", "see above"},
+    {"contacts[].k_min", "1", "K_min (paper eq. 6): 0 = just touching, 1 = coincident centres"},
+    {"contacts[].lambda", "1", "lambda at which K is minimal"},
+    {"contacts[].opacity", "1", "opacity of the Gaussian"},
+    {"contacts[].center", "m", "centre of the Gaussian, world frame"},
+    {"contacts[].point", "m", "contact point, world frame"},
+    {"contacts[].normal", "1", "outward contact normal, world frame"},
+    {"contacts[].depth", "m", "penetration depth along the normal"},
+    {"contacts[].part", "", "name of the tool part in contact"},
+    {"contacts[].confidence", "1", "confidence that a surface exists, in [0, 1]; null with --pipeline paper"},
+    {"force", "N", "force on the tool, world frame"},
+    {"torque", "N m", "torque about the tool centre, world frame"},
+    {"confidence", "1", "confidence of the force"},
+    {"made", "", "provenance (see `made`)"},
 };
 
 const Names kReplay{
-    {"poses", "1", "of the trajectory"},
-    {"seconds", "s", "from the first to the last"},
-    {"contact_poses", "1", "that touch something"},
-    {"episodes", "1", "stretches of contact"},
-    {"colliding_max", "1", "most contacts of a pose"},
+    {"poses", "1", "number of poses in the trajectory"},
+    {"seconds", "s", "time from the first pose to the last"},
+    {"contact_poses", "1", "poses in contact"},
+    {"episodes", "1", "contact episodes"},
+    {"colliding_max", "1", "largest number of contacts at a pose"},
     {"force_max", "N", "largest force"},
-    {"compute_us", "us", "of a pose: p50, p99, max"},
-    {"made", "", "see above"},
+    {"compute_us", "us", "computation time of a pose: p50, p99, max"},
+    {"made", "", "provenance (see `made`)"},
 };
 
 const Names kRun{
-    {"ticks", "1", "of the loop"},
-    {"rate_hz", "Hz", "ticks over seconds"},
-    {"overruns", "1", "ticks that were due while another took too long, and left out"},
-    {"tick_us", "us", "of a tick: p50, p99, p999, max"},
-    {"cpu_us", "us", "of it computing, likewise"},
-    {"age_us", "us", "of the force when it was sent, likewise"},
-    {"late_us", "us", "how late ticks began, likewise"},
-    {"contact_ticks", "1", "that touch something"},
-    {"contacts_max", "1", "most contacts of a tick"},
-    {"force_max", "N", "largest force that was sent"},
-    {"port_energy", "J", "put out at most more than was taken in"},
-    {"margin_min", "1", "least margin of the stiffness; 0: none is known"},
-    {"state", "word", "of the governor, before the end"},
-    {"faults", "word", "that there were, once each"},
-    {"made", "", "see above"},
-    {"hands", "", "with --hands: of each other hand, under its name, the same"},
+    {"ticks", "1", "number of ticks of the loop"},
+    {"rate_hz", "Hz", "mean rate: ticks over elapsed time"},
+    {"overruns", "1", "ticks skipped because an earlier tick took too long"},
+    {"tick_us", "us", "duration of a tick: p50, p99, p999, max"},
+    {"cpu_us", "us", "processor time of a tick: p50, p99, p999, max"},
+    {"age_us", "us", "age of the device reading when the force is sent: p50, p99, p999, max"},
+    {"late_us", "us", "delay of the start of a tick: p50, p99, p999, max"},
+    {"contact_ticks", "1", "ticks in contact"},
+    {"contacts_max", "1", "largest number of contacts in a tick"},
+    {"force_max", "N", "largest force sent to the device"},
+    {"port_energy", "J", "net energy output at the device port"},
+    {"margin_min", "1", "smallest stiffness margin; 0 if unknown"},
+    {"state", "word", "state of the governor before shutdown"},
+    {"faults", "word", "faults that occurred, once each"},
+    {"made", "", "provenance (see `made`)"},
+    {"hands", "", "with --hands: the same fields for each other hand, keyed by its name"},
 };
 
 const Names kBench{
     {"machine", "", "processor, cores, compiler, date"},
-    {"scene", "", "file"},
-    {"scene_bytes", "byte", "its size"},
-    {"gaussians", "1", "that can be touched"},
+    {"scene", "", "scene file"},
+    {"scene_bytes", "byte", "size of the scene file"},
+    {"gaussians", "1", "Gaussians that can be touched"},
     {"pipeline", "", "exact or paper"},
     {"simd", "", "instruction set"},
     {"model", "", "force model"},
-    {"tool", "m", "its parts: name, semi-axes, position, orientation"},
-    {"open.seconds", "s", "from a file to a query"},
-    {"open.origin", "", "of the index: index file, new index file or memory"},
-    {"open.remarks", "", "why an index file was not used or not written"},
-    {"open.index_bytes", "byte", "of the index; null if unknown"},
-    {"open.bytes_per_gaussian", "byte", "likewise"},
-    {"open.peak_rss_bytes", "byte", "largest resident set so far"},
-    {"path", "", "file of the trajectory; null: made here"},
-    {"poses", "1", "of the trajectory"},
-    {"contact_poses", "1", "that touch something"},
-    {"rounds", "1", "the least time of each pose counts"},
+    {"tool", "m", "tool parts: name, semi-axes, position, orientation"},
+    {"open.seconds", "s", "time to open the scene file for queries"},
+    {"open.origin", "", "origin of the index: index file, new index file or memory"},
+    {"open.remarks", "", "reasons why an index file was not used or not written"},
+    {"open.index_bytes", "byte", "size of the index; null if unknown"},
+    {"open.bytes_per_gaussian", "byte", "size of the index per Gaussian; null if unknown"},
+    {"open.peak_rss_bytes", "byte", "peak resident set size after opening"},
+    {"path", "", "trajectory file; null if the path is generated"},
+    {"poses", "1", "number of poses in the trajectory"},
+    {"contact_poses", "1", "poses in contact"},
+    {"rounds", "1", "repetitions of the path; the minimum time per pose is used"},
     {"latency_us.query_contact", "us",
-     "fresh query, in contact: count, p50, p99, p99.9, max; null: no such pose"},
-    {"latency_us.query_free", "us", "without contact, likewise"},
-    {"latency_us.tracker_contact", "us", "tracker, in contact, likewise"},
-    {"latency_us.force_contact", "us", "force model, in contact, likewise"},
-    {"sizes", "1", "contacts, filtered and candidates of poses in contact: median, max; null: none"},
-    {"throughput.threads", "1", "that queried at once"},
-    {"throughput.queries_per_second", "1/s", "of all of them"},
-    {"throughput.in_contact", "", "whether of poses in contact, or of all"},
-    {"made", "", "see above"},
+     "fresh query in contact: count, p50, p99, p99.9, max; null if there is no such pose"},
+    {"latency_us.query_free", "us", "fresh query without contact: the same statistics"},
+    {"latency_us.tracker_contact", "us", "contact tracker in contact: the same statistics"},
+    {"latency_us.force_contact", "us", "force model in contact: the same statistics"},
+    {"sizes", "1",
+     "contacts, filtered and candidates of poses in contact: median, max; null if there are none"},
+    {"throughput.threads", "1", "number of query threads"},
+    {"throughput.queries_per_second", "1/s", "queries per second of all threads together"},
+    {"throughput.in_contact", "", "true if measured at poses in contact, false if at all poses"},
+    {"made", "", "provenance (see `made`)"},
 };
 
 const Names kEvaluateRow{
-    {"shape", "", "surface that is felt"},
-    {"spacing_m", "m", "mean distance of neighbours"},
+    {"shape", "", "shape of the surface"},
+    {"spacing_m", "m", "mean distance between neighbouring Gaussians"},
     {"model", "", "force model"},
 };
 
 const Names kTrialRow{
-    {"tool", "", "its name"},
-    {"place", "", "where it is pushed at"},
-    {"like", "", "what the capture is like"},
-    {"strokes", "1", "that were pushed"},
-    {"slow", "1", "of them, at up to 0.5 m/s"},
-    {"silent", "1", "in which nothing is felt deep inside"},
-    {"sunk", "1", "in which the proxy sinks in"},
-    {"through", "1", "in which it comes out behind"},
-    {"stuck", "1", "at whose end a force is left"},
-    {"onsets", "1", "slow ones from outside that meet the seen surface; where force begins is of these"},
-    {"onset_p05_mm", "mm", "where it begins, from the seen surface: 5 of 100 begin before"},
-    {"onset_p50_mm", "mm", "median"},
-    {"onset_p95_mm", "mm", "95 of 100"},
-    {"true_p50_mm", "mm", "where it begins, from the true surface, median"},
-    {"true_p95_mm", "mm", "95 of 100"},
-    {"late_p05_mm", "mm", "how late it begins, from the seen surface or the first ellipsoid: 5 of 100"},
-    {"late_p50_mm", "mm", "median"},
-    {"late_p95_mm", "mm", "95 of 100"},
-    {"within_half_mm_percent", "%", "late by 0.5 mm at most"},
-    {"within_1mm_percent", "%", "by 1 mm"},
-    {"magnitude_p05", "1", "|F| over stiffness times depth: 5 of 100"},
-    {"magnitude_p50", "1", "median"},
-    {"magnitude_p95", "1", "95 of 100"},
-    {"step_max_n", "N",
-     "largest change of the force in a tick, beyond stiffness times the motion of the tool"},
-    {"tick_p50_us", "us", "time of a tick, median"},
-    {"tick_p99.9_us", "us", "999 of 1000"},
-    {"tick_max_us", "us", "the longest"},
-    {"first_silent", "1", "first stroke that was silent, for --stroke; none: nothing"},
-    {"first_sunk", "1", "likewise"},
-    {"first_through", "1", "likewise"},
-    {"first_stuck", "1", "likewise"},
-    {"first_late", "1", "likewise"},
+    {"tool", "", "name of the tool"},
+    {"place", "", "place that the tool is pushed at (--trial-places)"},
+    {"like", "", "capture defect of the scene (--like)"},
+    {"strokes", "1", "number of strokes"},
+    {"slow", "1", "strokes at up to 0.5 m/s"},
+    {"silent", "1", "strokes with less than a tenth of stiffness times depth deep inside"},
+    {"sunk", "1", "strokes in which the proxy sinks into the surface"},
+    {"through", "1", "strokes in which the proxy passes through to the far side"},
+    {"stuck", "1", "strokes that end with a residual force"},
+    {"onsets", "1",
+     "slow strokes from outside that reach the seen surface; basis of the onset and delay figures"},
+    {"onset_p05_mm", "mm", "force onset relative to the seen surface, negative before it, 5th percentile"},
+    {"onset_p50_mm", "mm", "force onset relative to the seen surface, median"},
+    {"onset_p95_mm", "mm", "force onset relative to the seen surface, 95th percentile"},
+    {"true_p50_mm", "mm", "force onset relative to the true surface, median"},
+    {"true_p95_mm", "mm", "force onset relative to the true surface, 95th percentile"},
+    {"late_p05_mm", "mm",
+     "onset delay from the seen surface or the first ellipsoid, whichever is later, 5th percentile"},
+    {"late_p50_mm", "mm", "onset delay, median"},
+    {"late_p95_mm", "mm", "onset delay, 95th percentile"},
+    {"within_half_mm_percent", "%", "share of onsets delayed by at most 0.5 mm"},
+    {"within_1mm_percent", "%", "share of onsets delayed by at most 1 mm"},
+    {"magnitude_p05", "1", "force over stiffness times depth, 5th percentile"},
+    {"magnitude_p50", "1", "force over stiffness times depth, median"},
+    {"magnitude_p95", "1", "force over stiffness times depth, 95th percentile"},
+    {"step_max_n", "N", "largest force change in a tick beyond stiffness times the tool motion"},
+    {"tick_p50_us", "us", "computation time of a tick, median"},
+    {"tick_p99.9_us", "us", "computation time of a tick, 99.9th percentile"},
+    {"tick_max_us", "us", "computation time of a tick, maximum"},
+    {"first_silent", "1", "number of the first silent stroke, for --stroke; empty or null if there is none"},
+    {"first_sunk", "1", "number of the first stroke in which the proxy sinks in"},
+    {"first_through", "1", "number of the first stroke in which the proxy passes through"},
+    {"first_stuck", "1", "number of the first stroke with a residual force"},
+    {"first_late", "1", "number of the first stroke with a late or missing onset"},
 };
 
 const Names kTrialLists{
-    {"silent_strokes", "1", "numbers of those strokes"},
-    {"sunk_strokes", "1", "likewise"},
-    {"through_strokes", "1", "likewise"},
-    {"stuck_strokes", "1", "likewise"},
-    {"late_strokes", "1", "likewise"},
+    {"silent_strokes", "1", "numbers of the silent strokes"},
+    {"sunk_strokes", "1", "numbers of the strokes in which the proxy sinks in"},
+    {"through_strokes", "1", "numbers of the strokes in which the proxy passes through"},
+    {"stuck_strokes", "1", "numbers of the strokes with a residual force"},
+    {"late_strokes", "1", "numbers of the strokes with a late (by more than 1 mm) or missing onset"},
 };
 
 const Names kStroke{
-    {"made", "", "see above"},
-    {"tool", "", "its name"},
-    {"place", "", "where it is pushed at"},
-    {"like", "", "what the capture is like"},
-    {"stroke", "1", "its number"},
-    {"speed", "m/s", "of the push"},
-    {"seen", "m", "way to the seen surface; null: never"},
-    {"touched", "m", "to the first ellipsoid; null: never"},
-    {"felt", "m", "to the first force; null: never"},
-    {"late", "m", "how late that is; null: it is not known"},
-    {"silent", "", "whether nothing is felt deep inside"},
-    {"sunk", "", "whether the proxy sinks in"},
-    {"through", "", "whether it comes out behind"},
-    {"stuck", "", "whether a force is left at the end"},
-    {"step", "N", "largest change of the force in a tick, beyond stiffness times the motion of the tool"},
+    {"made", "", "provenance (see `made`)"},
+    {"tool", "", "name of the tool"},
+    {"place", "", "place that the tool is pushed at (--trial-places)"},
+    {"like", "", "capture defect of the scene (--like)"},
+    {"stroke", "1", "number of the stroke"},
+    {"speed", "m/s", "speed of the push"},
+    {"seen", "m", "travel to the seen surface; null if never reached"},
+    {"touched", "m", "travel to the first ellipsoid; null if none is touched"},
+    {"felt", "m", "travel to the force onset; null if there is no force"},
+    {"late", "m", "onset delay; null if unknown"},
+    {"silent", "", "true if the force stays below a tenth of stiffness times depth deep inside"},
+    {"sunk", "", "true if the proxy sinks into the surface"},
+    {"through", "", "true if the proxy passes through to the far side"},
+    {"stuck", "", "true if the stroke ends with a residual force"},
+    {"step", "N", "largest force change in a tick beyond stiffness times the tool motion"},
 };
 
 const Names kStrokeTicks{
     {"t", "s", "time"},
-    {"x", "m", "tool centre, world"},
-    {"y", "m", "likewise"},
-    {"z", "m", "likewise"},
-    {"proxy_x", "m", "proxy, world"},
-    {"proxy_y", "m", "likewise"},
-    {"proxy_z", "m", "likewise"},
-    {"fx", "N", "force on the tool, world"},
-    {"fy", "N", "likewise"},
-    {"fz", "N", "likewise"},
-    {"depth_m", "m", "of the tool in the true surface"},
-    {"proxy_depth_m", "m", "of the proxy"},
-    {"confidence", "1", "that there is a surface"},
+    {"x", "m", "position of the tool centre, x component, world frame"},
+    {"y", "m", "position of the tool centre, y component, world frame"},
+    {"z", "m", "position of the tool centre, z component, world frame"},
+    {"proxy_x", "m", "position of the proxy, x component, world frame"},
+    {"proxy_y", "m", "position of the proxy, y component, world frame"},
+    {"proxy_z", "m", "position of the proxy, z component, world frame"},
+    {"fx", "N", "force on the tool, x component, world frame"},
+    {"fy", "N", "force on the tool, y component, world frame"},
+    {"fz", "N", "force on the tool, z component, world frame"},
+    {"depth_m", "m", "depth of the tool in the true surface"},
+    {"proxy_depth_m", "m", "depth of the proxy in the true surface"},
+    {"confidence", "1", "confidence that a surface exists"},
 };
 
 const Names kStabilityCsv{
-    {"profile", "", "device"},
-    {"hand_mass", "kg", "of the hand that holds it"},
-    {"hand_damping", "N s/m", "likewise"},
-    {"hand_stiffness", "N/m", "likewise"},
+    {"profile", "", "device profile"},
+    {"hand_mass", "kg", "mass of the hand"},
+    {"hand_damping", "N s/m", "damping of the hand"},
+    {"hand_stiffness", "N/m", "stiffness of the hand"},
     {"model", "", "force model"},
-    {"contacts", "", "who looks for them: loop, worker, or hold"},
-    {"delay_ms", "ms", "of worker and hold"},
-    {"limit_cycle_mm", "mm", "swing at rest, peak to peak"},
-    {"port_energy_mj", "mJ", "put out at most more than was taken in"},
-    {"contact_changes", "1", "how often force began or ended"},
-    {"rest_force_n", "N", "at rest, the least of all places"},
-    {"slide_force_off", "1", "how far the force is from that of the loop while sliding, in 95 of 100 ticks"},
-    {"fault", "word", "why force was held back"},
-    {"z_width_n_m", "N/m", "stiffest that can be held; nothing for density"},
+    {"contacts", "", "contact search: loop, worker or hold"},
+    {"delay_ms", "ms", "delay of worker or hold"},
+    {"limit_cycle_mm", "mm", "oscillation at rest, peak to peak"},
+    {"port_energy_mj", "mJ", "net energy output at the device port"},
+    {"contact_changes", "1", "number of times the force starts or ends"},
+    {"rest_force_n", "N", "force at rest, minimum over all places"},
+    {"slide_force_off", "1",
+     "relative force deviation from the in-loop search while sliding, 95th percentile"},
+    {"fault", "word", "fault that withholds the force"},
+    {"z_width_n_m", "N/m", "Z-width: largest stable stiffness; empty for density"},
 };
 
 const Names kStability{
-    {"made", "", "see above"},
-    {"rows[].profile", "", "device"},
-    {"rows[].hand", "kg, N s/m, N/m", "that holds it; null: an ideal wall"},
+    {"made", "", "provenance (see `made`)"},
+    {"rows[].profile", "", "device profile"},
+    {"rows[].hand", "kg, N s/m, N/m", "mass, damping and stiffness of the hand; null for an ideal wall"},
     {"rows[].model", "", "force model, or wall"},
-    {"rows[].hold_ms", "ms", "how late a force is that is held"},
-    {"rows[].worker_ms", "ms", "how late a worker is"},
-    {"rows[].limit_cycle_mm", "mm", "swing at rest, peak to peak"},
-    {"rows[].port_energy_mj", "mJ", "put out at most more than was taken in"},
-    {"rows[].contact_changes", "1", "how often force began or ended"},
-    {"rows[].rest_force", "N", "at rest, the least of all places"},
-    {"rows[].slide_force_off", "1", "how far the force is from that of the loop while sliding"},
-    {"rows[].fault", "word", "why force was held back"},
-    {"rows[].z_width", "N/m", "stiffest that can be held; null for density"},
-    {"rows[].passivity", "", "of a wall: with the passivity controller"},
-    {"rows[].z_width_bound", "N/m", "of a wall: in theory"},
+    {"rows[].hold_ms", "ms", "delay of the held force"},
+    {"rows[].worker_ms", "ms", "delay of the worker"},
+    {"rows[].limit_cycle_mm", "mm", "oscillation at rest, peak to peak"},
+    {"rows[].port_energy_mj", "mJ", "net energy output at the device port"},
+    {"rows[].contact_changes", "1", "number of times the force starts or ends"},
+    {"rows[].rest_force", "N", "force at rest, minimum over all places"},
+    {"rows[].slide_force_off", "1",
+     "relative force deviation from the in-loop search while sliding, 95th percentile"},
+    {"rows[].fault", "word", "fault that withholds the force"},
+    {"rows[].z_width", "N/m", "Z-width: largest stable stiffness; null for density"},
+    {"rows[].passivity", "", "ideal wall: true with the passivity controller"},
+    {"rows[].z_width_bound", "N/m", "ideal wall: theoretical limit of the Z-width"},
 };
 
 const Names kReproduceCsv{
     {"run", "", "force model of the run"},
     {"t", "s", "time"},
-    {"x", "m", "tool centre, world"},
-    {"y", "m", "likewise"},
-    {"z", "m", "likewise"},
+    {"x", "m", "position of the tool centre, x component, world frame"},
+    {"y", "m", "position of the tool centre, y component, world frame"},
+    {"z", "m", "position of the tool centre, z component, world frame"},
     {"candidates", "1", "Gaussians after the broad phase"},
-    {"filtered", "1", "of them, those whose bounding spheres meet"},
-    {"colliding", "1", "of them, those that overlap the tool"},
-    {"fx", "N", "force on the tool, world"},
-    {"fy", "N", "likewise"},
-    {"fz", "N", "likewise"},
-    {"ufx", "N", "force of the user, world"},
-    {"ufy", "N", "likewise"},
-    {"ufz", "N", "likewise"},
-    {"cpu_us", "us", "of the processor, for contacts and force"},
-    {"wall_us", "us", "of the clock, likewise"},
-    {"true_depth", "m", "of the tool in the true surface; nothing where nobody knows that"},
+    {"filtered", "1", "candidates after the bounding-sphere test"},
+    {"colliding", "1", "filtered Gaussians that overlap the tool"},
+    {"fx", "N", "force on the tool, x component, world frame"},
+    {"fy", "N", "force on the tool, y component, world frame"},
+    {"fz", "N", "force on the tool, z component, world frame"},
+    {"ufx", "N", "force of the user, x component, world frame"},
+    {"ufy", "N", "force of the user, y component, world frame"},
+    {"ufz", "N", "force of the user, z component, world frame"},
+    {"cpu_us", "us", "processor time of contacts and force"},
+    {"wall_us", "us", "wall-clock time of contacts and force"},
+    {"true_depth", "m", "depth of the tool in the true surface; empty if the surface is unknown"},
 };
 
 const Names kReproduce{
-    {"setup", "", "what was done, in a few sentences"},
-    {"claims[].paper", "", "statement of the paper"},
-    {"claims[].figure", "", "its figure"},
-    {"claims[].measured", "", "what was measured"},
-    {"claims[].bound", "", "where it is true"},
-    {"claims[].paper_pipeline", "as measured", "with the paper's pipeline and force; null: not known"},
-    {"claims[].default", "as measured", "with the project's defaults; null: not known"},
-    {"claims[].met", "", "whether the default meets the bound; null: not known"},
-    {"claims[].ratio", "1", "how many times as good as that; null: not known"},
+    {"setup", "", "description of the experiment"},
+    {"claims[].paper", "", "claim of the paper"},
+    {"claims[].figure", "", "value stated by the paper"},
+    {"claims[].measured", "", "measured quantity"},
+    {"claims[].bound", "", "bound within which the claim holds"},
+    {"claims[].paper_pipeline", "as measured", "value with the paper's pipeline and force; null if unknown"},
+    {"claims[].default", "as measured", "value with the project's defaults; null if unknown"},
+    {"claims[].met", "", "true if the default is within the bound; null if unknown"},
+    {"claims[].ratio", "1", "factor by which the default is better than the bound; null if unknown"},
     {"runs[].model", "", "force model"},
     {"runs[].device", "", "admittance or impedance"},
-    {"runs[].held_ms", "ms", "how long a force is held"},
-    {"runs[].port_energy_mj", "mJ", "put out at most more than was taken in"},
-    {"runs[].held_ticks", "1", "in which a limit of the device held its motion"},
-    {"runs[].faults", "word", "that there were, once each"},
-    {"runs[].contacts[].begins", "s", "time; null: never"},
-    {"runs[].contacts[].colliding", "1", "Gaussians at once, the most"},
-    {"runs[].contacts[].force", "N", "at rest"},
-    {"runs[].contacts[].user_force", "N", "at rest"},
-    {"runs[].contacts[].direction", "1", "of the force, world"},
-    {"runs[].contacts[].swing_mm", "mm", "at rest, peak to peak about the line that it goes"},
-    {"runs[].contacts[].overshoot_mm", "mm", "of the deepest over the place of rest"},
-    {"runs[].contacts[].bounces", "1", "how often the force ended before that on the way back out"},
-    {"runs[].contacts[].true_depth_mm", "mm", "at rest; null: nobody knows the surface"},
-    {"runs[].contacts[].off_deg", "deg", "of the force from the true normal; null: likewise"},
-    {"made", "", "see above"},
+    {"runs[].held_ms", "ms", "hold time of the force"},
+    {"runs[].port_energy_mj", "mJ", "net energy output at the device port"},
+    {"runs[].held_ticks", "1", "ticks in which a device limit holds the motion"},
+    {"runs[].faults", "word", "faults that occurred, once each"},
+    {"runs[].contacts[].begins", "s", "start time of the contact; null if there is none"},
+    {"runs[].contacts[].colliding", "1", "largest number of simultaneously colliding Gaussians"},
+    {"runs[].contacts[].force", "N", "force at rest"},
+    {"runs[].contacts[].user_force", "N", "force of the user at rest"},
+    {"runs[].contacts[].direction", "1", "direction of the force, world frame"},
+    {"runs[].contacts[].swing_mm", "mm", "oscillation at rest, peak to peak about a linear fit"},
+    {"runs[].contacts[].overshoot_mm", "mm", "overshoot: largest depth beyond the rest position"},
+    {"runs[].contacts[].bounces", "1", "number of rebounds that end the force before rest"},
+    {"runs[].contacts[].true_depth_mm", "mm",
+     "depth at rest in the true surface; null if the surface is unknown"},
+    {"runs[].contacts[].off_deg", "deg",
+     "angle between the force and the true normal; null if the surface is unknown"},
+    {"made", "", "provenance (see `made`)"},
 };
 
 std::string_view presence(const RunColumn& column) {
   switch (column.group) {
-    case ColumnGroup::kUserForce: return "where the handle measures force";
-    case ColumnGroup::kLive: return column.may_lack ? "live; not in the first recordings" : "live";
+    case ColumnGroup::kUserForce: return "if the handle measures force";
+    case ColumnGroup::kLive: return column.may_lack ? "live; absent from early recordings" : "live";
     default: return "always";
   }
 }
@@ -339,40 +347,37 @@ class Page {
  public:
   void all() {
     print(
-        "# Columns and fields\n\nEvery column of a CSV and every field of `--json`. This page is what "
-        "`palpate "
-        "columns` prints; a test "
-        "holds it against what the commands write.\n\nNumbers are in SI units unless a name says otherwise, "
-        "and read back exactly. A "
-        "CSV begins with lines of a comment, each after `#`: TOML that says how it was made, the tables "
-        "`[made]` and `[settings]`; then "
-        "comes the line of names. In JSON that is the object `made`. `[]` stands for each item of an array; "
-        "an "
-        "object without fields "
-        "of its own here is told as a whole.\n");
+        "# Columns and fields\n\nEvery column of a CSV file and every field of `--json`. This page is the "
+        "output of `palpate columns`; a test checks it against the output of the commands.\n\nNumbers are "
+        "in SI units unless a name states another unit, and round-trip exactly. A CSV file begins with "
+        "comment lines, each after `#`: TOML with the provenance of the file, in the tables `[made]` and "
+        "`[settings]`; then follows the line of column names. In JSON the provenance is the object `made`. "
+        "`[]` stands for each element of an array; an object whose fields are not listed is described as a "
+        "whole.\n");
     table("Trajectories",
-          "What `palpate make-path` and `evaluate --worst` write, and `--trajectory` reads; columns in any "
-          "order, further ones "
-          "ignored.",
+          "Written by `palpate make-path` and `palpate evaluate --worst`, read by `--trajectory`. Columns "
+          "may be in any order; others are ignored.",
           "column", kTrajectory);
     runs();
-    table("`made`", "How a result was made; in the `[made]` of a CSV the names have `-` for `_`.", "field",
-          kMade);
-    table("`palpate info --json`", "A scene.", "field", kInfo);
-    table("`palpate setup --json`", "Proposals, each an object of `value` and `reason`; and `made`.", "field",
+    table("`made`",
+          "Provenance of a result. In the table `[made]` of a CSV file the names have `-` in place of `_`.",
+          "field", kMade);
+    table("`palpate info --json`", "Contents of a scene file, and the result of the filter.", "field", kInfo);
+    table("`palpate setup --json`", "Proposed options, each an object of `value` and `reason`.", "field",
           kSetup);
-    table("`palpate query --json`", "One pose.", "field", kQuery);
-    table("`palpate replay --json`", "A summary of the run.", "field", kReplay);
-    table("`palpate run --json`", "A summary of the live loop.", "field", kRun);
-    table("`palpate bench --json`", "Times of queries.", "field", kBench);
+    table("`palpate query --json`", "Contacts and wrench at one pose.", "field", kQuery);
+    table("`palpate replay --json`", "Summary of the run.", "field", kReplay);
+    table("`palpate run --json`", "Summary of the live loop.", "field", kRun);
+    table("`palpate bench --json`", "Latency and throughput of contact queries.", "field", kBench);
     evaluate();
     capture();
     trials();
-    table("`palpate stability`", "`--csv`, a row a device, hand, model and source of contacts.", "column",
-          kStabilityCsv);
-    table("`palpate stability --json`", "The same, and ideal walls.", "field", kStability);
-    table("`palpate reproduce`", "`--csv`, a row a tick of the first two runs.", "column", kReproduceCsv);
-    table("`palpate reproduce --json`", "Claims and runs.", "field", kReproduce);
+    table("`palpate stability`", "`--csv`: one row per device, hand, force model and contact search.",
+          "column", kStabilityCsv);
+    table("`palpate stability --json`", "The same figures, and the Z-width of ideal walls.", "field",
+          kStability);
+    table("`palpate reproduce`", "`--csv`: one row per tick of the first two runs.", "column", kReproduceCsv);
+    table("`palpate reproduce --json`", "Claims of the paper and simulated runs.", "field", kReproduce);
   }
 
   std::string text() && { return std::move(text_); }
@@ -389,7 +394,7 @@ class Page {
   }
 
   void begin(std::string_view title, std::string_view note, std::string_view what) {
-    print("\n## {}\n\n{}\n\n| {} | unit | what |\n|---|---|---|\n", title, note, what);
+    print("\n## {}\n\n{}\n\n| {} | unit | description |\n|---|---|---|\n", title, note, what);
   }
 
   void table(std::string_view title, std::string_view note, std::string_view what, const Names& names) {
@@ -399,63 +404,62 @@ class Page {
 
   void runs() {
     print(
-        "\n## Runs\n\nOf `palpate replay` and of recordings, a row a pose or tick. `live`: of a live "
-        "loop.\n\n| column | unit | there "
-        "| what |\n|---|---|---|---|\n");
+        "\n## Runs\n\nOutput of `palpate replay` and recordings of live loops: one row per pose or tick. "
+        "`live`: only in recordings of a live loop.\n\n| column | unit | present | description "
+        "|\n|---|---|---|---|\n");
     for (const RunColumn& column : run_columns())
       print("| `{}` | {} | {} | {} |\n", column.name, column.unit, presence(column), column.help);
     for (const RunColumn& column : run_columns()) {
       if (column.words.empty()) continue;
       print("\n`{}` is one of", column.name);
       for (const std::string_view word : column.words) print(" `{}`", word);
-      print("; recordings of earlier versions have its number, from 0.\n");
+      print("; recordings of earlier versions contain its index, from 0.\n");
     }
   }
 
   /// Of a table for people, whose note says what its columns are.
   void section_rows(std::string_view prefix, const EvaluationSection& section) {
     for (const EvaluationColumn& column : section.columns)
-      print("| `{}{}` | by its name | {}: {} |\n", prefix, column.name, section.title, column.heading);
+      print("| `{}{}` | in the name | {}: {} |\n", prefix, column.name, section.title, column.heading);
   }
 
   void evaluate() {
-    begin(
-        "`palpate evaluate`",
-        "`--csv`, a row a shape, spacing and model. The tables that the command prints say what is measured.",
-        "column");
+    begin("`palpate evaluate`",
+          "`--csv`: one row per shape, spacing and force model. The printed tables explain the figures.",
+          "column");
     rows("", kEvaluateRow);
     for (const EvaluationSection& section : evaluation_sections()) section_rows("", section);
-    begin("`palpate evaluate --json`", "The same.", "field");
-    rows("", {{"made", "", "see above"}});
+    begin("`palpate evaluate --json`", "The same figures.", "field");
+    rows("", {{"made", "", "provenance (see `made`)"}});
     rows("rows[].", kEvaluateRow);
     for (const EvaluationSection& section : evaluation_sections()) section_rows("rows[].", section);
-    rows("rows[].",
-         {{"curves", "by its name", "what was measured along a way: at, then 5, 50 and 95 of 100"}});
+    rows("rows[].", {{"curves", "in the name",
+                      "values along a path: position, then the 5th, 50th and 95th percentile"}});
   }
 
   void capture() {
     const auto columns = [this](std::string_view prefix) {
       print("| `{}model` |  | force model |\n", prefix);
       for (const auto& column : capture_columns())
-        print("| `{}{}` | by its name | {} |\n", prefix, column.name, column.heading);
+        print("| `{}{}` | in the name | {} |\n", prefix, column.name, column.heading);
     };
-    begin("`palpate evaluate --scene`", "`--csv`, a row a model.", "column");
+    begin("`palpate evaluate --scene`", "`--csv`: one row per force model.", "column");
     columns("");
-    begin("`palpate evaluate --scene --json`", "The same.", "field");
-    rows("", {{"made", "", "see above"}});
+    begin("`palpate evaluate --scene --json`", "The same figures.", "field");
+    rows("", {{"made", "", "provenance (see `made`)"}});
     columns("rows[].");
   }
 
   void trials() {
-    table("`palpate evaluate --trials`", "`--csv`, a row a tool, place and kind of capture.", "column",
+    table("`palpate evaluate --trials`", "`--csv`: one row per tool, place and kind of capture.", "column",
           kTrialRow);
-    begin("`palpate evaluate --trials --json`", "The same.", "field");
-    rows("", {{"made", "", "see above"}});
+    begin("`palpate evaluate --trials --json`", "The same figures.", "field");
+    rows("", {{"made", "", "provenance (see `made`)"}});
     rows("rows[].", kTrialRow);
     rows("rows[].", kTrialLists);
-    table("`palpate evaluate --trials --stroke`", "`--csv`, a row a tick of one stroke.", "column",
+    table("`palpate evaluate --trials --stroke`", "`--csv`: one row per tick of one stroke.", "column",
           kStrokeTicks);
-    table("`palpate evaluate --trials --stroke --json`", "The stroke.", "field", kStroke);
+    table("`palpate evaluate --trials --stroke --json`", "Result of one stroke.", "field", kStroke);
   }
 
   std::string text_;
