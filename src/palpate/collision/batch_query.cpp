@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-/// Tools a thread whose contacts are held as sets before they become columns: enough that threads wait little
-/// for each other, few enough that the sets of crowded poses, 270 KB each, are no burden.
+/// Tools per thread whose contacts are held as sets before they become columns: enough that threads hardly
+/// wait for each other, few enough for the sets of crowded poses, 270 KB each.
 constexpr std::size_t kToolsPerThread = 64;
 
 }  // namespace

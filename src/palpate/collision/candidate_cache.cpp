@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// For the rounding of holds().
+/// Tolerance for the rounding of holds().
 constexpr double kRounding = 1e-10;
 
 }  // namespace
@@ -40,7 +40,7 @@ bool CandidateCache::search_drawn(const SceneIndex& index, const Ellipsoid& soli
   const Eigen::Matrix3d W = WhitenedTool(solid).W;
   walked_ = passed_ = 0;
   if (under_way_ != index.epoch() || center_ != solid.center || W_ != W) {
-    // To find a grain takes most of a search, and the last one may do.
+    // Finding a grain takes most of a search, and the last one may still be suitable.
     guesses_ = epoch_ == index.epoch();
     begin_search(index.view(), guesses_ ? candidates_->grain : 0.0F, *candidates_);
     under_way_ = index.epoch();
@@ -54,7 +54,7 @@ bool CandidateCache::search_drawn(const SceneIndex& index, const Ellipsoid& soli
     passed_ += candidates_->passed;
     if (!through) return false;
     if (!guesses_ || candidates_->grain == 0.0F || 2 * candidates_->size > candidates_->capacity) break;
-    guesses_ = false;  // it was too large
+    guesses_ = false;  // the grain was too large
     begin_search(index.view(), 0.0F, *candidates_);
   }
   remember(index, true);
@@ -68,8 +68,8 @@ void CandidateCache::remember(const SceneIndex& index, bool fits) {
   under_way_ = 0;
 }
 
-/// Seen from where the solid is the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the
-/// sphere of radius |c| + ||M||_2; ||M||_2^2 is the largest eigenvalue of M^T M, at most its largest row sum.
+/// With the solid as the unit sphere, the tool is { c + M u : |u| <= 1 }, which is inside the sphere of
+/// radius |c| + ||M||_2; ||M||_2^2 is the largest eigenvalue of M^T M, at most its largest row sum.
 bool CandidateCache::holds(const Ellipsoid& tool) const {
   const Eigen::Vector3d c = W_ * (tool.center - center_);
   const Eigen::Matrix3d M = W_ * tool.axes;

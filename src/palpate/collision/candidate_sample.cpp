@@ -9,10 +9,10 @@
 namespace palpate {
 namespace {
 
-/// The first grain, of the median extent, and how much larger the next one is.
+/// The first grain, in median extents, and the ratio of successive grains.
 constexpr float kFirstGrain = 0.5F, kCoarser = 1.25F;
 
-/// Multiples of the golden ratio, by place in the index: of neighbours there, any share is evenly spread.
+/// Multiples of the golden ratio by position in the index: every fraction of neighbours is evenly spread.
 float lot_of(GaussianSlot slot) {
   constexpr std::uint32_t kGolden = 2654435769U;
   return static_cast<float>(slot.number * kGolden) * 0x1p-32F;
@@ -48,7 +48,7 @@ void move(PairBuffer& pairs, std::size_t from, std::size_t to) {
   pairs.slot[to] = pairs.slot[from];
 }
 
-/// \param extent_of what number i has
+/// \param extent_of returns the extent of Gaussian i
 template <class Gaussians, class ExtentOf>
 void sample_by(Gaussians& gaussians, float grain, const ExtentOf& extent_of) {
   std::size_t kept = 0;
@@ -74,7 +74,7 @@ void sample(CandidateSet& candidates) {
 void coarsen(CandidateSet& candidates) {
   if (candidates.grain == 0.0F)
     candidates.grain = std::max(kFirstGrain * median_extent(candidates), std::numeric_limits<float>::min());
-  // So that there is room for more.
+  // Leaves room for more.
   const std::size_t full = candidates.capacity * 3 / 4;
   while (candidates.size > full) {
     candidates.grain *= kCoarser;

@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-/// The axis of either solid along which the two together are thinnest, for coincident centres. An
-/// axis of length zero is found from the other two.
+/// Axis of either solid along which the sum of both is thinnest, for coincident centres. An axis of length
+/// zero is derived from the other two.
 Eigen::Vector3d thinnest_direction(const Ellipsoid& tool, const Ellipsoid& gaussian) {
   Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
   double least = std::numeric_limits<double>::infinity();
@@ -56,7 +56,7 @@ void ContactSet::clear() {
 Contact make_contact(const WhitenedTool& tool, const Ellipsoid& gaussian, const KFunction& k,
                      const KMinimum& minimum) {
   const Eigen::Vector3d y = solve_whitened(k, minimum.log_t);
-  // dK/dc_tool is along -W^T y, hence the way out is along W^T y.
+  // dK/dc_tool is along -W^T y, hence the outward direction is W^T y.
   const Eigen::Vector3d q = tool.W.transpose() * y;
   Contact contact;
   contact.k_min = minimum.k_min;

@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// Calls `call` for every column that has a row a contact.
+/// Calls `call` for every column with one row per contact.
 template <class Columns, class Call>
 void for_each_column(Columns& columns, const Call& call) {
   call(columns.id, &Contact::id);

@@ -26,7 +26,7 @@ HWY_BEFORE_NAMESPACE();
 namespace palpate::HWY_NAMESPACE {
 namespace {
 
-/// As many floats as L has lanes, aligned or not.
+/// Loads as many floats as L has lanes, aligned or not.
 template <class L>
 HWY_INLINE L load_as(const float* from) {
   if constexpr (std::is_same_v<L, Doubles>) {
@@ -36,7 +36,7 @@ HWY_INLINE L load_as(const float* from) {
   }
 }
 
-/// Pairs of the buffer, from i on, as solids; in single precision the smaller parts of lengths are left out.
+/// Loads pairs of the buffer, from i on, as solids; single precision omits the low parts of lengths.
 template <class L>
 HWY_INLINE Solid<L> load_solid(const PairBuffer& b, std::size_t i) {
   const auto at = [&](const PairBuffer::Lane<float>& lane) HWY_ATTR { return load_as<L>(&lane[i]); };
@@ -63,7 +63,7 @@ HWY_INLINE Whitened<Floats> whitened(const Solid<Floats>& solid, const ToolFrame
   return {offset, solid.axis, tool.W_float};
 }
 
-/// Pairs as solids, from i on, into `pairs`.
+/// Whitens solids and stores them as pairs, from i on.
 template <class L>
 HWY_INLINE void whiten_into(const Solid<L>& solid, const ToolFrame& tool, PairsOf<L>& pairs, std::size_t i) {
   whitened(solid, tool).put_into(pairs, [&](PairBuffer::Lane<typename L::T>& lane, const L& x) HWY_ATTR {
@@ -71,22 +71,22 @@ HWY_INLINE void whiten_into(const Solid<L>& solid, const ToolFrame& tool, PairsO
   });
 }
 
-/// What the last stages work with, on the stack.
+/// Memory of the last stages, on the stack.
 struct Workspace {
   WhitenedPairs<double> pairs;
   WhitenedPairs<float> singles;
   PairList touching;
 };
 
-/// What of a pair outlives the screen.
+/// Representation of the pairs that pass the screen.
 enum class Kept {
-  kPair,      ///< in the buffer
-  kWhitened,  ///< as the tool sees it
+  kPair,      ///< in the buffer, unchanged
+  kWhitened,  ///< whitened: in the frame where the tool is the unit sphere
 };
 
-/// The first part of stage 3: of the pairs in `buffer` keeps those that the first step of the search does not
-/// tell apart, with the t that it leads to in `singles`, where the pairs as the tool sees them go too. Of
-/// a capture most end here, and later stages have no lanes that are closed.
+/// First part of stage 3: keeps the pairs of `buffer` that the first step of the search does not separate,
+/// and stores the t of that step in `singles`, with the whitened pairs if these are kept. Most pairs of a
+/// capture end here, so that later stages have no closed lanes.
 template <Precision kPrecision, Kept kKept>
 HWY_INLINE void screen(PairBuffer& buffer, const ToolFrame& tool, WhitenedPairs<float>& singles) {
   const std::size_t n = buffer.size;
@@ -102,7 +102,7 @@ HWY_INLINE void screen(PairBuffer& buffer, const ToolFrame& tool, WhitenedPairs<
     const Floats extent = sqrt((squared_length(0) + squared_length(1)) + squared_length(2));
     const LanePacker<DFloat> pack(open);
     const std::size_t to = buffer.size;
-    // In place: what is overwritten has been read.
+    // In place: lanes that are overwritten have been read.
     const auto pack_lane = [&](auto& lane) HWY_ATTR {
       pack(Floats(hn::LoadU(DFloat(), reinterpret_cast<const float*>(&lane[i]))),
            reinterpret_cast<float*>(&lane[to]));
@@ -126,13 +126,13 @@ HWY_INLINE void screen(PairBuffer& buffer, const ToolFrame& tool, WhitenedPairs<
   }
 }
 
-/// Of a pair that has been through the screen.
+/// Label of a pair that passed the screen.
 HWY_INLINE GaussianLabel label_of(const IndexView& index, const PairBuffer& buffer, std::size_t pair) {
   const GaussianSlot slot = buffer.slot[pair];
   return GaussianLabel::of(index.blocks[slot.block()], slot.lane(), buffer.extent[pair]);
 }
 
-/// Stage 4 for `n` pairs whose Gaussians are in `slot`: in `w.singles`, or in `w.pairs` with their t in
+/// Stage 4 for `n` pairs with Gaussians `slot`: from `w.singles`, or from `w.pairs` with their t in
 /// `w.singles`. \returns the end of what was written, see write_contacts().
 template <Precision kPrecision, class LabelOf>
 std::size_t append_contacts(Workspace& w, std::size_t n, const GaussianSlot* slot, const IndexView& index,
@@ -181,7 +181,7 @@ void find_contacts_in(const IndexView& index, const ToolFrame& tool, QueryLimit 
   result.candidates = walk<kPrecision>(index, tool, AsTheyAre{}, buffer, flush);
   if (result.complete) {
     flush(buffer);
-    result.complete = true;  // there is no more, whatever the last buffer had
+    result.complete = true;  // the traversal has ended, whatever the last flush returned
   }
   result.contacts.resize(end);
 }
@@ -195,7 +195,7 @@ void FindContacts(const IndexView& index, const ToolFrame& tool, Precision preci
   }
 }
 
-/// Where a CandidateSet has its axes.
+/// Array in which a CandidateSet stores its axes.
 template <class L>
 HWY_INLINE auto& axes_of(CandidateSet& candidates) {
   if constexpr (std::is_same_v<L, Doubles>) {
@@ -205,7 +205,7 @@ HWY_INLINE auto& axes_of(CandidateSet& candidates) {
   }
 }
 
-/// Appends to `candidates` the pairs of a screened buffer. \pre they fit.
+/// Appends the pairs of a screened buffer to `candidates`. \pre they fit.
 template <class L>
 void append_candidates(const IndexView& index, const PairBuffer& buffer, const WhitenedPairs<float>& singles,
                        CandidateSet& candidates) {
@@ -228,13 +228,13 @@ void append_candidates(const IndexView& index, const PairBuffer& buffer, const W
   candidates.size += n;
 }
 
-/// Of candidates that are too many, none are kept.
+/// Policy for too many candidates: keep none.
 struct AllOrNone {
   static void thin(PairBuffer&, const CandidateSet&) {}
   static bool make_room(CandidateSet&) { return false; }
 };
 
-/// Or a sample.
+/// Policy for too many candidates: keep a sample.
 struct Sampled {
   static void thin(PairBuffer& pairs, const CandidateSet& candidates) {
     if (candidates.grain > 0.0F) sample(pairs, candidates.grain);
@@ -245,7 +245,7 @@ struct Sampled {
   }
 };
 
-/// Goes on with what `candidates` has ahead, through `most` Gaussians and a few besides.
+/// Continues the traversal pending in `candidates`, through `most` Gaussians and a few more.
 template <Precision kPrecision, class L, class Size, class Crowd>
 bool find_candidates_in(const IndexView& index, const ToolFrame& tool, const Size& size, const Crowd& crowd,
                         std::size_t most, CandidateSet& candidates) {
@@ -285,12 +285,12 @@ bool FindMagnified(const IndexView& index, const ToolFrame& tool, float times, s
                    CandidateSet& candidates) {
   find_candidates_in<Precision::kSingle, Floats>(index, tool, Magnified{times}, Sampled(), most, candidates);
   if (candidates.ahead_count != 0) return false;
-  // What came with the last change of the grain, too.
+  // Includes those added with the last change of the grain.
   if (candidates.grain > 0.0F) sample(candidates);
   return true;
 }
 
-/// Candidates from i on, as solids.
+/// Loads candidates from i on as solids.
 template <class L>
 HWY_INLINE Solid<L> load_candidates(CandidateSet& c, std::size_t i) {
   const auto center = [&](std::size_t k) HWY_ATTR { return load_as<L>(&c.center[k][i]); };
@@ -387,8 +387,9 @@ void contacts_among(CandidateSet& candidates, const IndexView& index, const Tool
 
 namespace {
 
-/// What this build has and the processor runs, as Highway's bits; asked once, as a choice hides the others.
-/// What all of the program is compiled for is among them, which Highway does not say of NEON without AES.
+/// Targets that this build contains and the processor supports, as Highway's bits; queried once, since a
+/// choice hides the others. Includes the target of the whole program, which Highway omits for NEON without
+/// AES.
 std::int64_t usable_targets() {
   static const std::int64_t usable = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
   return usable;
@@ -399,7 +400,7 @@ std::int64_t usable_targets() {
 std::vector<std::string> simd_targets() {
   std::vector<std::string> names;
   for (std::int64_t rest = usable_targets(); rest != 0; rest &= rest - 1) {
-    names.emplace_back(hwy::TargetName(rest & -rest));  // the lowest bit is the best
+    names.emplace_back(hwy::TargetName(rest & -rest));  // the lowest bit is the best target
   }
   return names;
 }

@@ -20,7 +20,7 @@ Ellipsoid captured_ellipsoid(const GaussianBlock& block, std::size_t lane) {
           q.normalized().toRotationMatrix() * lengths.asDiagonal()};
 }
 
-/// Bound of the error of K_min where that is near 0.
+/// Bound of the error of K_min where it is near 0.
 double rounding_of(const KFunction& k, const DoubleRounding& r) {
   return std::sqrt(r.constant + r.per_distance * k.p0 + r.per_extent * k.e1);
 }

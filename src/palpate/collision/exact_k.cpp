@@ -26,7 +26,7 @@ Vec cross(const Vec& a, const Vec& b) {
 Quad square(Quad v) { return v * v; }
 Quad square(const Vec& v) { return dot(v, v); }
 
-/// The semi-axes of a Gaussian in the captured frame.
+/// Semi-axes of a Gaussian in the captured frame.
 struct Axes {
   Vec column[3];
 
@@ -90,8 +90,8 @@ Coefficients coefficients_of(const GaussianBlock& block, std::size_t lane, const
 }  // namespace
 
 double exact_k_min(const GaussianBlock& block, std::size_t lane, const ToolFrame& tool, double log_t) {
-  constexpr int kMostSteps = 30;       // from where double sees the minimum two or three do
-  constexpr double kExcess = 0x1p-53;  // of K over its minimum, at most, relative
+  constexpr int kMostSteps = 30;       // two or three suffice from the minimum in double
+  constexpr double kExcess = 0x1p-53;  // largest relative excess of K over its minimum
   const Coefficients k = coefficients_of(block, lane, tool);
   Quad t = std::exp(log_t), value = 0;
   for (int step = 0; step < kMostSteps; ++step) {

@@ -15,22 +15,22 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// The ellipsoid of the lanes and of the box come from the same numbers by different operations, a handful
-/// each; the box is padded by more than these round, in units in the last place of its own coordinates.
+/// The ellipsoid of the lanes and that of the box are computed from the same numbers by a few different
+/// operations each; the box is padded by more than their rounding, relative to its coordinates.
 constexpr double kBoxPadding = 64.0 * std::numeric_limits<double>::epsilon();
 
 constexpr std::uint32_t kWidth = kIndexWidth;
-/// Gaussians are told apart by where they are, x, y and z, and by how large they are: one that is twenty
-/// times as large as its neighbours, as captures have them, would make their block's box as large.
+/// Gaussians are split by position, x, y and z, and by extent: one that is twenty times as large as its
+/// neighbours, as found in captures, would make the box of their block as large.
 constexpr int kKeys = 4;
 constexpr int kExtent = 3;
-constexpr std::uint32_t kParallelSize = 1U << 13;  ///< smaller ranges are not worth a task
+constexpr std::uint32_t kParallelSize = 1U << 13;  ///< smaller ranges do not justify a task
 constexpr int kBins = 16;                          ///< finer bins gain less than 1 % in Wald 2007
 /// A range of at most this many Gaussians becomes one node with all its blocks, so that the many nodes at the
-/// bottom are not nearly empty.
+/// bottom are well filled.
 constexpr std::uint32_t kBottomSize = kWidth * kWidth;
 
-/// A box as two vectors of four, the fourth lane unused: bounds are taken by one instruction a corner.
+/// A box as two vectors of four with an unused fourth lane: bounds take one instruction per corner.
 struct Box4 {
   Eigen::Array4f low = Eigen::Array4f::Constant(kInfinity);
   Eigen::Array4f high = Eigen::Array4f::Constant(-kInfinity);
@@ -46,9 +46,9 @@ struct Box4 {
   }
 };
 
-/// A Gaussian's box. The items themselves are ordered, not pointers to them, so that every pass over a range
-/// reads memory in order. The record's number travels in the lane that the box leaves free, as a number,
-/// because arithmetic on its bits would be slow.
+/// Box of a Gaussian. Items are sorted themselves, not by pointers, so that every pass over a range reads
+/// memory in order. The number of the record is stored in the unused lane, as a float, since arithmetic on
+/// its bits would be slow.
 struct Item {
   Box4 box;
 
@@ -58,7 +58,7 @@ struct Item {
     box.high << b.max().array(), 0.0F;
   }
   std::uint32_t record() const { return static_cast<std::uint32_t>(box.low[3]); }
-  /// What splits are made along: twice the centre, and the extent.
+  /// Coordinates that are split: twice the centre, and the extent.
   Eigen::Array4f key() const {
     Eigen::Array4f k = box.low + box.high;
     k[kExtent] = extent();
@@ -80,7 +80,7 @@ struct Binning {
   /// \param keys from the least to the greatest of each
   explicit Binning(const Box4& keys) : low(keys.low) {
     scale = kBins / (keys.high - keys.low);
-    scale = (scale < kInfinity).select(scale, 0.0F);  // all share this key: one bin
+    scale = (scale < kInfinity).select(scale, 0.0F);  // all keys are equal: one bin
   }
   Eigen::Array4i operator()(const Eigen::Array4f& key) const {
     return ((key - low) * scale).cast<int>().min(kBins - 1).max(0);
@@ -101,7 +101,7 @@ struct Split {
   int bin = 0;  ///< the first bin of the right side
 };
 
-/// The cheapest of the splits between two bins of one axis.
+/// The cheapest split between two bins of one axis.
 Split best_split(const std::array<Bin, kBins>& bins, int axis) {
   std::array<float, kBins> right_cost{};
   Bin sweep;
@@ -123,7 +123,7 @@ Split best_split(const std::array<Bin, kBins>& bins, int axis) {
   return best;
 }
 
-/// A node of the binary tree that is built first: a run of items.
+/// Node of the binary tree that is built first: a range of items.
 struct Range {
   Box4 box;
   std::uint32_t first, last;
@@ -133,7 +133,7 @@ struct Range {
 };
 
 /// Splits a range in two, down to blocks. Ranges begin at multiples of sixteen, and their number of blocks
-/// says how many nodes there are below them, so that branches write to places of their own.
+/// determines the number of nodes below, so that branches write to separate places.
 class BinaryBuilder {
  public:
   explicit BinaryBuilder(std::vector<Item> items) : items_(std::move(items)) {
@@ -191,14 +191,14 @@ class BinaryBuilder {
     return best;
   }
 
-  /// Orders [first, last) so that the two sides of a split are apart, the left one full blocks; returns where
-  /// they meet.
+  /// Orders [first, last) so that the two sides of a split are separate, with full blocks on the left.
+  /// \returns the end of the left side.
   std::uint32_t split(std::uint32_t first, std::uint32_t last, const Box4& keys, std::uint32_t depth) {
     const std::uint32_t blocks = (last - first + kWidth - 1) / kWidth;
     const std::uint32_t half = first + blocks / 2 * kWidth;
     const Binning bin_of(keys);
     const Split split = best_split_of(first, last, bin_of);
-    if (!std::isfinite(split.cost)) return half;  // nothing tells them apart
+    if (!std::isfinite(split.cost)) return half;  // all keys are equal
     const int axis = split.axis;
     if (depth >= kMaxIndexDepth / 2) {
       order_around(first, half, last, axis);
@@ -215,7 +215,7 @@ class BinaryBuilder {
     return middle;
   }
 
-  /// Orders [first, last) along `axis` so far that what is before `middle` is not beyond what is behind it.
+  /// Orders [first, last) along `axis` so that no item before `middle` is beyond one after it.
   void order_around(std::uint32_t first, std::uint32_t middle, std::uint32_t last, int axis) {
     const auto items = items_.begin();
     std::nth_element(items + first, items + middle, items + last,
@@ -274,8 +274,8 @@ class WideBuilder {
     return self;
   }
 
-  /// Which of the open ranges to replace by its halves: the one with the largest surface, of those that hold
-  /// more than `least`. `count` if there is none.
+  /// The open range to be replaced by its halves: the one with the largest surface of those with more than
+  /// `least` items; `count` if there is none.
   std::uint32_t largest_to_open(const std::array<std::uint32_t, kWidth>& open, std::uint32_t count,
                                 std::uint32_t least) const {
     std::uint32_t best = count;
@@ -296,7 +296,7 @@ class WideBuilder {
   std::vector<IndexNode> nodes_;
 };
 
-/// The block of `items`, at most sixteen, in increasing order of id.
+/// Fills a block with `items`, at most sixteen, in increasing order of id.
 void fill_block(std::span<const Item> items, std::span<const GaussianRecord> records, GaussianBlock& block) {
   std::array<const GaussianRecord*, kIndexWidth> lane{};
   for (std::size_t k = 0; k < items.size(); ++k) lane[k] = &records[items[k].record()];
@@ -350,7 +350,7 @@ IndexTree build_tree(std::span<const GaussianRecord> records, std::span<const Ei
 
 namespace {
 
-/// Adds to what the slots of `nodes` lead to.
+/// Shifts the children of `nodes`.
 void move_children(std::vector<IndexNode>& nodes, std::uint32_t by_nodes, std::uint32_t by_blocks) {
   for (IndexNode& node : nodes) {
     for (std::size_t slot = 0; slot < kIndexWidth; ++slot) {
@@ -376,8 +376,8 @@ std::vector<GaussianBlock> IndexForest::plant(IndexTree tree) {
 
 std::vector<IndexNode> IndexForest::join() {
   if (roots_.size() <= 1) return std::move(nodes_);
-  // Neighbours in the order they were planted are neighbours in space. The levels above are counted first,
-  // since they go in front and move what is below.
+  // Consecutive trees are neighbours in space. The levels above are counted first, since they are stored in
+  // front and shift those below.
   std::vector<IndexNode> top;
   std::vector<Root> level = std::move(roots_);
   std::vector<std::vector<IndexNode>> levels;

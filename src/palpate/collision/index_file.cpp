@@ -20,9 +20,9 @@ constexpr std::array<char, 8> kMagic{'P', 'A', 'L', 'P', 'A', 'T', 'E', '\n'};
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 constexpr std::size_t kPage = 4096;
-constexpr std::size_t kChunk = std::size_t{1} << 20;  ///< that a hash is of: what one core reads in 0.1 ms
+constexpr std::size_t kChunk = std::size_t{1} << 20;  ///< per hash: one core reads it in 0.1 ms
 
-/// The first page.
+/// First page of the file.
 struct IndexFront {
   std::array<char, 8> magic;
   std::uint32_t byte_order;
@@ -31,7 +31,7 @@ struct IndexFront {
 };
 static_assert(sizeof(IndexFront) == kPage);
 
-/// The last page: everything but the arrays. Only numbers and characters, so that any bytes are one.
+/// Last page: everything but the arrays. Plain numbers and characters, so that any bytes are a valid object.
 struct IndexTrailer {
   std::uint64_t own_hash;  ///< XXH3 of all that follows
   std::array<char, 8> magic;
@@ -101,7 +101,7 @@ IndexDescription unpack(const IndexTrailer& t) {
   return d;
 }
 
-/// Takes arrays off a file one after the other, each of which must fit what is left.
+/// Cuts arrays off the front of a file, each of which must fit into the rest.
 class Cutter {
  public:
   explicit Cutter(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -123,7 +123,8 @@ class Cutter {
   bool fits_ = true;
 };
 
-/// The first chunk of `bytes` whose hash is not that of the table; the number of chunks if all are.
+/// Index of the first chunk of `bytes` whose hash differs from the table; the number of chunks if there is
+/// none.
 std::size_t first_changed_chunk(std::span<const std::byte> bytes, std::span<const std::uint64_t> table) {
   std::atomic<std::size_t> first = table.size();
   tbb::parallel_for(std::size_t{0}, table.size(), [&](std::size_t i) {
@@ -137,13 +138,13 @@ std::size_t first_changed_chunk(std::span<const std::byte> bytes, std::span<cons
   return first;
 }
 
-/// True if `index` is a tree over all of its nodes and blocks: every node but the root, which is the first,
-/// and every block is the child of exactly one slot. Hence whoever wrote the file, a walk never leaves the
-/// arrays, visits nothing twice and ends, and nothing in the file is out of its reach.
+/// Returns true if `index` is a tree over all of its nodes and blocks: every node but the root, which is the
+/// first, and every block is the child of exactly one slot. Hence, whoever wrote the file, a traversal never
+/// leaves the arrays, visits nothing twice, ends, and reaches everything in the file.
 ///
-/// Children come after their parents, in the builder's order as in any sound file. So one pass in memory
-/// order sees the parent of a node before the node: a node without a depth by then has no parent, and with
-/// one each and no way back, all of them lead down from the root.
+/// Children come after their parents in the builder's order, as in any valid file, so that one pass in memory
+/// order sees the parent of a node first: a node without a depth by then has no parent. With one parent each,
+/// stored in front, all nodes descend from the root.
 bool is_tree(const IndexView& index) {
   if (index.blocks.size() > kMaxIndexBlocks) return false;
   std::vector<std::uint8_t> depth(index.nodes.size(), 0);  // 0 where no parent has been seen
@@ -154,11 +155,11 @@ bool is_tree(const IndexView& index) {
     if (n > 0 && depth[n] == 0) return false;
     for (std::size_t slot = 0; slot < kIndexWidth; ++slot) {
       const std::uint32_t child = node.child[slot];
-      if (child == 0) {  // no child: nothing may meet its box
+      if (child == 0) {  // no child: its box must be empty
         if (node.low[0][slot] <= std::numeric_limits<float>::max()) return false;
         continue;
       }
-      for (std::size_t axis = 0; axis < 3; ++axis) {  // an empty box, or none, would hide the child
+      for (std::size_t axis = 0; axis < 3; ++axis) {  // an empty box or NaN would hide the child
         if (!(node.low[axis][slot] <= node.high[axis][slot])) return false;
       }
       if ((child & IndexNode::kLeaf) != 0) {
@@ -180,7 +181,7 @@ bool is_tree(const IndexView& index) {
 
 std::uint64_t content_hash(const std::string& path) {
   constexpr std::size_t kPart = std::size_t{16} << 20;
-  constexpr std::size_t kRead = std::size_t{1} << 18;  // stays in the second-level cache
+  constexpr std::size_t kRead = std::size_t{1} << 18;  // fits the second-level cache
   const InputFile file(path);
   std::vector<std::uint64_t> hashes((file.size() + kPart - 1) / kPart);
   tbb::parallel_for(std::size_t{0}, hashes.size(), [&](std::size_t i) {
@@ -210,8 +211,8 @@ std::string index_options(const SceneFilter& filter, const Similarity& world) {
     const Eigen::Vector3d& c = filter.crop_sphere->center;
     text += fmt::format(" --crop-sphere {},{},{},{}", c[0], c[1], c[2], filter.crop_sphere->radius);
   }
-  // Beyond kMaxExtent in the world nothing is kept. Nothing real comes near that by a registration like
-  // these.
+  // Gaussians beyond kMaxExtent in the world are removed. Only registrations beyond these limits take real
+  // ones there.
   constexpr double kLargestScale = 1e3, kFarthest = 1e9;
   const bool far = world.scale > kLargestScale || world.translation.norm() > kFarthest;
   if (filter.max_scale || filter.crop_box || filter.crop_sphere || far) {
@@ -237,7 +238,7 @@ std::optional<IndexSource> index_source(const std::string& path) {
       return std::nullopt;
     return unpack(t).source;
   } catch (const Error&) {
-    return std::nullopt;  // there is none
+    return std::nullopt;  // there is no index
   }
 }
 
@@ -250,7 +251,7 @@ void IndexWriter::write(std::string_view bytes) {
   size_ += bytes.size();
   file_.write(bytes);
   while (!bytes.empty()) {
-    if (chunk_.empty() && bytes.size() >= kChunk) {  // no need to copy what is whole
+    if (chunk_.empty() && bytes.size() >= kChunk) {  // whole chunks need no copy
       hashes_.push_back(hash(bytes.data(), kChunk));
       bytes.remove_prefix(kChunk);
       continue;
@@ -282,7 +283,7 @@ void IndexWriter::finish(std::span<const IndexNode> nodes, const IndexDescriptio
   t.own_hash = own_hash(t);
   file_.write(table);
   file_.write({reinterpret_cast<const char*>(&t), sizeof t});
-  file_.commit(OutputFile::Sync::kNo);  // it can be made again, and is checked whenever it is opened
+  file_.commit(OutputFile::Sync::kNo);  // can be rebuilt, and is verified on opening
 }
 
 IndexFile::IndexFile(const std::string& path, const std::string& scene, const std::string& options,
@@ -308,8 +309,8 @@ IndexFile::IndexFile(const std::string& path, const std::string& scene, const st
     throw Error("{}: was made with other options ({})", path, description_.options);
   }
   const FileStamp now = stamp_of(scene);
-  // Copies and checkouts change times, so that only the contents can tell. Times that are all as they were
-  // need no reading.
+  // Copies and checkouts change times: then only the contents are compared. If all times are unchanged, the
+  // file need not be read.
   const bool same = now == description_.source.stamp || (now.size == description_.source.stamp.size &&
                                                          content_hash(scene) == description_.source.content);
   if (!same) throw Error("{}: is stale: the scene has changed since it was made", path);

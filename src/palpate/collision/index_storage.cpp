@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// `records` reordered so that those of a part are together; `end` is set to where each part ends.
+/// Reorders `records` by part; `end` receives the end of each part.
 std::vector<GaussianRecord> gathered(const std::vector<GaussianRecord>& records,
                                      const SpacePartition& partition, std::vector<std::size_t>& end) {
   end.assign(partition.parts(), 0);

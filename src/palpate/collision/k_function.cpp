@@ -15,7 +15,7 @@ struct Terms {
 
   double numerator() const { return p[0] + p[1] + p[2]; }
   double denominator() const { return e[0] + e[1] + e[2] + e[3]; }
-  /// 1 - K. The factors t/(1+t) and, if inverted, 1/t^2 and 1/t^3 are put back.
+  /// 1 - K. Restores the factors t/(1+t) and, if inverted, 1/t^2 and 1/t^3.
   double f() const { return numerator() / denominator() * t / (1.0 + t); }
 };
 
@@ -31,18 +31,18 @@ struct Slope {
   double second;  ///< dg / d ln t
 };
 
-/// The powers of t in numerator and denominator, weighted by their terms, have means and variances;
-/// these are the logarithmic derivatives:
+/// The powers of t in numerator and denominator, weighted by their terms, have means and variances, which
+/// give the logarithmic derivatives:
 ///
 ///     g = 1 - lambda + mean_p - mean_e = sum_kj (p_k t^k / P) (e_j t^j / E) (1 - lambda + k - j)
 ///
-/// The sum is taken pair by pair, because on a plateau of K (a disc of no thickness) the three terms
-/// of the short form cancel to rounding noise, while the pairs that matter there keep their digits.
+/// The sum is taken over pairs, because on a plateau of K (a disc of zero thickness) the three terms of the
+/// short form cancel to rounding noise, while the pairs that matter there keep their precision.
 Slope slope_at(const Terms& x) {
   const double n = x.numerator();
   const double d = x.denominator();
   const double lambda = (x.inverted ? 1.0 : x.t) / (1.0 + x.t);
-  const double rest = (x.inverted ? x.t : 1.0) / (1.0 + x.t);  // 1 - lambda, to all its digits
+  const double rest = (x.inverted ? x.t : 1.0) / (1.0 + x.t);  // 1 - lambda, to full precision
   double first = 0.0;
   for (int k = 0; k < 3; ++k) {
     for (int j = 0; j < 4; ++j) {
@@ -57,13 +57,13 @@ Slope slope_at(const Terms& x) {
   return {first, (n_square - n_mean * n_mean) - lambda * rest - (d_square - d_mean * d_mean)};
 }
 
-/// True if the minimum of K lies beyond log_t.
+/// Returns true if the minimum of K is beyond log_t.
 bool descends(const KFunction& k, double log_t) { return slope_at(terms_at(k, log_t)).first > 0.0; }
 
-/// ln t of the minimum of K if the Gaussian were a ball of its extent along d'.
+/// ln t of the minimum of K for a ball of the Gaussian's extent along d'.
 double initial_log_t(const KFunction& k) {
   const double extent = (k.L.transpose() * k.d).norm() / k.d.norm();
-  constexpr double kSmallest = 1e-6;  // of a flat Gaussian; Newton needs no better start
+  constexpr double kSmallest = 1e-6;  // for a flat Gaussian; Newton's method needs no better start
   return -std::log(std::max(extent, kSmallest));
 }
 
@@ -101,7 +101,7 @@ double KFunction::operator()(double lambda) const {
 KMinimum minimize(const KFunction& k) {
   if (k.p0 == 0.0) return {1.0, 0.5, 0.0};
   constexpr int kMaxSteps = 200;       // bisection alone needs 45 to close the bracket
-  constexpr double kTolerance = 1e-9;  // in ln t; K is flat at its minimum, so K is good to its square
+  constexpr double kTolerance = 1e-9;  // in ln t; at the minimum the error of K is its square
   double low = -kMaxLogT;
   double high = kMaxLogT;
   double log_t = std::clamp(initial_log_t(k), low, high);
@@ -110,13 +110,13 @@ KMinimum minimize(const KFunction& k) {
     const Slope g = slope_at(terms_at(k, log_t));
     (g.first > 0.0 ? low : high) = log_t;
     double next = log_t - g.first / g.second;
-    // Newton's steps must shrink, or rounding makes them creep along a plateau.
+    // Newton steps must shrink, or rounding makes them creep along a plateau.
     const bool trusted = g.second < 0.0 && next > low && next < high && std::abs(next - log_t) < 0.5 * change;
     if (!trusted) next = 0.5 * (low + high);
     change = std::abs(next - log_t);
     log_t = next;
     if (change >= kTolerance) continue;
-    // A small step proves nothing on a plateau, where slope and bend both vanish: the slope must
+    // On a plateau, where slope and curvature vanish, a small step does not prove convergence: the slope must
     // change its sign across it.
     const double before = std::max(low, log_t - kTolerance);
     const double after = std::min(high, log_t + kTolerance);

@@ -21,7 +21,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Centres into the world, in double precision.
+/// Transforms centres to the world, in double precision.
 void Place(const CandidateSet& from, const CapturedFrame& frame, LocalSplats& result) {
   const hn::CappedTag<double, kIndexWidth> d;
   const hn::Rebind<float, decltype(d)> df;
@@ -38,7 +38,7 @@ void Place(const CandidateSet& from, const CapturedFrame& frame, LocalSplats& re
   }
 }
 
-/// Axes into the world, and what makes a unit sphere of them. \param turn also takes the axes to their size
+/// Transforms axes to the world, and inverts them. \param turn includes the scale
 void Whiten(const CandidateSet& from, const Eigen::Matrix3f& turn, LocalSplats& result) {
   const hn::CappedTag<float, kIndexWidth> d;
   using V = hn::Vec<decltype(d)>;
@@ -62,7 +62,7 @@ void Whiten(const CandidateSet& from, const Eigen::Matrix3f& turn, LocalSplats& 
     hn::StoreU(longest, d, &result.radius[i]);
     for (std::size_t k = 0; k < 3; ++k) {
       const V length = hn::Sqrt(squared[k]);
-      // Which way an axis of no length goes, the two others say.
+      // The direction of an axis of zero length follows from the two others.
       const auto flat = hn::Eq(squared[k], zero);
       const V scale = hn::Div(hn::Set(d, 1.0F), hn::Mul(length, hn::Max(length, least)));
       for (std::size_t r = 0; r < 3; ++r)
@@ -89,7 +89,7 @@ Vector3f row_of(const LocalSplats& splats, std::size_t k, std::size_t i) {
   return {splats.whitening[3 * k][i], splats.whitening[3 * k + 1][i], splats.whitening[3 * k + 2][i]};
 }
 
-/// Gives the axes of splat i that have no length a direction, across the others, and the least thickness.
+/// Sets axes of splat i of zero length to a direction perpendicular to the others and to the least thickness.
 void thicken(LocalSplats& splats, std::size_t i) {
   const float per_length = 1.0F / (LocalSplats::kLeastThickness * splats.radius[i]);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -107,8 +107,8 @@ void magnify(LocalSplats& splats, std::size_t i, float times) {
   splats.radius[i] *= times;
 }
 
-/// False if a plane across one of the splat's semi-axes separates it from the solid. \param from the splat's
-/// centre to the solid's
+/// Returns false if a plane perpendicular to a semi-axis of the splat separates it from the solid.
+/// \param from vector from the splat's centre to the solid's
 bool slabs_meet(const LocalSplats& splats, std::size_t i, const Vector3f& from, const Eigen::Matrix3f& axes) {
   constexpr float kRounding = 1e-3F;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -8,17 +8,17 @@
 namespace palpate {
 namespace {
 
-/// A neighbourhood is searched for, and used until the next is there: two rounds, and one to spare.
+/// Rounds that a neighbourhood must last: its search, its use until the next, and one to spare.
 constexpr double kRounds = 3.0;
-/// A margin that is halved as often is as good as none.
+/// After so many halvings a margin is negligible.
 constexpr int kMostHalvings = 6;
 
-/// Of the margin: closer to where was searched last, the tool needs no other search.
+/// Distance from the last search, relative to the margin, within which no other search is needed.
 constexpr double kNear = 0.25;
 
 }  // namespace
 
-/// One index at a time is on its way, so that what is overwritten here is empty.
+/// At most one index is in transit, so that the buffer overwritten here is empty.
 void Lookahead::Line::want(const SceneIndex& index, const Ellipsoid& tool) {
   if (index.epoch() != told_ && taken_.load(std::memory_order_relaxed) == told_) {
     next_.back() = index;

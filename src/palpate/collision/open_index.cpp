@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// One scene file, one filter.
+/// A scene file and its filter.
 struct Request {
   const std::string& path;
   const SceneFilter& filter;
@@ -27,13 +27,13 @@ struct Request {
   RecordCollector collector() const { return {filter, world_from_scene}; }
 };
 
-/// An index that has not been opened yet: who has its memory, and the report.
+/// Index not yet opened: its memory and the report.
 struct Built {
   std::shared_ptr<const IndexArrays> arrays;
   FilterReport report;
 };
 
-/// All at once, in memory.
+/// Builds the index at once, in memory.
 Built build_small(const Request& request, SceneReader& reader) {
   RecordCollector collector = request.collector();
   collector.reserve(reader.count());
@@ -43,7 +43,8 @@ Built build_small(const Request& request, SceneReader& reader) {
           collector.report()};
 }
 
-/// Reads the scene to its end and hands on what the filter keeps, chunk by chunk; `collector` has the report.
+/// Reads the scene to its end and passes on what the filter keeps, chunk by chunk; `collector` has the
+/// report.
 void for_each_chunk(SceneReader& reader, RecordCollector& collector,
                     const std::function<void(std::span<const GaussianRecord>)>& visit) {
   GaussianScene chunk;
@@ -54,14 +55,14 @@ void for_each_chunk(SceneReader& reader, RecordCollector& collector,
   }
 }
 
-/// What building in parts leaves behind, but for the blocks.
+/// Result of building in parts, without the blocks.
 struct BuiltParts {
   IndexForest forest;
   IndexDescription description;
 };
 
-/// Reads the scene twice: to see where its Gaussians are, and to sort them into parts in a temporary file.
-/// Then indexes part by part and hands the blocks to `sink`.
+/// Reads the scene twice: to sample the positions of its Gaussians, and to sort them into parts in a
+/// temporary file. Then indexes each part and passes its blocks to `sink`.
 BuiltParts build_in_parts(const Request& request, const std::string& spill_folder,
                           const std::function<void(std::vector<GaussianBlock>)>& sink) {
   BuiltParts built;
@@ -97,7 +98,7 @@ Built build_in_parts_in_memory(const Request& request, const std::string& spill_
   return {arrays, built.description.report};
 }
 
-/// The scene file as it is now. Called before it is read, so that a change while it is read makes the index
+/// Current state of the scene file. Taken before reading, so that a change during reading makes the index
 /// stale.
 IndexSource source_of(const std::string& path) { return {stamp_of(path), content_hash(path)}; }
 
@@ -118,7 +119,7 @@ void write_index_in_parts(const Request& request, const std::string& options, co
   writer.finish(built.forest.join(), built.description);
 }
 
-/// The index file `path`. \throws Error as IndexFile.
+/// Opens the index file `path`. \throws Error as IndexFile.
 OpenedIndex opened(const std::string& path, const std::string& options, const Request& request,
                    OpenedIndex::Origin origin) {
   auto file = std::make_shared<const IndexFile>(path, request.path, options, request.memory);
@@ -131,8 +132,8 @@ OpenedIndex opened(const Built& built, const Request& request) {
       SceneIndex(built.arrays, request.world_from_scene), built.report, OpenedIndex::Origin::kMemory, {}, {}};
 }
 
-/// The index of a scene that has no file that fits, through a new file at `file`.
-/// \param not_written is set to the reason if that cannot be
+/// Builds the index of a scene without a matching index file, through a new file at `file`.
+/// \param not_written is set to the reason if that cannot be written
 OpenedIndex make_index(const Request& request, const std::string& options, const std::string& file,
                        std::optional<std::string>& not_written) {
   bool writable = !file.empty();

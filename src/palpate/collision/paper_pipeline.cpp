@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// The centres of a scene, as nanoflann wants to see them.
+/// Adapter of the centres of a scene for nanoflann.
 struct Centers {
   const std::vector<Ellipsoid>& ellipsoids;
 
@@ -27,7 +27,7 @@ struct Centers {
   }
 };
 
-/// The least K over [0, 1] after `iterations` golden sections (paper III-B2).
+/// Least K over [0, 1] after `iterations` golden sections (paper III-B2).
 KMinimum golden_section(const KFunction& k, int iterations) {
   constexpr double kRatio = 1.0 / std::numbers::phi;
   double low = 0.0, high = 1.0;
@@ -47,7 +47,7 @@ KMinimum golden_section(const KFunction& k, int iterations) {
     }
   }
   const double lambda = 0.5 * (low + high);
-  const double log_t = std::log(lambda) - std::log1p(-lambda);  // infinite if lambda has rounded to 1
+  const double log_t = std::log(lambda) - std::log1p(-lambda);  // infinite if lambda rounds to 1
   return {k(lambda), lambda, std::clamp(log_t, -kMaxLogT, kMaxLogT)};
 }
 

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Gaussians that a task takes at a time: some 0.3 ms.
+/// Gaussians per task: about 0.3 ms.
 constexpr std::size_t kBlock = 2048;
 
 GaussianRecord record_of(const GaussianScene& scene, std::size_t i, const Gaussian& activated,

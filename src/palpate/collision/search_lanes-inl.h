@@ -62,7 +62,7 @@ struct SearchStep {
   HWY_INLINE SearchStep(const KLanes<L>& k, const L& at, const SingleRounding& rounding) {
     const FTerms<L> x(k, at);
     const L tP = at * x.P;
-    const auto finite = tP < std::numeric_limits<float>::max();  // what overflowed proves nothing
+    const auto finite = tP < std::numeric_limits<float>::max();  // an overflow proves nothing
     apart = finite & (tP > x.q * denominator_bound(x, rounding));
     const FSlope<L> slope(x, at);
     t = min(advance(at, newton_step(slope)), L(kLatestT));

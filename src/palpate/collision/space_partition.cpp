@@ -27,7 +27,7 @@ void SpacePartition::split(std::span<Eigen::Vector3f> sample, double weight, std
   const std::size_t self = nodes_.size();
   int axis = 0;
   const bool fits = static_cast<double>(sample.size()) * weight <= static_cast<double>(most);
-  if (fits || box.sizes().maxCoeff(&axis) == 0.0F) {  // or cannot be told apart
+  if (fits || box.sizes().maxCoeff(&axis) == 0.0F) {  // or cannot be separated
     nodes_.push_back({0.0F, 3, static_cast<std::uint32_t>(parts_++)});
     return;
   }
@@ -35,7 +35,7 @@ void SpacePartition::split(std::span<Eigen::Vector3f> sample, double weight, std
   const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
   std::nth_element(sample.begin(), middle, sample.end(), below);
   float plane = (*middle)[axis];
-  if (plane == box.min()[axis]) {  // half of the sample shares it: cut above, or nothing would be below
+  if (plane == box.min()[axis]) {  // half of the sample shares it: cut above, else the lower part is empty
     plane = box.max()[axis];
     for (const Eigen::Vector3f& p : sample) {
       if (p[axis] > box.min()[axis]) plane = std::min(plane, p[axis]);

@@ -11,8 +11,8 @@ namespace {
 constexpr double kFloatRoundoff = 0x1p-24;
 constexpr double kDoubleRoundoff = 0x1p-53;
 
-/// Bringing the tool into the captured frame takes a handful of operations on numbers of the size of the
-/// centre, the translation and the origin; the box is padded by more than these round.
+/// Bringing the tool into the captured frame takes a few operations on numbers of the magnitude of the
+/// centre, the translation and the origin; the box is padded by more than their rounding.
 constexpr double kBoxPadding = 128.0 * kDoubleRoundoff;
 
 }  // namespace
@@ -34,10 +34,10 @@ ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
   const double size = (tool.center.norm() + frame.size) / frame.scale;
   const Eigen::Vector3d reach = half + Eigen::Vector3d::Constant(kBoxPadding * size);
   // Rounding to single precision is off by half a unit in the last place; a whole one and the smallest number
-  // make sure that it is outwards.
+  // round outwards.
   const Eigen::Vector3d outwards = 2.0 * kFloatRoundoff * (center.cwiseAbs() + reach) +
                                    Eigen::Vector3d::Constant(std::numeric_limits<float>::min());
-  // Not infinite: an empty slot's box is, and must not be met.
+  // Finite, since the box of an empty slot is infinite and must not overlap.
   constexpr double kLargest = std::numeric_limits<float>::max();
   low = (center - reach - outwards).cwiseMax(-kLargest).cwiseMin(kLargest).cast<float>();
   high = (center + reach + outwards).cwiseMax(-kLargest).cwiseMin(kLargest).cast<float>();
@@ -45,10 +45,10 @@ ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
   W_float = W.cast<float>();
   for (int axis = 0; axis < 3; ++axis) split(center[axis], center_high[axis], center_low[axis]);
 
-  // The float lanes see d = ((center_high - p) + center_low), off by at most 2 u |d| + 2 u^2 |center|, and
-  // d' = W d with three products a row: |dd'| <= 6 kappa u |d'| + beta. The square of |d'| is off by twice
-  // that, and by its own rounding and that of the reach.
-  const double norm = W.norm();  // Frobenius, not less than the spectral norm
+  // The float lanes compute d = ((center_high - p) + center_low), off by at most 2 u |d| + 2 u^2 |center|,
+  // and d' = W d with three products per row: |dd'| <= 6 kappa u |d'| + beta. The square of |d'| has twice
+  // that error, its own rounding and that of the reach.
+  const double norm = W.norm();  // Frobenius norm, at least the spectral norm
   const Eigen::Vector3d lengths = tool.axes.colwise().norm() / frame.scale;
   const double kappa = norm * lengths.maxCoeff();
   const double beta = norm * 2.0 * kFloatRoundoff * kFloatRoundoff * center.norm();
@@ -58,7 +58,7 @@ ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
          static_cast<float>(norm * norm * (64.0 * kFloatRoundoff + 8.0 * away))};
   cull_slack = static_cast<float>(2.0 * (12.0 * kappa * kFloatRoundoff + 2.0 * beta + 8.0 * kFloatRoundoff));
   // Spectral norm of W: one over the shortest semi-axis. A length is its larger part and less than a unit in
-  // the last place; two more for this number's own rounding.
+  // the last place; two more for the rounding of this number.
   reach_per_length = static_cast<float>((1.0 + 6.0 * kFloatRoundoff) / lengths.minCoeff());
 
   single = {static_cast<float>(2.0 * (14.0 * kFloatRoundoff + 2.0 * beta)),

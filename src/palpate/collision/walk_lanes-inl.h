@@ -31,7 +31,7 @@ struct From {
   HWY_INLINE Floats operator()(const Lanes16<float>& lane) const {
     return Floats::load([&](std::size_t) HWY_ATTR { return &lane[i]; });
   }
-  /// Loads integers reinterpreted as floats: only to be moved.
+  /// Loads integers reinterpreted as floats, only to be moved.
   HWY_INLINE Floats operator()(const Lanes16<std::uint32_t>& lane) const {
     return Floats(hn::BitCast(DFloat(), hn::Load(hn::Rebind<std::uint32_t, DFloat>(), &lane[i])));
   }
@@ -108,7 +108,7 @@ HWY_INLINE void expand(const IndexNode& node, const ToolFrame& tool, const Size&
                        (node_high.x >= low.x) & (node_high.y >= low.y) & (node_high.z >= low.z);
     const Floats child = from(node.child);
     const auto near = and_not(is_apart(node_low, node_high, tool), meets);
-    const auto block = is_negative(child);  // IndexNode::kLeaf is where a float has its sign
+    const auto block = is_negative(child);  // IndexNode::kLeaf is the sign bit of a float
     const auto add = [&](const LaneMask<DFloat, 1>& which, std::uint32_t* list, std::size_t& count) HWY_ATTR {
       const LanePacker<DFloat> pack(which);
       pack(child, reinterpret_cast<float*>(list + count));

@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-/// Of the velocity that a reading tells, as SimulatedDevice has it. Unit: [s].
+/// Time constant of the reported velocity, as in SimulatedDevice. Unit: [s].
 constexpr double kVelocityFilter = 1.6e-3;
-/// After a stop of the clock longer than this the plant goes on from now. Unit: [s].
+/// Longest gap that is simulated: after a longer one the plant restarts at the present time. Unit: [s].
 constexpr double kLongestGap = 0.1;
 
 DeviceCapabilities capabilities_of(const SerialChain& chain, const GiantProperties& properties) {
@@ -52,7 +52,7 @@ GiantDevice::GiantDevice(const SerialChain& chain, std::unique_ptr<JointPlant> p
   for (Told& told : told_) told.q = motion_.position();
 }
 
-/// The drives go for what was told `delay` ago.
+/// The drives follow the setpoints of `delay` ago.
 void GiantDevice::advance(double t) {
   while (shown_ + 1 < told_count_ + 1) {
     const Told& next = told_[shown_ % told_.size()];
@@ -119,7 +119,7 @@ MotionAnswer GiantDevice::move(const MotionSetpoint& motion, double dt) {
     motion_.brake(dt);
     if (motion_.velocity().isZero(0.0)) stopped_.store(false, std::memory_order_relaxed);
   } else if (motion.still) {
-    motion_.brake(dt);  // what redundancy does, too
+    motion_.brake(dt);  // includes null-space motion
   } else {
     motion_.step(motion.pose.in_device_frame(), dt);
   }
@@ -145,7 +145,7 @@ AdmittanceLoopModel loop_model(const SerialChain& chain, const GiantProperties& 
   model.delay = properties.delay;
   model.lag = 1.0 / properties.drives.bandwidth;
   model.sensor_lag = properties.sensor.lag;
-  // Of all joints together: the slowest mode, in the posture of rest. Damping is in proportion to stiffness.
+  // Of all joints together: the slowest mode, in the rest posture. Damping is proportional to stiffness.
   const JointPlantFigures figures(chain, properties.drives);
   ChainKinematics at(chain);
   at.set(ChainLimits(chain).rest);

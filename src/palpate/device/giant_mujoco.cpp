@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-/// MuJoCo refuses bodies without mass or inertia. Unit: [kg], [kg m^2].
+/// Least mass and inertia of a body: MuJoCo rejects zero. Unit: [kg], [kg m^2].
 constexpr double kLeastMass = 1e-6, kLeastInertia = 1e-8;
 
 std::string vector_text(const Eigen::Vector3d& v) {
@@ -35,7 +35,7 @@ std::string inertia_text(const LinkInertia& link) {
       I(1, 2));
 }
 
-/// Dry friction is a constraint that gives way a little; as hard as MuJoCo takes it.
+/// Dry friction is a constraint that yields slightly; as stiff as MuJoCo accepts.
 std::string joint_text(const ChainJoint& joint, double viscous, double coulomb, double step) {
   return fmt::format(
       R"(<joint name="{}" type="{}" axis="{}" damping="{:.17g}" frictionloss="{:.17g}" solreffriction="{:.17g} 1" solimpfriction="0.9999 0.9999 0.001"/>)",
@@ -48,7 +48,7 @@ std::string model_text(const SerialChain& chain, const JointPlantFigures& figure
   std::string bodies, ends, actuators;
   for (int i = 0; i < chain.size(); ++i) {
     ChainJoint joint = chain.joints[static_cast<std::size_t>(i)];
-    joint.name = fmt::format("j{}", i);  // names of files may be no XML
+    joint.name = fmt::format("j{}", i);  // names in the file may not be valid XML
     bodies += fmt::format("<body {}>{}{}", pose_text(joint.origin), inertia_text(joint.link),
                           joint_text(joint, figures.viscous[i], figures.coulomb[i], GiantMujoco::kStep));
     ends += "</body>";
@@ -71,7 +71,7 @@ std::string model_text(const SerialChain& chain, const JointPlantFigures& figure
 
 mjModel* compiled(const SerialChain& chain, const std::string& xml) {
   constexpr const char* kName = "chain.xml";
-  const auto files = std::make_unique<mjVFS>();  // of two megabytes
+  const auto files = std::make_unique<mjVFS>();  // two megabytes
   mj_defaultVFS(files.get());
   mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(xml.size()));
   std::memcpy(files->filedata[0], xml.data(), xml.size());
@@ -100,7 +100,7 @@ struct GiantMujoco::Simulation {
     const mjtNum* q = data->xquat + 4L * hand;
     return {at(data->xpos + 3L * hand), Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
   }
-  /// Of the hand's body, about its origin, along the axes of the world.
+  /// Velocity of the hand's body about its origin, world frame.
   Vector6d tip_velocity() const {
     std::array<mjtNum, 6> v{};  // angular first
     mj_objectVelocity(model.get(), data.get(), mjOBJ_BODY, hand, v.data(), 0);
@@ -123,7 +123,7 @@ GiantMujoco::GiantMujoco(const SerialChain& chain, const JointPlantProperties& p
       path_(std::move(path)),
       simulation_(
           std::make_unique<Simulation>(compiled(chain, model_text(chain, figures_, bandwidth_, grip)))) {
-  mju_user_warning = [](const char*) {};  // no log file; advance() looks for itself
+  mju_user_warning = [](const char*) {};  // no log file; advance() checks for warnings
   start(ChainLimits(chain).rest, 0.0);
 }
 
@@ -152,7 +152,7 @@ void GiantMujoco::step(const JointVector& command) {
   std::copy_n(force.data(), 6, data->xfrc_applied + 6L * simulation_->hand);
   for (int i = 0; i < command.size(); ++i) {
     data->ctrl[i] = command[i];
-    // Of the damper between drive and joint, the drive's side; over a step, as it falls.
+    // Drive-side force of the damper between drive and joint; averaged over the step, as it decays.
     const double fall = -std::expm1(-bandwidth_ * h) / h;
     data->qfrc_applied[i] = figures_.damping[i] * fall * (command[i] - data->act[i]);
   }
@@ -166,11 +166,11 @@ void GiantMujoco::advance(double until, const JointVector& command) {
   if (steps <= 0 || simulation_->broken) return;
   simulation_->model->opt.timestep = (until - data->time) / steps;
   for (int k = 0; k < steps; ++k) step(command);
-  data->time = until;  // not to rounding
+  data->time = until;  // exactly, without rounding
   for (const mjWarningStat& warning : data->warning)
     simulation_->broken = simulation_->broken || warning.number > 0;
   if (simulation_->broken) return;
-  mj_forward(simulation_->model.get(), data);  // places and sensors of now, not of a step ago
+  mj_forward(simulation_->model.get(), data);  // positions and sensors at this time, not one step ago
   tell();
 }
 
@@ -179,7 +179,7 @@ void GiantMujoco::tell() {
 }
 
 Wrench GiantMujoco::hand() const {
-  // What MuJoCo tells is of the last link on the hand, along the axes of the site.
+  // MuJoCo reports the wrench of the last link on the hand, along the axes of the site.
   const Eigen::Quaterniond R = simulation_->tip().orientation;
   const mjtNum* s = simulation_->data->sensordata;
   return {-(R * at(s)), -(R * at(s + 3))};

@@ -70,7 +70,7 @@ void GiantPlant::step(double h, const JointVector& command) {
   const JointVector dq = A.llt().solve(b);
   Vector6d tip_velocity = Vector6d::Zero();
   for (Eigen::Index i = 0; i < n; ++i) tip_velocity += dq[i] * J.col(i);
-  // What is behind the sensor: the hand's spring and damper, less what accelerates its mass.
+  // Load behind the sensor: the hand's spring and damper, less the inertial force of its mass.
   const Vector6d force = scale.cwiseProduct(hand.stiffness * (lag - h * tip_velocity) +
                                             hand.damping * (hand_velocity - tip_velocity) -
                                             hand.mass * (tip_velocity - tip_velocity_) / h);
@@ -90,7 +90,7 @@ void GiantPlant::advance(double until, const JointVector& command) {
   const double h = (until - t_) / steps;
   inertia_ = kinematics_.inertia();
   for (int k = 0; k < steps; ++k) step(h, command);
-  t_ = until;  // not to rounding
+  t_ = until;  // exactly, without rounding
 }
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Of the virtual mass on the scene's stiffness.
+/// Damping ratio of the virtual mass on the scene's stiffness.
 constexpr double kDampingRatio = 0.7;
 
 }  // namespace

@@ -8,8 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Two tones an axis, in the range of physiological tremor, in no simple ratio: they do not repeat within a
-/// run. Unit: [Hz].
+/// Two tones per axis of physiological tremor, in no simple ratio: no repetition within a run. Unit: [Hz].
 constexpr std::array<std::array<double, 2>, 3> kTremor{{{8.3, 11.1}, {9.1, 11.9}, {8.7, 10.3}}};
 
 }  // namespace

@@ -15,7 +15,7 @@ Vector3d shortened(const Vector3d& v, double most) {
   return length > most ? Vector3d(v * (most / length)) : v;
 }
 
-/// What is left of a way after `dt`: it is gone in the end.
+/// Remaining offset after `dt`: reaches zero in finite time.
 Vector3d rest_of(const Vector3d& way, double dt, double least_speed) {
   const double length = way.norm();
   const double gone = std::max(-std::expm1(-dt / LedHand::kFollow) * length, least_speed * dt);
@@ -34,7 +34,7 @@ void LedHand::Trail::add(const Pose& pose) {
     size_ = static_cast<std::size_t>(met - first) + 1;
     return;
   }
-  if (size_ == places_.size()) {  // every other one, and the first
+  if (size_ == places_.size()) {  // keeps every other one, and the first
     for (std::size_t i = 0; 2 * i < size_; ++i) places_[i] = places_[2 * i];
     size_ /= 2;
     stride_ *= 2.0;
@@ -42,7 +42,7 @@ void LedHand::Trail::add(const Pose& pose) {
   places_[size_++] = pose;
 }
 
-/// One step. \returns false once it is where it was taken
+/// One step of the return. \returns false once the hand is where it left its own path
 bool LedHand::go_back(const Pose& own, double dt) {
   const bool elsewhere = (own.position - own_before_.position).norm() > kStride;
   if (elsewhere) trail_.clear();
@@ -72,8 +72,8 @@ Pose LedHand::operator()(double t) {
   t_ = t;
   if (!led && !trail_.empty() && go_back(goal, dt)) return pose_;
   if (led && started_ && trail_.empty()) trail_.add(pose_);
-  // What leads comes in steps, which are followed smoothly; its own way is smooth, and joined while it goes
-  // on.
+  // The external target moves in steps and is followed smoothly; the own path is smooth, and is joined while
+  // it continues.
   const Pose from = led || led_before_ ? goal : own_before_;
   const bool jumped = (goal.position - from.position).norm() > kJump * dt ||
                       turn_between(from.orientation, goal.orientation).norm() > kTurnJump * dt;

@@ -17,14 +17,14 @@ namespace {
 constexpr std::string_view kPathPrefix = "plugin:";
 constexpr std::string_view kExtension = ".so";
 
-// What both sides rely on, whatever compiled them.
+// Layout that both sides rely on, whatever compiled them.
 static_assert(sizeof(PalpateDeviceCapabilities) == 176 && sizeof(PalpateDeviceReading) == 120 &&
               sizeof(PalpateDeviceWrench) == 48);
 static_assert(std::is_trivial_v<PalpateDevicePlugin> && sizeof(PalpateDevicePlugin) == 104);
 static_assert(static_cast<int>(DeviceStatus::kFault) == PALPATE_DEVICE_FAULT &&
               static_cast<int>(DampingSource::kSimulated) == PALPATE_DAMPING_SIMULATED);
 
-/// One line from a plug-in.
+/// Error message of a plug-in.
 using ErrorText = std::array<char, 512>;
 
 std::string text_of(ErrorText& text) {
@@ -106,7 +106,7 @@ class PluginDevice final : public HapticDevice {
     if (function(device_, error.data(), error.size()) != 0) throw Error("{}: {}", path_, text_of(error));
   }
 
-  /// The plug-in's own status, for who asks without asking the plug-in.
+  /// Copies the plug-in's status, for callers that do not query the plug-in.
   void look() {
     const char* text = "";
     const int status = plugin_.status(device_, &text);
@@ -153,7 +153,7 @@ bool is_complete(const PalpateDevicePlugin& p) {
 const PalpateDevicePlugin& load(const std::string& path) {
   if (!std::filesystem::is_regular_file(path))
     throw Error("{}: there is no such file; give the path of a device plug-in", printable(path));
-  // By its path, not by the loader's search for a bare name.
+  // By path, not by the loader's search for a bare name.
   void* library = ::dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) throw Error("{}: cannot be loaded: {}", printable(path), ::dlerror());
   const auto entry =
@@ -174,7 +174,7 @@ const PalpateDevicePlugin& load(const std::string& path) {
   return *plugin;
 }
 
-/// Where programs have what they load: beside themselves where they were built, in lib where installed.
+/// Path of a plug-in: beside the program in the build tree, in lib if installed.
 std::string file_of(const std::string& name) {
   const std::string file = fmt::format("palpate_device_{}{}", name, kExtension);
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path();

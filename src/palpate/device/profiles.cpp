@@ -8,12 +8,12 @@
 namespace palpate {
 namespace {
 
-/// Of a simulated device: as long as ServoLoop waits for a loop that stands still. Unit: [s].
+/// Watchdog of a simulated device: as long as ServoLoop waits for a stalled loop. Unit: [s].
 constexpr double kWatchdog = 0.05;
 
-/// The rest follows from the class of device. force_sustained: the Touch's maker gives a peak and what it
-/// holds for 24 hours, Force Dimension what is held throughout; of the Falcon it is not known.
-/// damping: assumed, of the usual size for such devices (0.1 to 5 N s/m), and not derived from stiffness_max.
+/// Other properties follow from the class of device. force_sustained: the maker of the Touch gives a peak and
+/// a 24-hour force, Force Dimension a continuous force; for the Falcon it is unknown. damping: assumed, of
+/// the usual magnitude for such devices (0.1 to 5 N s/m), and not derived from stiffness_max.
 struct Figures {
   const char* name;
   double force_max, force_sustained, torque_max, stiffness_max, damping_max, workspace, mass, damping,

@@ -10,9 +10,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of the velocity that a reading tells: some 100 Hz, as drivers have it. Unit: [s].
+/// Time constant of the reported velocity: about 100 Hz, as in drivers. Unit: [s].
 constexpr double kVelocityFilter = 1.6e-3;
-/// After a stop of the clock longer than this the plant goes on from now. Unit: [s].
+/// Longest gap that is simulated: after a longer one the plant restarts at the present time. Unit: [s].
 constexpr double kLongestGap = 0.1;
 
 Vector3d rounded(const Vector3d& v, double to) {
@@ -24,8 +24,8 @@ Vector3d clamped(const Vector3d& v, double longest) {
   return norm > longest ? Vector3d(v * (longest / norm)) : v;
 }
 
-/// The velocity after a step of h: the hand's spring and all dampers implicit, dry friction as what it can
-/// stop. \param lag of the handle behind the hand, at the beginning
+/// Velocity after a step of h: the hand's spring and all dampers implicit, dry friction limited to what stops
+/// the motion. \param lag from the handle to the hand, at the beginning
 Vector3d stepped(const Vector3d& v, double h, double mass, const Vector3d& force, const Vector3d& lag,
                  const Vector3d& hand_velocity, const HandProperties& hand, double damping, double coulomb) {
   const double inertia = mass + h * (damping + hand.damping) + h * h * hand.stiffness;
@@ -45,7 +45,7 @@ SimulatedDevice::SimulatedDevice(const DeviceCapabilities& capabilities, const P
 }
 
 void SimulatedDevice::enable() {
-  stop();  // what was written before is not shown
+  stop();  // earlier forces are not rendered
   HapticDevice::enable();
 }
 
@@ -77,8 +77,8 @@ void SimulatedDevice::step(double h) {
   velocity_.linear =
       stepped(before, h, plant_.mass + hand_.mass, shown.force, wanted_.position - pose_.position,
               hand_velocity, hand_, plant_.damping, plant_.coulomb);
-  // Of both ends of the step: with one end alone, the force would act half a step too soon or too late, which
-  // is a twentieth of what makes a wall active.
+  // Averages both ends of the step: with one end alone, the force would act half a step too soon or too late,
+  // which is a twentieth of what makes a wall active.
   const Vector3d moved = 0.5 * h * (before + velocity_.linear);
   pose_.position += moved;
   hand_force_ = hand_.stiffness * (wanted.position - pose_.position) +
@@ -115,7 +115,7 @@ bool SimulatedDevice::read(double t, DeviceReading& reading) {
       static_cast<int>(std::ceil((t - t_) / kStep - 1e-6));  // few: t_ is at most kLongestGap ago
   const double h = steps > 0 ? (t - t_) / steps : 0.0;
   for (int k = 0; k < steps; ++k) step(h);
-  t_ = t;  // not to rounding
+  t_ = t;  // exactly, without rounding
 
   Pose seen;
   seen.position = rounded(pose_.position, plant_.resolution);

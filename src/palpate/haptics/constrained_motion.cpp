@@ -8,20 +8,21 @@
 namespace palpate {
 namespace {
 
-/// Sweeps at most, and the change, in metres, that ends them: a hundredth of what a device resolves.
+/// Largest number of sweeps, and the change that ends them: a hundredth of a device's resolution. Unit: [m].
 constexpr int kSweeps = 128;
 constexpr double kSmall = 1e-8;
 
-/// Planes that are looked at, in all sweeps together: 0.1 ms. Where there are so many planes that they
-/// end early, the motion enters one by a little, and the next one comes out of it.
+/// Largest number of planes examined in all sweeps: 0.1 ms. With so many planes that this ends the sweeps
+/// early, the motion enters a plane slightly, and the next one leaves it.
 constexpr std::size_t kMostRelaxed = 8192;
 
-/// A motion on the way to its end. \param gyration as for length_of(). Unit: [m].
+/// Gauss-Seidel iteration from the wanted to the constrained motion. \param gyration as for length_of().
+/// Unit: [m].
 class Solver {
  public:
   Solver(const Motion& wanted, double gyration, std::span<MotionConstraint> planes)
       : motion_(wanted), inverse_inertia_(1.0 / (gyration * gyration)) {
-    double farthest = 0.0;  // squared, of all points from the handle
+    double farthest = 0.0;  // largest distance of a point from the handle, squared
     for (MotionConstraint& plane : planes) {
       plane.push = plane.clear_until = 0.0;
       plane.drag.setZero();
@@ -31,13 +32,12 @@ class Solver {
   }
 
   const Motion& motion() const { return motion_; }
-  /// How often a plane has been looked at.
+  /// Number of planes examined.
   std::size_t relaxed() const { return relaxed_; }
 
-  /// Mends what `plane` has against the motion. \returns the change of its push and drag. Unit: [m].
+  /// Removes the violation of `plane` by the motion. \returns the change of its push and drag. Unit: [m].
   double relax(MotionConstraint& plane) {
-    // Most planes of a tool of many parts are far from it: until others have moved it there, they are left
-    // alone.
+    // Most planes of a tool of many parts are far from it: they are skipped until others have moved it there.
     if (way_ < plane.clear_until) return 0.0;
     ++relaxed_;
     const double missing = -(plane.gap + plane.normal.dot(plane.of(motion_)));
@@ -52,7 +52,7 @@ class Solver {
   }
 
  private:
-  /// How far the point moves along `direction` for a unit of push that way.
+  /// Displacement of the point along `direction` per unit of push in that direction.
   double give(const MotionConstraint& plane, const Eigen::Vector3d& direction) const {
     return 1.0 + inverse_inertia_ * plane.arm.cross(direction).squaredNorm();
   }
@@ -75,9 +75,9 @@ class Solver {
 
   Motion motion_;
   double inverse_inertia_;  ///< Unit: [1/m^2].
-  double way_ = 0.0;        ///< that any point has been moved so far, at most. Unit: [m].
+  double way_ = 0.0;        ///< upper bound of the displacement of any point so far. Unit: [m].
   std::size_t relaxed_ = 0;
-  double way_of_push_;  ///< how far a push moves any point, at most. Unit: [m/m].
+  double way_of_push_;  ///< upper bound of the displacement of any point per push. Unit: [m/m].
 };
 
 }  // namespace

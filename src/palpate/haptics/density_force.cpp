@@ -7,13 +7,13 @@
 namespace palpate {
 namespace {
 
-/// Weight of the new value in an exponential moving average of time constant `tau` after `dt`. [s]
+/// Weight of the new value in an exponential moving average of time constant `tau` after `dt`. Unit: [s].
 double blend(double dt, double tau) { return tau > 0.0 ? -std::expm1(-dt / tau) : 1.0; }
 
 }  // namespace
 
 WeightedContact weighted_contact(std::span<const Contact> contacts) {
-  // K is in (0, 1], so that the exponentials need no largest one taken out of them.
+  // K is in (0, 1], so that the softmax needs no shift by its largest exponent.
   double total = 0.0;
   WeightedContact sum{Eigen::Vector3d::Zero(), 0.0};
   for (const Contact& c : contacts) {

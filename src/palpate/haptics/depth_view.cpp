@@ -21,28 +21,28 @@
 #define PALPATE_DEPTH_VIEW_JOB
 namespace palpate {
 
-/// What the lanes are told of a view.
+/// Parameters of a view, for the SIMD code.
 struct ViewJob {
   Eigen::Vector3f u, v, w;
   Eigen::Vector2f center;  ///< of the rays
-  float reach;             ///< from there
-  float since, start;      ///< depths: of the light that comes in, and from where on something is seen
-  float known;             ///< depth that rays begin before, whatever the solid hides
-  float end;               ///< the depth that the larger solid reaches
+  float reach;             ///< largest distance of a ray from it
+  float since, start;      ///< depths: from which rays are attenuated, and of the first possible hit
+  float known;             ///< depth at which rays begin at the latest, even if behind the solid
+  float end;               ///< largest depth of the larger solid
   Eigen::Vector2f anchor;  ///< see RayPattern
   Eigen::Matrix2f to_cell;
 };
 
-/// The lanes' way to what DepthView keeps to itself.
+/// Access of the SIMD code to the private members of DepthView.
 struct DepthViewLanes {
   DepthView& view;
 
   static constexpr std::size_t kRegular = DepthView::kRegular, kRays = DepthView::kRays;
-  /// Where a splat ends, in standard deviations.
+  /// Mahalanobis distance at which a splat ends.
   static constexpr float kEnd = CandidateCache::kDrawn;
   static constexpr std::uint32_t kBins = DepthView::kBins;
   static constexpr float kMostAlpha = 0.99F;
-  /// What the mean depth is the mean over.
+  /// Transmittances between which the mean depth is taken.
   static constexpr float kBright = 0.75F, kDim = 0.25F;
 
   const auto& from() const { return view.from_; }
@@ -112,7 +112,7 @@ HWY_INLINE Vec3 load3(const Lanes& lanes, std::size_t i) {
   return {hn::Load(D(), &lanes[0][i]), hn::Load(D(), &lanes[1][i]), hn::Load(D(), &lanes[2][i])};
 }
 
-/// A ray's way through an ellipsoid, in all lanes; see Profile.
+/// Chord of an ellipsoid along a ray, one per lane; see Profile.
 struct Chord {
   V facing, middle, per_cc;
 
@@ -128,7 +128,7 @@ struct Chord {
   HWY_INLINE V far() const { return hn::Mul(hn::Add(middle, half()), per_cc); }
 };
 
-/// The image of all splats that are in the window.
+/// Projects the splats and keeps those in the window.
 void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid, const Profile& larger,
              DepthViewLanes lanes) {
   const D d;
@@ -146,7 +146,7 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
         hn::And(hn::Ge(hn::Add(pz, extent), set(job.since)), hn::Le(hn::Sub(pz, extent), set(job.end))));
     keep = hn::And(keep, hn::FirstN(d, splats.size - i));
     if (hn::AllFalse(d, keep)) continue;
-    // Rows of L times u, v, w and the way to the centre.
+    // Rows of L times u, v, w and the vector to the centre.
     const auto L = [&](std::size_t row) HWY_ATTR {
       return Vec3{hn::LoadU(d, &splats.whitening[3 * row][i]),
                   hn::LoadU(d, &splats.whitening[3 * row + 1][i]),
@@ -156,26 +156,26 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     const Vec3 lw{a.dot(job.w), b.dot(job.w), e.dot(job.w)}, lu{a.dot(job.u), b.dot(job.u), e.dot(job.u)},
         lv{a.dot(job.v), b.dot(job.v), e.dot(job.v)};
     const V ww = lw.dot(lw), per_ww = hn::Div(set(1.0F), ww);
-    // Depth of the nearest point of a ray, by the Gaussian's measure: linear in its place.
+    // Depth at which a ray has the least Mahalanobis distance: linear in the position of the ray.
     const V tx = hn::Neg(hn::Mul(lw.dot(lu), per_ww)), ty = hn::Neg(hn::Mul(lw.dot(lv), per_ww));
     const V t0 = hn::NegMulAdd(tx, px, hn::NegMulAdd(ty, py, pz));
-    // m^2 about the splat's own image: |(dx lu + dy lv) x lw|^2 / ww.
+    // m^2 relative to the projected centre: |(dx lu + dy lv) x lw|^2 / ww.
     const Vec3 cu = lu.cross(lw), cv = lv.cross(lw);
     const V quu = hn::Mul(cu.dot(cu), per_ww), quv = hn::Mul(cu.dot(cv), per_ww),
             qvv = hn::Mul(cv.dot(cv), per_ww);
-    // What is drawn is in a rectangle about that, 3 / sqrt(det Q) times sqrt(qvv) and sqrt(quu) large.
+    // It is drawn in a rectangle about that, of half sides 3 / sqrt(det Q) times sqrt(qvv) and sqrt(quu).
     const V det = hn::Max(hn::NegMulAdd(quv, quv, hn::Mul(quu, qvv)), set(1e-30F));
     const V unit = hn::Div(set(DepthViewLanes::kEnd), hn::Sqrt(det)), reach = set(job.reach);
     keep = hn::And(keep, hn::Le(hn::Abs(dx), hn::MulAdd(unit, hn::Sqrt(qvv), reach)));
     keep = hn::And(keep, hn::Le(hn::Abs(dy), hn::MulAdd(unit, hn::Sqrt(quu), reach)));
-    // And is met no farther than so much before or behind its middle.
+    // Rays meet it at most so much before or behind its centre.
     const V tilt =
         hn::MulAdd(tx, hn::NegMulAdd(hn::Add(ty, ty), quv, hn::Mul(tx, qvv)), hn::Mul(hn::Mul(ty, ty), quu));
     const V thick = hn::Mul(unit, hn::Sqrt(hn::ZeroIfNegative(tilt)));
     keep = hn::And(
         keep, hn::And(hn::Ge(hn::Add(pz, thick), set(job.since)), hn::Le(hn::Sub(pz, thick), set(job.end))));
-    // Whether a point of the lattice may be in that: one that is small compared with a cell may lie between
-    // them.
+    // Whether a lattice point may be in that rectangle: a splat small compared with a cell may lie between
+    // lattice points.
     const auto& T = job.to_cell;
     const V ax = hn::Sub(px, set(job.anchor.x())), ay = hn::Sub(py, set(job.anchor.y()));
     const V cx = hn::MulAdd(ax, set(T(0, 0)), hn::Mul(ay, set(T(0, 1)))),
@@ -191,11 +191,11 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     const auto meets_row = hn::Le(hn::Abs(hn::NegMulAdd(row, set(kRow), cy)), high);
     const auto meets_point = hn::Le(hn::Abs(hn::Sub(along, hn::Round(along))), wide);
     const auto regular = hn::Or(hn::Ge(high, set(0.5F * kRow)), hn::And(meets_row, meets_point));
-    // Order: as deep as it is towards the window's centre, as far as it reaches.
+    // Sort key: depth at the point of the splat, within its extent, nearest to the window's centre.
     const V towards = hn::Min(set(1.0F), hn::Div(radius, hn::Max(away, set(1e-12F))));
     const V slope = hn::Neg(hn::Mul(towards, hn::MulAdd(tx, dx, hn::Mul(ty, dy))));
     const V key = hn::Add(pz, hn::Max(hn::Neg(radius), hn::Min(radius, slope)));
-    // How far it is from the solid, at its own place.
+    // Clearance from the solid at the projected centre.
     const Chord chord(solid, px, py);
     const auto is_below =
         hn::And(hn::Gt(chord.facing, set(Profile::kLeastFacing * solid.cc)),
@@ -222,7 +222,7 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
   lanes.size() = size;
 }
 
-/// The numbers of the splats that are nearest below the solid, nearest first. \returns how many there are.
+/// Finds the splats nearest below the solid, nearest first. \returns their number.
 std::size_t FindNearest(DepthViewLanes lanes, std::span<std::uint32_t> found) {
   const D d;
   const float* below = lanes.below();
@@ -242,8 +242,8 @@ std::size_t FindNearest(DepthViewLanes lanes, std::span<std::uint32_t> found) {
   return count;
 }
 
-/// Which splats of the window rays may meet, of which blocks, and where they are in the order.
-/// \returns how many there are.
+/// Selects the splats of the window that rays may meet, with their blocks of rays and their depth bins.
+/// \returns their number.
 std::size_t Choose(const ViewJob& job, DepthViewLanes lanes) {
   constexpr std::uint32_t kExtraBlocks = ~0U << (DepthView::kRegular / DepthView::kBlock);
   const D d;
@@ -279,7 +279,7 @@ std::size_t Choose(const ViewJob& job, DepthViewLanes lanes) {
   return count;
 }
 
-/// A splat, in all lanes.
+/// A splat, the same in all lanes.
 struct Drawn {
   V t0, tx, ty, px, py, quu, quv, qvv, log_alpha;
 
@@ -299,7 +299,7 @@ struct Drawn {
     return hn::MulAdd(dx, hn::MulAdd(dx, quu, hn::Mul(dy, quv)), hn::Mul(hn::Mul(dy, dy), qvv));
   }
   HWY_INLINE V depth(V x, V y) const { return hn::MulAdd(x, tx, hn::MulAdd(y, ty, t0)); }
-  /// \param m2 what is beyond the end is taken for the end: exponentials that underflow are slow.
+  /// \param m2 is clamped at the end of the splat: exponentials that underflow are slow.
   HWY_INLINE V alpha(V m2) const {
     const D d;
     const V drawn = hn::Min(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd));
@@ -307,8 +307,8 @@ struct Drawn {
   }
 };
 
-/// Where the rays from number k on may meet it: what is outside the larger solid counts as not there, as it
-/// might not have been found.
+/// Mask of the rays from number k on that may meet the splat: whatever is outside the larger solid is
+/// ignored, as the search may not have found it.
 HWY_INLINE auto is_drawn(DepthViewLanes& lanes, std::size_t k, V t, V m2) {
   const D d;
   const auto inside =
@@ -316,8 +316,9 @@ HWY_INLINE auto is_drawn(DepthViewLanes& lanes, std::size_t k, V t, V m2) {
   return hn::And(inside, hn::Lt(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd)));
 }
 
-/// Where the rays are in the larger solid, and where they begin: a quarter of their way through the solid, so
-/// that what is behind it is not taken for what is in front, and before what is known to be there.
+/// Computes the interval of each ray in the larger solid, and where it begins: a quarter of its way through
+/// the solid, so that surfaces behind the solid are not taken for surfaces in front of it, and at most at the
+/// known depth.
 void Bound(const ViewJob& job, const Profile& solid, const Profile& larger, DepthViewLanes lanes) {
   const D d;
   for (std::size_t k = 0; k < DepthViewLanes::kRays; k += hn::Lanes(d)) {
@@ -332,7 +333,7 @@ void Bound(const ViewJob& job, const Profile& solid, const Profile& larger, Dept
   }
 }
 
-/// Calls `visit(k)` for the vectors of rays that may meet the splat, of the blocks in `lit`.
+/// Calls `visit(k)` for each vector of rays, of the blocks in `lit`, that may meet the splat.
 template <class Visit>
 HWY_INLINE void for_rays(const SplatImage& image, std::uint32_t lit, const Visit& visit) {
   for (std::uint32_t left = lit & image.blocks; left != 0; left &= left - 1) {
@@ -341,7 +342,7 @@ HWY_INLINE void for_rays(const SplatImage& image, std::uint32_t lit, const Visit
   }
 }
 
-/// Takes from the light of all rays what is lost before the depth where something may be seen.
+/// Attenuates all rays up to the depth of the first possible hit.
 void Shade(const ViewJob& job, DepthViewLanes lanes) {
   const D d;
   for (const SplatImage& image : lanes.images()) {
@@ -358,7 +359,7 @@ void Shade(const ViewJob& job, DepthViewLanes lanes) {
   }
 }
 
-/// The blocks of rays some of which have light.
+/// The blocks with a ray that has transmittance left.
 HWY_INLINE std::uint32_t lit_blocks(DepthViewLanes& lanes) {
   const D d;
   std::uint32_t lit = 0;
@@ -369,7 +370,7 @@ HWY_INLINE std::uint32_t lit_blocks(DepthViewLanes& lanes) {
   return lit;
 }
 
-/// Follows all rays, front to back.
+/// Traces all rays front to back.
 void Cast(DepthViewLanes lanes) {
   const D d;
   const DU du;
@@ -488,12 +489,12 @@ HWY_EXPORT(Moments);
 
 using Eigen::Vector3d;
 
-/// Rows of a triangular lattice whose neighbours are 1 apart.
+/// Distance of the rows of a triangular lattice with unit spacing.
 constexpr double kRow = 0.86602540378443865;
-/// Neighbours of a pattern, of its radius: pi / (kRow 0.26^2) = 54 points on average, and never as many as
-/// there is room for.
+/// Spacing of a pattern relative to its radius: pi / (kRow 0.26^2) = 54 points on average, and never as many
+/// as its capacity.
 constexpr double kSpacing = 0.26;
-/// Where a ray that is not wanted meets nothing. Unit: [m].
+/// Position of an unused extra ray, which meets nothing. Unit: [m].
 constexpr float kFarAway = 1e6F;
 
 }  // namespace
@@ -506,7 +507,7 @@ ViewFrame ViewFrame::along(const Vector3d& w, const Vector3d& origin, const Vect
 }
 
 Profile::Profile(const Ellipsoid& solid, const ViewFrame& view) {
-  // Axes are orthogonal: the inverse has their rows over their squared lengths.
+  // The axes are orthogonal: the rows of the inverse are the axes over their squared lengths.
   Eigen::Matrix3d B = solid.axes.transpose();
   for (Eigen::Index k = 0; k < 3; ++k) B.row(k) /= solid.axes.col(k).squaredNorm();
   const Vector3d u = B * view.u, v = B * view.v, c = B * view.w, a = u.cross(c), b = v.cross(c);
@@ -535,7 +536,7 @@ RayPattern::RayPattern(const Eigen::Matrix2d& shape, const Eigen::Vector2d& cent
       anchor(anchor_),
       to_cell(shape.inverse() / kSpacing) {
   const Eigen::Vector2d from = to_cell * (anchor - center);
-  constexpr int kRows = 6;  // more than 1 / (kRow kSpacing), and half a cell
+  constexpr int kRows = 6;  // more than 1 / (kRow kSpacing) plus half a cell
   for (int b = -kRows; b <= kRows; ++b) {
     for (int a = -kRows - (b - 1) / 2; a <= kRows - (b - 1) / 2 && size < kMost; ++a) {
       const Eigen::Vector2d place(a + 0.5 * b, kRow * b);
@@ -564,7 +565,7 @@ RayPattern RayPattern::over_ellipse(const Eigen::Matrix2d& shape, const Eigen::V
 }
 
 RayPattern RayPattern::on_lattice(const Eigen::Vector2d& center, double radius, Eigen::Vector2d& anchor) {
-  // The lattice point nearest to the centre, but for a cell.
+  // The lattice point nearest to the centre, to within a cell.
   const double spacing = kSpacing * radius;
   const Eigen::Vector2d away = (center - anchor) / spacing;
   const double j = std::round(away.y() / kRow), i = std::round(away.x() - 0.5 * j);
@@ -608,7 +609,7 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   for (std::size_t k = 0; k < kRays; ++k) {
     left_[k] = std::max(left_[k], kSeen);
     if (k < kRegular) light.left[k] = left_[k];
-    if (!(near_[k] < far_[k])) left_[k] = 0.0F;  // has nothing to look at
+    if (!(near_[k] < far_[k])) left_[k] = 0.0F;  // outside the larger solid
   }
   light.since = start;
   incoming_ = left_;
@@ -616,8 +617,8 @@ void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Pro
   HWY_DYNAMIC_DISPATCH(Clear)(profile, lanes);
 }
 
-/// In the middle, where it is asked for, through what is nearest below the solid, and about where it is asked
-/// for.
+/// Places the extra rays: in the middle, at the aim, through the splats nearest below the solid, and around
+/// the aim.
 void DepthView::aim_extra_rays(const RayPattern& pattern, const RayLight& light) {
   constexpr std::size_t kFixed = 2;
   std::array<std::uint32_t, kSought - kFixed> found;
@@ -665,7 +666,7 @@ void DepthView::bound_blocks() {
   }
 }
 
-/// The chosen ones by depth, to a part of the whole range that is finer than what is felt.
+/// Sorts the selected splats by depth bin: a fraction of the range that is finer than can be felt.
 void DepthView::order(std::size_t count) {
   std::array<std::uint32_t, kBins + 1> first{};
   for (std::size_t n = 0; n < count; ++n) ++first[bin_[n] + 1];

@@ -14,7 +14,7 @@ constexpr double kCore = 0.1;                                    // s_0
 
 double cube(double x) { return x * x * x; }
 
-/// How deep one contact is, in [0, 13/16], and how fast that falls with f = 1 - K = g^2.
+/// Depth e of one contact, in [0, 13/16], and its derivative by f = 1 - K = g^2.
 struct Shrinkage {
   double e, by_f;
 
@@ -33,8 +33,8 @@ struct Shrinkage {
 
 double shrinkage(const Contact& contact) { return Shrinkage(contact).e; }
 
-/// Where the centre of a part is from that of a Gaussian it touches, d, as far as that tells which way the
-/// surface lies: drawn in to d / (1 + (q - 1)^3)^(1/6) where q = d^T B^-1 d > 1.
+/// Vector d from the centre of a Gaussian to that of a touching part, shortened to d / (1 + (q - 1)^3)^(1/6)
+/// where q = d^T B^-1 d > 1: what lies farther says less about the direction of the surface.
 struct Offset {
   Eigen::Vector3d d, by_d;  ///< d and B^-1 d = dq/dd / 2
   double scale = 1.0, scale_by_q = 0.0;
@@ -64,7 +64,7 @@ struct PartContacts {
   Eigen::Vector3d r;              ///< mean of Offset::value()
   double reach = 0.0;             ///< L. Unit: [m].
   Eigen::Vector3d by_r;           ///< dL / dr
-  bool round;                     ///< a ball: L is its radius whatever r is, which is not worked out then
+  bool round;                     ///< a ball: L is its radius, and r is not computed
 
   PartContacts(std::span<const Contact> of_part, const ToolPart& part, const Pose& tool)
       : contacts(of_part), center((tool * part.pose).position), r(Eigen::Vector3d::Zero()) {
@@ -95,7 +95,7 @@ struct PartContacts {
   }
 };
 
-/// Visits the parts that touch something, in order: visit(PartContacts).
+/// Visits the parts in contact, in order: visit(PartContacts).
 template <class Visit>
 void for_each_part(const ContactSet& contacts, const Tool& tool, const Pose& pose, const Visit& visit) {
   std::span<const Contact> rest(contacts.contacts);
@@ -109,8 +109,8 @@ void for_each_part(const ContactSet& contacts, const Tool& tool, const Pose& pos
   }
 }
 
-/// Adds to dD what follows from the contacts of one part. \param mean sum alpha x^(p+1) / sum alpha x^p over
-/// the tool, and `weight` the latter sum, x = e L
+/// Adds to dD the terms of the contacts of one part. \param mean sum alpha x^(p+1) / sum alpha x^p over the
+/// tool \param weight the latter sum, x = e L
 void add_gradient(const PartContacts& part, double mean, double weight, const Pose& pose,
                   FieldDepth& result) {
   const auto by_x = [&](const Contact& c, double x) {
@@ -131,15 +131,16 @@ void add_gradient(const PartContacts& part, double mean, double weight, const Po
     double by_e = by_x(c, shrunk.e * part.reach) * part.reach;
     if (!part.round) {
       const Offset offset(part.inverse_shape, d);
-      const double share = c.opacity * shrunk.e * shrunk.e / part.weight;  // in r, over e
+      const double share = c.opacity * shrunk.e * shrunk.e / part.weight;  // weight in r, divided by e
       by_e += by_reach * kPower * share * part.by_r.dot(offset.value() - part.r);
-      // Turning the tool changes d, seen from the part, as if the Gaussian's centre were a point of the tool.
+      // Rotating the tool changes d, in the part's frame, as if the Gaussian's centre were a point of the
+      // tool.
       add(by_reach * share * shrunk.e * offset.by(part.by_r), c.center);
     }
     // f = 1 - K = l (1 - l) d^T y and df/dx = 2 l (1 - l) y with y = M^-1 d along the normal n (envelope
-    // theorem), hence df/dx = 2 f / (d . n) n. That is of the order of d: where centres coincide there is no
-    // way out, and no force. Turning the tool moves its mass at m(lambda) against the Gaussian as translating
-    // it would.
+    // theorem), hence df/dx = 2 f / (d . n) n. That is of the order of d: where centres coincide no direction
+    // leads out, and there is no force. Rotating the tool moves its point m(lambda) relative to the Gaussian
+    // as translating it would.
     const double apart = d.dot(c.normal);
     if (apart > 0.0) add((by_e * shrunk.by_f * 2.0 * (1.0 - c.k_min) / apart) * c.normal, c.point);
   }
@@ -157,7 +158,7 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
     }
   });
   FieldDepth result;
-  if (!(weight > 0.0)) return result;  // none, or so shallow that nothing is left of them
+  if (!(weight > 0.0)) return result;  // no contacts, or so shallow that their weights vanish
   const double mean = weighted / weight;
   result.depth = kEvenSpread * mean;
   for_each_part(contacts, tool, pose, [&](const PartContacts& part) {
@@ -166,7 +167,7 @@ FieldDepth field_depth(const ContactSet& contacts, const Tool& tool, const Pose&
   return result;
 }
 
-/// Where the spring ends, and the force is k D_m |dD/dx| from then on. |dD/dx| is at most c of a single
+/// Depth D_m at which the spring ends; beyond, the force is k D_m |dD/dx|. |dD/dx| is at most c for a single
 /// Gaussian. Unit: [m].
 double FieldForce::end_of_spring(const ForceInput& input) const {
   return input.force_max / (kEvenSpread * parameters_.stiffness);

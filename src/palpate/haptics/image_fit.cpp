@@ -14,12 +14,12 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Slope and curvature are held back as by this share of all rays, at one detail, that say there is none.
+/// Priors that slope and curvature are zero: weights as fractions of all rays, at a distance of one detail.
 constexpr double kSlopePrior = 5e-4, kCurvaturePrior = 1e-3, kSaddlePrior = 5e-2;
-/// Fits of what is seen, each less moved by what is far from the one before.
+/// Number of fits; each gives less weight to hits far from the one before.
 constexpr int kFits = 3;
-/// What is farther from the first fit than this counts half; from a later one, what is farther than kFar
-/// times the roughness. In details.
+/// Distance at which a hit counts half: kFirstSpread from the first fit; from later ones, kFar times the
+/// roughness, at least kLeastSpread. In details.
 constexpr double kFirstSpread = 1.0, kLeastSpread = 0.15, kFar = 2.0;
 
 }  // namespace
@@ -52,9 +52,9 @@ double start_of(const Profile& profile, const Vector2d& place) {
   return depth_of(profile, place) - 1.5 * half;
 }
 
-// The least of (x, y) m - half(x, y) / 2 over the silhouette, m the slope of their middles, is
-// -sqrt(M^2 + H^2 / 4), with M the largest of the middles, H the longest half, and M^2 + H^2 the square of
-// how far the solid reaches.
+// The minimum of (x, y) m - half(x, y) / 2 over the silhouette, with m the slope of the chords' midpoints, is
+// -sqrt(M^2 + H^2 / 4), with M the largest midpoint, H the longest half chord, and M^2 + H^2 the square of
+// the solid's reach.
 double start_of_all(const Profile& profile, const Ellipsoid& solid, const Vector3d& along) {
   const double reach_squared = (solid.axes.transpose() * along).squaredNorm();
   return -std::sqrt(std::max(0.0, reach_squared - 0.75 / static_cast<double>(profile.cc)));

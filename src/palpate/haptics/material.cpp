@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Whether a shape holds a Gaussian.
+/// Returns true if a shape contains a Gaussian.
 struct Contains {
   std::uint32_t id;
   const Eigen::Vector3d& center;

@@ -13,11 +13,11 @@ namespace {
 using Parts = std::span<const ToolPart>;
 using Members = std::span<std::size_t>;
 
-/// A group is one if its parts together cost so much more than it does: that they do nearer to a surface than
-/// it ends pays for those that are farther.
+/// Least cost of the parts of a group, relative to its own: what the group saves near a surface then pays for
+/// its cost where the surface meets only the group's solid.
 constexpr double kWorth = 1.1;
 
-/// The box of the centres of `members`, in the tool frame.
+/// Bounding box of the centres of `members`, in the tool frame.
 Eigen::AlignedBox3d box_of(Parts parts, Members members) {
   Eigen::AlignedBox3d box;
   for (const std::size_t k : members) box.extend(parts[k].pose.position);
@@ -25,8 +25,8 @@ Eigen::AlignedBox3d box_of(Parts parts, Members members) {
 }
 
 /// The Minkowski sum of an ellipsoid with semi-axes a_i and a ball of radius r is inside the ellipsoid with
-/// semi-axes b_i^2 = (1 + 1/c) a_i^2 + (1 + c) r^2, for every c > 0: of some, the one of least volume. A box
-/// with half sides h_i is inside the ellipsoid with a_i = sqrt(d) h_i, where d of them are not zero.
+/// semi-axes b_i^2 = (1 + 1/c) a_i^2 + (1 + c) r^2, for every c > 0; the least volume of several c is taken.
+/// A box with half sides h_i is inside the ellipsoid with a_i = sqrt(d) h_i, where d of them are not zero.
 ToolPart solid_around(Parts parts, Members members) {
   const Eigen::AlignedBox3d box = box_of(parts, members);
   double radius = 0.0;
@@ -36,7 +36,7 @@ ToolPart solid_around(Parts parts, Members members) {
   Eigen::Array3d best = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
   constexpr int kTries = 24;
   for (int k = 0; k < kTries; ++k) {
-    const double c = 0.0625 * std::pow(1.2, k);  // to 4
+    const double c = 0.0625 * std::pow(1.2, k);  // up to 4
     const Eigen::Array3d tried = (1.0 + 1.0 / c) * squared + (1.0 + c) * radius * radius;
     if (tried.prod() < best.prod()) best = tried;
   }
@@ -49,7 +49,7 @@ bool is_group(Parts parts, Members members, const ToolPart& solid) {
   return members.size() <= kMostInGroup && kWorth * section(solid) <= sections;
 }
 
-/// Halves `members` across the longest side of their box until they are groups.
+/// Halves `members` across the longest side of their box until all parts are groups.
 void divide(Parts parts, Members members, std::vector<PartGroup>& groups) {
   if (members.size() == 1) {
     groups.push_back({parts[members[0]], {members[0]}});

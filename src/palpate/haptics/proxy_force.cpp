@@ -13,16 +13,16 @@
 namespace palpate {
 namespace {
 
-/// A step of the proxy that is not worth another, as a share of the longest: over so short a way, the surface
-/// is as flat as it was taken for, to a hundredth of it, and the next tick goes on from there.
+/// Length of a step, as a fraction of the longest, below which the next tick continues: over so short a
+/// distance, the surface deviates from its patches by no more than a hundredth of it.
 constexpr double kSettled = 0.1;
 
-/// From one pose to another.
+/// Motion from one pose to another.
 Motion motion_between(const Pose& from, const Pose& to) {
   return {to.position - from.position, turn_between(from.orientation, to.orientation)};
 }
 
-/// The pose at the end of a motion.
+/// Pose at the end of a motion.
 Pose after(const Pose& from, const Motion& motion) {
   return {from.position + motion.translation, (rotation_by(motion.rotation) * from.orientation).normalized()};
 }
@@ -32,48 +32,47 @@ Motion blend(const Motion& a, const Motion& b, double of_b) {
           a.rotation + of_b * (b.rotation - a.rotation)};
 }
 
-/// How much faster than the tool the proxy may move. What the proxy stands on may change in an instant, where
-/// a fit finds another patch; the force then changes by 0.05 N a millisecond at 500 N/m, which a hand does
-/// not take for an edge, and the proxy does not overshoot where the surface is more bent than it looks. Unit:
-/// [m/s].
+/// Largest speed of the proxy in excess of the tool's. The constraints may change at once where a fit finds
+/// another patch; the force then changes by 0.05 N a millisecond at 500 N/m, which a hand does not perceive
+/// as an edge, and the proxy does not overshoot where the surface is more curved than it looks. Unit: [m/s].
 constexpr double kCatchUp = 0.1;
 
-/// A spring whose stiffness changes changes its force as if the proxy moved so fast. Unit: [m/s].
+/// Limit of the force change by a change of stiffness, as an equivalent speed of the proxy. Unit: [m/s].
 constexpr double kSoften = 0.03;
 
-/// And what is left of kCatchUp where the proxy has no direction at all.
+/// Least fraction of kCatchUp, for a proxy without any direction.
 constexpr double kLeastPurpose = 0.01;
 
-/// No hand moves so far in a tick: a tool that does is taken for one that starts there. Unit: [m].
+/// Motion in a tick beyond which the tool restarts: no hand moves so far. Unit: [m].
 constexpr double kJump = 1.0;
 
-/// What a spring of no stiffness counts as, where one is divided by. Unit: [N/m].
+/// Lower bound of a stiffness that is divided by. Unit: [N/m].
 constexpr double kLeastStiffness = 1.0;
 
-/// The way over which the heading of a part is averaged, as a share of its thinnest semi-axis.
+/// Distance over which the heading of a part is averaged, as a fraction of its shortest semi-axis.
 constexpr double kHeadingOfTool = 0.25;
-/// The heading is one if it is this long, and is where the part is going if the cosine between both is this.
+/// Least length of the heading for it to replace the direction to the target, and least cosine between both.
 constexpr double kStraight = 0.3, kSameWay = 0.5;
-/// A part looks farther than it goes by this share of the detail, and again where the cosine between both
-/// ways is less.
+/// Excess of a view over the motion, as a fraction of the detail, and least cosine between the two directions
+/// for a view to be reused.
 constexpr double kAhead = 0.01, kSameLook = 0.95;
 
-/// Of what a part slides into, it meets this with its front: the least cosine between both. What is lower
-/// is under it, where it has looked already: bumps of what it slides on are no walls.
+/// Least cosine between the motion of a part and the inward normal at which it meets a surface head-on.
+/// Surfaces lower down are under it, where it has looked already: bumps of what it slides on are no walls.
 constexpr double kHeadOn = 0.98;
 
-/// How often a step turns at what it finds on its way: a floor, a wall, and a corner of both.
+/// How often a step is computed anew for surfaces found along it: a floor, a wall, and a corner of both.
 constexpr int kMostTurns = 3;
 
-/// A part whose longest semi-axis is no longer than this many of its shortest sweeps over nothing where it
-/// turns, and one whose ends hardly move, in details, over next to nothing.
+/// Largest ratio of the longest to the shortest semi-axis at which a rotation of the part sweeps over
+/// nothing, and least motion of its ends, in details, that needs a view.
 constexpr double kRound = 1.05, kLeastSweep = 1e-3;
 
-/// How much of a patch's window is looked at.
+/// Fraction of a patch's window that is viewed.
 constexpr double kShown = 0.88;
 
-/// Time constant of the velocity that damping goes by: a tenth of the shortest time that a hand takes to turn
-/// round. Unit: [s].
+/// Time constant of the velocity filter for damping: a tenth of the shortest time in which a hand reverses.
+/// Unit: [s].
 constexpr double kVelocityFilter = 0.005;
 
 }  // namespace
@@ -82,16 +81,15 @@ double detail_of(const ToolPart& part, const ProxyParameters& parameters) {
   return parameters.detail.value_or(ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff());
 }
 
-/// (a + reach)^2 = a^2 + w^2 shows the plane under a ball of radius a out to w: to where the kernel has a
-/// hundredth of its weight. A ray also meets Gaussians whose ellipsoids end before it.
+/// With (a + reach)^2 = a^2 + w^2, the plane under a ball of radius a is in view out to w, where the kernel
+/// has a hundredth of its weight. A ray also meets Gaussians whose ellipsoids end before it.
 double reach_of(const ToolPart& part, double detail, double extent) {
   const double a_min = part.semi_axes.minCoeff();
   return std::max(std::hypot(a_min, kShown * SurfacePatches::kWindow * detail) - a_min, 0.5 * extent);
 }
 
-/// With semi-axes sqrt(p a_i^2 + q): of those that hold a disc of radius w where it touches the part at an
-/// end of its longest axis and of its shortest, the one of least volume. With a and b the squares of both,
-/// that is
+/// Semi-axes are sqrt(p a_i^2 + q), of least volume among those that contain a disc of radius w touching the
+/// part at an end of its longest axis and of its shortest. With a and b the squares of both, that is
 ///
 ///     a / (p a + q) + w^2 / (p b + q) = 1,    p b + q >= b + w^2,    1 < p <= 1 + w^2 / b
 ToolPart enlarged(const ToolPart& part, double detail, double reach) {
@@ -113,7 +111,7 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
 }
 
 /// Number of Gaussians of a view, for a spacing of 0.15 details over the largest cross-section of a part: the
-/// least capacity for a ball. With more of them, pushes at a capture feel alike; see decision 31.
+/// least capacity for a ball. More of them do not change the feel of pushes at a capture; see decision 31.
 std::size_t enough_for(const ToolPart& part, double detail) {
   constexpr double kPerDetail = 43.0;
   const double wanted = kPerDetail * std::numbers::pi * section(part) / (detail * detail);
@@ -195,7 +193,7 @@ void ProxyForce::find_contacts(Part& part, const Ellipsoid& solid, QueryLimit li
 void ProxyForce::find_deepest(Part& part, const Ellipsoid& solid) {
   constexpr QueryLimit kLimit{.pairs = kMostPairs};
   constexpr double kLess = 0.7;
-  constexpr int kMostTimes = 12;  // to a hundredth: what is there is in one place
+  constexpr int kMostTimes = 12;  // down to a hundredth: the contacts are then in one place
   Ellipsoid deep = solid;
   find_contacts(part, deep, kLimit);
   for (int k = 0; k < kMostTimes && !contacts_.complete; ++k) {
@@ -224,12 +222,12 @@ bool ProxyForce::start_patches(Part& part, bool at_once) {
     if (!search(*part.group, at_once ? kAllPairs : budget_.search_limit())) return false;
     if (!at_once && budget_.is_half_spent()) return false;
     find_deepest(part, solid);
-    if (at_once) budget_.refill();  // it comes on top of what a tick does
+    if (at_once) budget_.refill();  // in addition to the work of a tick
     knows_start_ = true;
   }
   for (; !contacts_.contacts.empty(); contacts_.contacts.pop_back()) {
     if (budget_.is_half_spent()) {
-      if (replaced_) break;  // and the rest, to come out of it in this tick
+      if (replaced_) break;  // skips the others, to leave the object in this tick
       return false;
     }
     std::ranges::pop_heap(contacts_.contacts, {}, &Contact::depth);
@@ -248,7 +246,8 @@ bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats,
   const double moved = way_between(sight.from, solid);
   const double detail = part.patches.detail(), seen = look.way + kAhead * detail;
   if (moved + seen <= sight.clear && look.along.dot(sight.along) > kSameLook) return true;
-  // What it does not touch where it goes is not felt yet, and so not met, however far it looks.
+  // A surface that the part does not touch at the end of its motion adds no patch, however far the view
+  // extends.
   const Ellipsoid next{solid.center + look.way * look.along, solid.axes}, there = part.solid.at(target);
   const auto admit = [&] {
     const bool met = touches(part, there) || (!look.arrives && touches(part, next));
@@ -276,7 +275,7 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
     const Look look{along, farthest_point(solid, along), std::min(length, farthest), length <= farthest};
     sees = look_along(part, part.ahead, splats, look, target);
   }
-  // Where it turns, its ends go opposite ways.
+  // Where the part rotates, its ends move in opposite directions.
   Eigen::Index longest_axis = 0;
   const double radius = part.solid.semi_axes.maxCoeff(&longest_axis);
   if (radius <= kRound * part.solid.semi_axes.minCoeff()) return sees;
@@ -394,12 +393,12 @@ ProxyForce::Hold ProxyForce::hold() const {
 
 namespace {
 
-/// Product of motions whose squared length is length_of()^2.
+/// Inner product of motions; its norm is length_of().
 double product(const Motion& a, const Motion& b, double gyration) {
   return a.translation.dot(b.translation) + gyration * gyration * a.rotation.dot(b.rotation);
 }
 
-/// The largest share s of `motion` in [0, 1] with |wanted - s motion| <= stretch; 0 if there is none.
+/// The largest s in [0, 1] with |wanted - s motion| <= stretch; 0 if there is none.
 double share_within(const Motion& wanted, const Motion& motion, double stretch, double gyration) {
   const double a = product(motion, motion, gyration), b = product(wanted, motion, gyration);
   const double c = product(wanted, wanted, gyration) - stretch * stretch;
@@ -410,8 +409,8 @@ double share_within(const Motion& wanted, const Motion& motion, double stretch, 
 
 }  // namespace
 
-/// As far towards `motion` as the spring allows, from the motion that comes out of no plane that it is in: of
-/// all that go no deeper the nearest to the wanted one, it never winds up the spring.
+/// Blends towards `motion` as far as the spring allows, from the motion that moves out of none of the planes:
+/// that one is the nearest to the wanted one of all that go no deeper, and never lengthens the spring.
 Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double stretch) {
   std::vector<MotionConstraint>& planes = obstacles_.planes;
   for (MotionConstraint& plane : planes) plane.gap = std::max(0.0, plane.gap);
@@ -432,7 +431,7 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
     motion = constrained_motion(wanted, obstacles_.planes, gyration_);
     held = hold();
     if (share_within(wanted, motion, stretch, gyration_) < 1.0) motion = less_wound(wanted, motion, stretch);
-    if (held.push == 0.0) break;  // it goes where it has looked
+    if (held.push == 0.0) break;  // free along a way that has been viewed
     bool found = false;
     for (Part& part : parts_) {
       const std::size_t known = part.patches.patches().size();
@@ -499,7 +498,7 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   Motion motion = *found;
   held_ = held.push > 0.0;
   if (held_) {
-    hold_ = held;  // what is let go slowly stays what it was
+    hold_ = held;  // kept while the spring relaxes after contact
     trails_ = true;
   }
   const double farthest = way_of(motion);
@@ -509,7 +508,7 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   if (share < 1.0) motion = blend({}, motion, share);
   step_taken_.motion = motion;
   if (!held_ && share == 1.0) {
-    proxy_ = goal_.target;  // not to rounding
+    proxy_ = goal_.target;  // exactly, without rounding
     trails_ = false;
   } else {
     proxy_ = after(proxy_, motion);
@@ -535,7 +534,7 @@ LocalSurface ProxyForce::local() const {
   }
   for (std::size_t k = 0; k < found.count; ++k) {
     const MotionConstraint& plane = planes[chosen[k]];
-    // What the turn of the proxy takes of the gap.
+    // Change of the gap by the rotation of the proxy.
     const double gap = plane.gap + plane.normal.dot(step_taken_.motion.rotation.cross(plane.arm));
     found.planes[k] = {step_taken_.from - gap * plane.normal, plane.normal};
   }
@@ -548,7 +547,7 @@ LocalSurface ProxyForce::local() const {
   return found;
 }
 
-/// At most nothing is left of the push, or twice as much: it begins with none, and never pulls.
+/// Damping cancels the push at most, or doubles it: it is zero without a push, and never pulls.
 double ProxyForce::damped(const Eigen::Vector3d& push) const {
   const double size = push.norm();
   const double damping = std::min(hold_.damping, damping_max_);
@@ -557,7 +556,7 @@ double ProxyForce::damped(const Eigen::Vector3d& push) const {
   return std::clamp(1.0 - damping * outwards / size, 0.0, 2.0);
 }
 
-/// Less where the proxy goes to and fro, as between patches that come and go in turn: it then settles.
+/// Less where the proxy moves to and fro, as between patches that alternate, so that it settles.
 double ProxyForce::catch_up() const {
   return parameters_.hand_scale * kCatchUp * std::max(kLeastPurpose, direction_.squaredNorm());
 }
@@ -571,11 +570,12 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
   direction_ += forgotten * (moved / way - direction_);
 }
 
-/// With f what is felt of the spring's length, and p how far the tool went from the proxy, along the spring,
+/// With f the length of the spring that generates force, and p the tool's displacement away from the proxy,
+/// along the spring,
 ///
 ///     k f^2 / 2 <= B + k f p / 2,    B = k' f'^2 / 2 + k' f' p' / 2 + reserve
 ///
-/// with ' what was before: the force on the hand changes evenly from tick to tick.
+/// with ' the values before: the force on the hand changes linearly from tick to tick.
 void ProxyForce::wind(const Motion& pull, double length, const std::optional<Motion>& moved, double dt) {
   const Spring was = spring_;
   double k = hold_.stiffness * hold_.confidence;
@@ -596,7 +596,7 @@ void ProxyForce::wind(const Motion& pull, double length, const std::optional<Mot
   spring_.reserve = std::clamp(budget + 0.5 * k * spring_.felt * (p - spring_.felt), 0.0, most_reserve());
 }
 
-/// As remember(), of the tool's own motion.
+/// As remember(), for the motion of a part of the tool.
 void ProxyForce::head(Part& part, const Eigen::Vector3d& moved) {
   const double way = moved.norm();
   if (way == 0.0) return;
@@ -624,20 +624,21 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   }
   damping_max_ = input.damping_max;
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
-  // Where the tool starts in something, it comes out at once.
   const Motion moved = motion_between(tool_, input.tool);
   const double of_tool = length_of(moved, gyration_);
-  // What has never been held is with the tool, or on its way there; what is not held any more comes after it.
+  // A proxy that was never in contact is at the tool or on its way there; one that has lost contact follows
+  // it.
   const double in_contact = of_tool + catch_up() * input.dt;
   double way = (held_ ? in_contact : std::max(in_contact, 2.0 * of_tool)) + owed_;
   const bool starts = steps_out_ > 0;
+  // Where the tool starts inside an object, the proxy leaves it at once.
   if (!trails_ || replaced_ || starts) way = std::numeric_limits<double>::infinity();
   for (Part& part : parts_) head(part, part.solid.at(input.tool).center - part.solid.at(tool_).center);
   tool_ = input.tool;
   const Eigen::Vector3d before = proxy_.position;
-  // It comes out of what it has started in before it follows the tool.
+  // The proxy leaves the object it started in before it follows the tool.
   const Pose target = starts && !replaced_ ? start_ : input.tool;
-  // The spring as it is before the proxy moves, and how much longer it may get.
+  // The length of the spring before the proxy moves, and how much longer it may get.
   const double slack = length_of(motion_between(proxy_, input.tool), gyration_);
   const double more = trails_ ? 2.0 * spring_.reserve / std::max(hold_.stiffness, kLeastStiffness) : 0.0;
   const double stretch = starts ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
@@ -656,7 +657,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);
-  // On its way through free space, nothing is felt.
+  // No force on the way through free space.
   if (!trails_) {
     spring_.felt = 0.0;
     return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};

@@ -15,51 +15,50 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Looks at a new patch, since its place and normal follow each other.
+/// Views of a new patch, whose position and normal depend on each other.
 constexpr int kFirstLooks = 3;
-/// The offset over a fit is within this many times the roughness of what the nearest ray says: on noise it
-/// follows slowly, at an edge at once.
+/// Largest distance of the offset from that of the nearest ray, in roughnesses: on noise it follows slowly,
+/// at an edge at once.
 constexpr double kSlack = 2.0;
-/// The way over which the offset follows, in details.
+/// Distance over which the offset follows, in details.
 constexpr double kMemory = 2.0;
-/// A patch that is farther away than this, in details, is none any more.
+/// Gap beyond which a patch is dropped, in details.
 constexpr double kGone = 0.5;
-/// Patches are one if their normals are within 25 degrees and their places within the window.
+/// Patches are merged if their normals are within 25 degrees and their positions within the window.
 constexpr double kOnePatch = 0.9;
-/// What is this much above a patch's plane, in roughnesses, and in details, is part of it.
+/// Height above a patch's plane up to which a point belongs to the patch, in roughnesses, and in details.
 constexpr double kPartOfIt = 3.0, kFlat = 0.1;
-/// The least cosine between a view and the normal that is found in it.
+/// Least cosine between a view and the normal found in it.
 constexpr double kLeastFacing = 0.2;
-/// A surface is whole where a quarter of the rays meet something: thin things are felt, lone specks give way.
+/// Fraction of rays with a hit from which a surface is whole: thin objects are felt, isolated specks yield.
 constexpr double kCovered = 0.25;
-/// What lets less than a tenth of the light through is as hard as what lets none through; what lets half of
-/// it through is not there.
+/// Opacities of full and of no confidence: less than a tenth of the light transmitted is as hard as none;
+/// half of it is no surface.
 constexpr double kOpaque = 0.9, kHalf = 0.5;
-/// What is seen at all is as confident as this: it is felt, softly.
+/// Least confidence of a surface with a hit: it is felt, softly.
 constexpr double kSeen = 0.5;
 
-/// A surface is as flat as it was taken for where the solid has moved no farther than this since it was
-/// looked at, in details.
+/// Motion of the solid, in details, since the last view within which the surface is assumed to be unchanged.
 constexpr double kStill = 0.005;
-/// What was seen and is not any more stays where it was until the foot is so far from there, in details: else
-/// what takes just half of the light would come and go.
+/// Motion of the foot, in details, within which a patch without hits remains: otherwise a surface that blocks
+/// just half of the light would come and go.
 constexpr double kLinger = 0.5;
-/// A patch is whole where it covers this much of its window, and an edge where it covers no more than that.
+/// Fractions of its window that a patch covers: from kWhole on it is whole, up to kEdge it is an edge.
 constexpr double kWhole = 0.5, kEdge = 0.2;
-/// And a wall if besides it is as confident as this.
+/// Least confidence of a wall, which must also be whole.
 constexpr double kCertain = 0.9;
-/// Rays begin so far before where the surface was, at least, in details, and one that the tool is in no
-/// deeper than this: a tip that is under it loses sight of it else.
+/// Least distance of the beginning of the rays before the last surface, and largest depth of the tool for
+/// which it applies, in details: a tip below the surface would otherwise lose sight of it.
 constexpr double kKnown = 0.5, kIn = 1.0;
-/// What lets light through is less dense from another side: it gives way to a tool that comes into it no
-/// sooner than over this way along it, in details, where half of the light goes through.
+/// A translucent surface is less dense when seen from another side: it recedes from a tool that moves into it
+/// over no less than this distance along it, in details, where it transmits half of the light.
 constexpr double kHeld = 0.5;
-/// The cosine of the most that a patch may turn in a look.
+/// Cosine of the largest rotation of a patch per view.
 constexpr double kTurned = 0.5;
-/// A ray is the same one if the cosine between both ways is this.
+/// Least cosine between the directions of two views for the rays to be the same.
 constexpr double kSameRay = 0.95;
 
-/// What has more than half of the weight, if there is such; by weighted majority vote.
+/// The Gaussian with more than half of the weight, if there is one; by weighted majority vote.
 std::optional<std::uint32_t> majority(std::span<const PatchWitness> witnesses) {
   std::uint32_t leads = 0;
   double by = 0.0;
@@ -83,16 +82,16 @@ Ellipsoid scaled(const Ellipsoid& solid, const Vector3d& by) {
   return {solid.center, solid.axes * by.asDiagonal()};
 }
 
-/// Which way a patch faces. Where it covers what is below the tool, as the fit does; where only the tool's
-/// flank meets something, an edge or a thing that is thin, as the tool does where it touches: a plane would
-/// go on below the tool where nothing is.
+/// Normal of a patch: that of the fit where the patch covers the region below the tool; that of the tool at
+/// its contact point where only the tool's flank meets something, an edge or a thin object: a plane would
+/// extend below the tool where nothing is.
 Vector3d towards_contact(const ImageFit& fit, const ViewFrame& view, const Vector2d& slope,
                          const Vector3d& contact) {
   const Vector3d fitted = (slope.x() * view.u + slope.y() * view.v - view.w).normalized();
   const double covered = fit.moments().covered();
   const double whole = smooth_step((covered - kEdge) / (kWhole - kEdge));
   Vector3d normal = (whole * fitted + (1.0 - whole) * contact).normalized();
-  // No farther than can be seen in one look.
+  // No farther than one view can show.
   while (-normal.dot(view.w) < kTurned) normal = (normal - 0.3 * view.w).normalized();
   return normal;
 }
@@ -174,7 +173,7 @@ bool SurfacePatches::keep(const SurfacePatch& patch) {
     SurfacePatch& other = patches_[i];
     if (other.normal.dot(patch.normal) <= kOnePatch) continue;
     if ((other.on_surface() - patch.on_surface()).squaredNorm() > near * near) continue;
-    if (patch.gap < other.gap) {  // what holds the tool more
+    if (patch.gap < other.gap) {  // the one that constrains the tool more
       other = patch;
       remember_witnesses(i);
     }
@@ -226,7 +225,7 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   const std::size_t before = size_;
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
-    SurfacePatch patch = patches_[i];  // patches_ is filled again from the front
+    SurfacePatch patch = patches_[i];  // patches_ is refilled from the front
     const bool as_it_was = way_between(patch.looked_by, solid) < kStill * detail_ || budget_.is_spent();
     if (!as_it_was) patch.looked_by = solid;
     if (as_it_was || !see_again(splats, solid, patch)) {
@@ -245,12 +244,12 @@ bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point,
     const Vector3d from = point - patch.on_surface();
     const double above = from.dot(patch.normal);
     if (above > std::max(kPartOfIt * patch.roughness, kFlat * detail_)) {
-      // A Gaussian is convex: none of it is above the plane that it holds the tool with.
+      // A Gaussian is convex: none of it is above the plane that it constrains the tool with.
       if (of && of == patch.mostly) return true;
       continue;
     }
-    // All of the tool is above the plane if its lowest point is; else the plane answers for its surroundings
-    // alone.
+    // If the lowest point of the tool is above the plane, all of the tool is; otherwise the plane covers only
+    // its surroundings.
     const Vector3d lowest = farthest_point(solid, -patch.normal);
     const double slack = (patch.foot - lowest).dot(patch.normal);
     const double aside = (from - above * patch.normal).norm();
@@ -260,7 +259,7 @@ bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point,
 }
 
 void SurfacePatches::carry_light(const Ellipsoid& solid, const Vector3d& along) {
-  // In contact, what is beside the tool is no haze that it has come through.
+  // In contact, Gaussians beside the tool are not haze that it has passed through.
   if (size_ > 0 || along.dot(light_along_) < kSameRay) light_ = RayLight();
   light_.since -= (solid.center - light_from_).dot(along);
   light_from_ = solid.center;
@@ -286,7 +285,7 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
     if (clearance >= first || clearance >= DepthView::kNothing) continue;
     const Vector3d point = view.at(view_->x(k), view_->y(k), view_->depth(k));
     if (head_on > 0.0 && -inward_normal(solid, point - clearance * along).dot(along) < head_on) continue;
-    // Far ahead, patches cannot tell.
+    // Patches do not extend far ahead.
     if (clearance <= std::max(way, kFlat * detail_) && explained(solid, point, splats.id[view_->splat(k)]))
       continue;
     first = clearance;
@@ -309,7 +308,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   for (int k = 0; k < kFirstLooks && (k == 0 || !budget_.is_spent()); ++k) {
     Look seen;
     if (!look(splats, solid, patch, seen)) break;
-    // It is met where it is seen along the motion.
+    // Contact occurs where the surface is seen along the motion.
     patch.gap = meeting.clearance * std::max(kLeastFacing, -meeting.along.dot(patch.normal));
     patch.offset = patch.gap - seen.fitted;
     best = patch;

@@ -34,7 +34,7 @@ ToolPart part_of(TomlTable table) {
   return part;
 }
 
-/// In quotation marks.
+/// TOML string: quoted, with special characters escaped.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {

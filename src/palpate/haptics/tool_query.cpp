@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// `ask(part, solid, most, result)` has the contacts of one part.
+/// Queries part by part: `ask(part, solid, most, result)` finds the contacts of one part.
 template <class Ask>
 void query_parts(const Tool& tool, const Pose& pose, const Ask& ask, std::size_t most, ContactSet& of_part,
                  ContactSet& result) {

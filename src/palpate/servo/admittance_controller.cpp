@@ -16,16 +16,16 @@ double wanted_acceleration(double force, double mass, double damping, const Axis
   return (force - damping * (s.velocity + 0.5 * dt * s.acceleration)) / (mass + 0.5 * dt * damping);
 }
 
-/// Of the way to the wanted damping, in one tick.
+/// Fraction of the change to the wanted damping in one tick.
 double damping_share(double dt) { return std::min(1.0, dt / AdmittanceController::kDampingTime); }
 
-/// `now` on its way to `wanted`. \param most of the way, upwards
+/// Moves `now` towards `wanted`. \param most largest increase
 void approach(double& now, double wanted, double most) { now = std::min(wanted, now + most); }
 
 void approach(Vector3d& mass, Vector3d& damping, const Vector3d& wanted_mass, const Vector3d& wanted_damping,
               double dt) {
-  // A mass that falls under way would give energy if the motion stayed; it is the virtual mass that is
-  // divided by, so that its momentum is lost, and its energy with it.
+  // A mass that decreases during motion would supply energy if the velocity were kept; here the virtual mass
+  // is in the denominator, so that its momentum is lost, and its energy with it.
   for (Index k = 0; k < 3; ++k) {
     approach(mass[k], wanted_mass[k], dt * damping[k]);
     damping[k] += damping_share(dt) * (wanted_damping[k] - damping[k]);
@@ -76,7 +76,7 @@ void AdmittanceController::change(double dt) {
   approach(now_.inertia, now_.angular_damping, wanted_.inertia, wanted_.angular_damping, dt);
 }
 
-/// \param turned about each axis since the last call, from 0
+/// \param turned rotation about each axis since the last call, which started from 0
 void AdmittanceController::tell(const Axes& turned) {
   Vector3d turn;
   for (Index k = 0; k < 3; ++k) {
@@ -91,7 +91,7 @@ void AdmittanceController::tell(const Axes& turned) {
   motion_.pose.orientation = (rotation_by(turn) * motion_.pose.orientation).normalized();
 }
 
-/// F_scene - B n n^T v. No more than halves the velocity, so that every M > 0 and B are stable.
+/// F_scene - B n n^T v. At most halves the velocity, so that every M > 0 and B are stable.
 Vector3d AdmittanceController::damped(const Vector3d& scene, double dt) {
   const double size = scene.norm();
   contact_damping_ += damping_share(dt) * ((size > 0.0 ? wanted_.contact_damping : 0.0) - contact_damping_);

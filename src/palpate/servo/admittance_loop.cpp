@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-/// What a late tick moves at most: it slows down what it is late for. Unit: [ticks].
+/// Longest time that a late tick integrates: the motion slows down instead of catching up. Unit: [ticks].
 constexpr double kOnTime = 2.0;
 
 }  // namespace
@@ -31,7 +31,7 @@ DeviceCapabilities AdmittanceLoop::told(const MotionDevice& device, const Admitt
   can.kind = Causality::kAdmittance;
   can.damping = options.admittance.damping.minCoeff();
   can.damping_max = 0.5 * can.damping;
-  can.damping_source = DampingSource::kSimulated;  // by the controller, whatever the device
+  can.damping_source = DampingSource::kSimulated;  // by the controller, for every device
   can.delay = options.along.delay + options.along.lag + options.along.sensor_lag;
   return can;
 }
@@ -103,7 +103,7 @@ bool AdmittanceLoop::read(double t, DeviceReading& reading) {
   return true;
 }
 
-/// What MotionGovernor has stopped for, or what holds the device.
+/// Reports the fault that stopped MotionGovernor, or what holds the device.
 void AdmittanceLoop::tell_status() noexcept {
   if (governor_.fault() != Fault::kNone) {
     set_status(DeviceStatus::kFault, traits(governor_.fault()).name.data());

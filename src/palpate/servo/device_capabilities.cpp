@@ -21,8 +21,8 @@ void check_capabilities(const DeviceCapabilities& device) {
   require(device.torque_sustained >= 0.0 && device.torque_sustained <= device.torque_max,
           "torque_sustained must be 0 to torque_max");
   require(axes(device.sensed) && axes(device.actuated), "it must have 0 to 3 axes of each kind");
-  // What is wound up along an axis that shows nothing would come out along one that does. Which axes a
-  // smaller number stands for is not told, so that such work cannot be told from the hand's.
+  // Energy stored along an axis without output would be released along one with output. Which axes a smaller
+  // number stands for is unknown, so that such work cannot be distinguished from the hand's.
   const auto all_or_none = [](int actuated, int sensed) { return actuated == 0 || actuated == sensed; };
   require(all_or_none(device.actuated.translation, device.sensed.translation) &&
               all_or_none(device.actuated.rotation, device.sensed.rotation),

@@ -5,8 +5,8 @@
 namespace palpate {
 namespace {
 
-/// A force that vanishes at once lets a hand that leans on it fall; a tenth of a second is short of a
-/// reaction and long enough to brake. What can be trusted least is left sooner.
+/// A force that vanishes at once makes a hand that leans on it fall; 0.1 s is shorter than a reaction and
+/// long enough to brake. Forces that can be trusted least end sooner.
 constexpr double kGently = 0.1, kSoon = 0.03;
 
 constexpr std::array<FaultTraits, kFaultCount> kTraits{{

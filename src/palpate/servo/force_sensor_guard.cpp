@@ -22,7 +22,7 @@ SensorFault ForceSensorGuard::judge(const Wrench& m, double measured_t, double t
     return SensorFault::kNotFinite;
   if (!started_) return SensorFault::kNone;
   if (!(measured_t > last_t_)) return SensorFault::kDropout;
-  // Against the last good one, over the time since: after a while anything may be true again.
+  // Compared with the last good measurement, over the time since: after a while any value is plausible again.
   const double passed = std::min(measured_t, t) - last_t_;
   const bool leaps = (m.force - last_.force).norm() > limits_.force_rate * passed ||
                      (m.torque - last_.torque).norm() > limits_.torque_rate * passed;

@@ -10,7 +10,7 @@ constexpr std::string_view kUnknown = "its driver failed";
 
 }  // namespace
 
-/// \returns false where the driver throws, or has thrown.
+/// \returns false if the driver throws or has thrown.
 template <class Call>
 bool GuardedDevice::guard(const Call& call) {
   if (!thrown().empty()) return false;
@@ -40,7 +40,7 @@ void GuardedDevice::wait(const LoopClock& clock, double until) {
     device_.wait(clock, until);
     return true;
   });
-  if (!waited) clock.sleep_until(until);  // the beat goes on, and with it the fall of the force
+  if (!waited) clock.sleep_until(until);  // the schedule continues, and with it the ramp-down of the force
 }
 
 void GuardedDevice::write(const Wrench& wrench) {

@@ -13,12 +13,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Of the argument between two samples: beyond it, a sample goes between them.
+/// Largest change of the argument between two samples: beyond it, a sample is inserted. Unit: [rad].
 constexpr double kMostTurn = 0.3;
-/// So much above all poles and crossings the argument is near its limit: a zero on the right makes it differ
-/// by pi or more, so that a third of that tells them apart.
+/// Factor above all poles and crossings at which the argument is near its limit. A zero in the right
+/// half-plane changes it by pi or more, so that a third of that distinguishes the two.
 constexpr double kFarOff = 30.0, kNear = 1.0;
-/// What is searched. Unit: [kg], [N s/m]; about an axis [kg m^2] and so on.
+/// Search range. Unit: [kg], [N s/m]; about an axis [kg m^2] and so on.
 constexpr double kLeastMass = 1e-3, kMostMass = 1e3, kMostDamping = 1e5;
 
 /// The characteristic function without denominators.
@@ -27,7 +27,7 @@ class Characteristic {
   Characteristic(const AxisAdmittance& a, const AdmittanceLoopModel& l, double gain)
       : a_(a), l_(l), gain_(gain) {}
 
-  /// \param late set to how large what is delayed is beside the rest
+  /// \param late set to the magnitude of the delayed terms relative to the others
   Complex at(double w, double& late) const {
     const Complex s(0.0, w);
     const Complex drive = 1.0 + s * l_.lag, sensor = 1.0 + s * l_.sensor_lag;
@@ -53,7 +53,7 @@ class Characteristic {
     return 2 + (l_.lag > 0.0 ? 1 : 0) + (l_.sensor_lag > 0.0 ? 1 : 0) + (l_.resonance > 0.0 ? 2 : 0);
   }
 
-  /// Above every frequency at which something happens. Unit: [rad/s].
+  /// Frequency above all poles and crossings. Unit: [rad/s].
   double highest() const {
     const double hand = gain_ * l_.hand_mass / a_.mass,
                  stiffness = gain_ * (l_.contact_stiffness + l_.hand_stiffness);
@@ -70,7 +70,7 @@ class Characteristic {
   double gain_;
 };
 
-/// How far the argument turns from one frequency to another, followed closely enough not to lose a turn.
+/// Change of the argument from one frequency to another, sampled finely enough not to miss a turn.
 double turn(const Characteristic& p, double from, const Complex& at_from, double to, const Complex& at_to,
             int depth) {
   const double whole = std::arg(at_to / at_from);
@@ -90,7 +90,7 @@ bool is_stable_at(const AxisAdmittance& a, const AdmittanceLoopModel& l, double 
   if (neutral && gain * l.hand_mass >= a.mass) return false;
   if (stiffness == 0.0 && a.damping + gain * (l.hand_damping + l.contact_damping) == 0.0) return false;
   const Characteristic p(a, l, gain);
-  // Where nothing holds the handle there is a zero at s = 0: where it is goes along, and the rest counts.
+  // A free handle has a zero at s = 0: its argument of pi / 2 is subtracted, and the other zeros are counted.
   const double lowest = 1e-4, highest = p.highest();
   constexpr int kDeepest = 12;
   constexpr double kRatio = 1.1;
@@ -98,7 +98,7 @@ bool is_stable_at(const AxisAdmittance& a, const AdmittanceLoopModel& l, double 
   if (stiffness == 0.0) total -= 0.5 * std::numbers::pi;
   double from = lowest;
   Complex at_from = p.at(from);
-  // A delayed term that counts is followed through each of its turns.
+  // If the delayed term matters, each of its turns is sampled.
   const double fine = l.delay > 0.0 ? 0.5 / l.delay : std::numeric_limits<double>::infinity();
   constexpr double kCounts = 0.1;
   double late = std::numeric_limits<double>::infinity();
@@ -113,8 +113,8 @@ bool is_stable_at(const AxisAdmittance& a, const AdmittanceLoopModel& l, double 
   return std::abs(total - zeros * 0.5 * std::numbers::pi) < kNear;
 }
 
-/// Also with less of the hand and the contact than there may be, and once the hand lets go: more of a hand
-/// can be what makes a loop stable.
+/// Also checks weaker hands and contacts, and a released handle: a stronger hand may be what makes a loop
+/// stable.
 bool is_stable_with_margin(const AxisAdmittance& a, const AdmittanceLoopModel& l, double margin) {
   if (!is_stable_at(a, l, 1.0)) return false;
   if (margin == 1.0) return true;

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Of a limit, what rounding may go beyond when it is compared with.
+/// Tolerance of comparisons with a limit, relative to it.
 constexpr double kRounding = 1e-12;
 constexpr int kBisections = 12;
 
@@ -21,13 +21,13 @@ AxisState after(const AxisState& s, double jerk, double t) {
           s.velocity + t * (s.acceleration + t * jerk / 2.0), s.acceleration + t * jerk};
 }
 
-/// Of the manoeuvre: 1 if what is left to brake, once the acceleration is back at 0, is upward; else -1.
+/// Sign of the manoeuvre: of the velocity that remains once the acceleration is back at 0; 1 if that is 0.
 double direction(const AxisState& s, double J) {
   return s.velocity + s.acceleration * std::abs(s.acceleration) / (2.0 * J) >= 0.0 ? 1.0 : -1.0;
 }
 
-/// From acceleration a down to -p, hold, and up to 0, where the way to brake is upward: the speed that the
-/// two ramps take is (2 p^2 - a^2) / 2 J.
+/// Phases of a stop, for a positive remaining velocity: acceleration from a down to -p, hold, and up to 0.
+/// The two ramps change the speed by (2 p^2 - a^2) / 2 J.
 Phases stop_phases(const AxisState& state, const AxisLimits& limits) {
   const double J = limits.jerk, sign = direction(state, J);
   const double v = sign * state.velocity, a = sign * state.acceleration;
@@ -67,7 +67,7 @@ bool can_stop(const AxisState& state, const AxisLimits& limits) {
   if (peak > V) return false;
   AxisState end = state;
   for (const Phase& phase : stop_phases(state, limits)) end = after(end, phase.jerk, phase.time);
-  // Where the velocity goes through 0 in the first ramp, the axis turns.
+  // If the velocity crosses 0 in the first ramp, the axis reverses.
   double turn = state.position;
   if (v < 0.0) {
     const double t = (a - std::sqrt(std::max(0.0, a * a + 2.0 * limits.jerk * v))) / limits.jerk;

@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// After which a tick is late, and of the time that passes, what is forgiven. See SafetyGovernor.
+/// Period after which a tick is late, in ticks, and fraction of elapsed time by which lateness decays; see
+/// SafetyGovernor.
 constexpr double kOnTime = 2.0, kForgiven = 0.1;
 constexpr double kUnitTolerance = 1e-3;
 
@@ -165,7 +166,7 @@ bool MotionGovernor::moved(const MotionSetpoint& wanted, const MotionSetpoint& f
   return good;
 }
 
-/// The first fault is told, unless a later one is for good.
+/// The first fault is reported, unless a later one latches.
 void MotionGovernor::raise(Fault fault) {
   wrong_at_ = t_;
   const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;

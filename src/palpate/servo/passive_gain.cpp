@@ -9,7 +9,7 @@ double PassiveGain::at(double gain, double stored, double given) {
   const double whole = std::sqrt(gain * stored);
   const double before = std::sqrt(gain_ * stored);
   const double with = std::max(0.0, before - lag_);
-  // Of what was given, U has as much as is felt of the force.
+  // The fraction of `given` in U is the fraction of the force that is rendered.
   const double unearned = before > 0.0 ? gain_ * given * with / before : 0.0;
   const double had = std::sqrt(std::max(0.0, with * with - unearned));
   gain_ = gain;

@@ -9,8 +9,8 @@ namespace palpate {
 
 namespace {
 
-/// After this time, what was not absorbed has long been in the hand, and braking it there would be felt as a
-/// buzz: encoders count in steps, and where the hand is slow, a step is all its speed. Unit: [s].
+/// Time constant after which unabsorbed energy is discarded: it has long entered the hand, and braking it
+/// later would be felt as a buzz, since at low speed one encoder step is all of the velocity. Unit: [s].
 constexpr double kForgotten = 0.02;
 
 }  // namespace

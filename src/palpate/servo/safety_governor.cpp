@@ -10,13 +10,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Held back from every bound, so that no rounding goes over it.
+/// Factor on every bound, so that rounding does not exceed it.
 constexpr double kBelow = 1.0 - 1e-12;
-/// Of a unit quaternion, what rounding and a driver in single precision leave.
+/// Deviation from a unit quaternion by rounding and by drivers in single precision.
 constexpr double kUnitTolerance = 1e-3;
-/// Over which the rate of readings is measured. Unit: [s].
+/// Time constant of the measured rate of readings. Unit: [s].
 constexpr double kRateFilter = 0.25;
-/// After which a tick is late, and what slew is given time for at most. Unit: [ticks].
+/// Period after which a tick is late, and longest period that the slew limit counts. Unit: [ticks].
 constexpr double kOnTime = 2.0;
 
 bool is_finite(const Wrench& w) { return w.force.allFinite() && w.torque.allFinite(); }
@@ -30,8 +30,7 @@ bool same(const DevicePose& a, const DevicePose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-/// `v` in its direction, no longer than `longest`. Right for every finite v, also where its norm is not
-/// finite.
+/// `v` shortened to at most `longest`. Correct for every finite v, even if its norm is not finite.
 Vector3d shortened(const Vector3d& v, double longest) {
   const double scale = v.cwiseAbs().maxCoeff();
   if (scale == 0.0) return v;
@@ -51,14 +50,14 @@ bool is_zero(const Wrench& w) { return w.force.isZero(0.0) && w.torque.isZero(0.
 
 constexpr unsigned bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
 
-/// Which of two faults is told.
+/// Rank that decides which of two faults is reported.
 int gravity(Fault fault) {
   if (!traits(fault).latched) return 0;
   if (fault == Fault::kPaused) return 1;
   return fault == Fault::kEmergencyStop ? 3 : 2;
 }
 
-/// Ways across the workspace, in energy_reserve.
+/// Number of crossings of the workspace in energy_reserve.
 constexpr double kThereAndBack = 2.0;
 
 }  // namespace
@@ -75,7 +74,7 @@ SafetyLimits SafetyLimits::of(const DeviceCapabilities& device, double tick) {
   limits.energy_reserve = std::max(limits.energy_reserve, kThereAndBack * width * device.force_max);
   limits.tick = tick;
   limits.reading_period = 1.0 / device.rate;
-  constexpr double kMissed = 3.0;  // readings or ticks in a row: then it is not just late
+  constexpr double kMissed = 3.0;  // consecutive readings or ticks: fewer are merely late
   limits.stale_after = std::max(limits.stale_after, kMissed * limits.reading_period);
   limits.late_max = std::max(limits.late_max, kMissed * tick);
   return limits;
@@ -88,7 +87,7 @@ std::string_view to_string(GovernorState state) {
 
 bool SafetyGovernor::SpeedBound::take(double way, double dt, double period) {
   left = std::min(left + speed * dt, noise + speed * std::max(dt, period));
-  const bool has = way <= left;  // NaN is too long
+  const bool has = way <= left;  // false for NaN
   left = has ? left - way : 0.0;
   return has;
 }
@@ -104,7 +103,7 @@ SafetyGovernor::SafetyGovernor(const SafetyLimits& limits)
 
 Fault SafetyGovernor::check(const DeviceReading& reading) {
   if (!started_) return Fault::kNone;
-  if (reading.hand != newest_.hand) return Fault::kChanging;  // and not a jump
+  if (reading.hand != newest_.hand) return Fault::kChanging;  // not a jump
   const double dt = std::min(reading.t - newest_.t, limits_.stale_after), period = limits_.reading_period;
   const double way = (reading.pose.position - newest_.pose.position).norm();
   const double turn = turn_between(newest_.pose.orientation, reading.pose.orientation).norm();
@@ -138,7 +137,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   begin_tick(t);
   const bool good = is_pose(said);
   if (!good) raise(Fault::kBadPose);
-  // Not from the future: a device whose clock runs away would otherwise never be stale.
+  // Readings from the future are rejected: a device whose clock runs fast would otherwise never be stale.
   const bool fresh = good && said.t <= t + limits_.stale_after && (!started_ || said.t > newest_.t);
   watch_rate(fresh);
   DeviceReading reading = said;
@@ -162,7 +161,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   return true;
 }
 
-/// What other threads have asked for.
+/// Handles the requests of other threads.
 void SafetyGovernor::hear() {
   const unsigned asked = stop_asked_.exchange(0, std::memory_order_relaxed);
   for (unsigned fault = 1; fault < kFaultCount; ++fault)
@@ -176,7 +175,7 @@ void SafetyGovernor::hear() {
 void SafetyGovernor::forgive(unsigned faults) {
   held_ &= ~faults;
   if (holds(fault_)) return;
-  // The one that is told is over; another may not be.
+  // The reported fault has ended; another may not have.
   for (unsigned k = 1; k < kFaultCount; ++k) {
     const auto fault = static_cast<Fault>(k);
     if ((held_ & bit(fault)) != 0U && (!holds(fault_) || gravity(fault) > gravity(fault_))) fault_ = fault;
@@ -184,15 +183,15 @@ void SafetyGovernor::forgive(unsigned faults) {
   if (holds(fault_)) remember();
 }
 
-/// One that does not latch holds until the governor goes back to waiting.
+/// A fault that does not latch holds until the governor returns to waiting.
 bool SafetyGovernor::holds(Fault fault) const { return !traits(fault).latched || (held_ & bit(fault)) != 0U; }
 
-/// The force was held from one reading to the next, so that this is exact but for the delay of the device.
+/// Exact except for the delay of the device, since the force was held from one reading to the next.
 void SafetyGovernor::watch_energy(const DevicePose& from, const DevicePose& to, double dt) {
   energy_ = std::max(0.0, energy_ - limits_.energy_leak * dt) + std::min(0.0, energy_);
   energy_ += sent_.force.dot(to.position - from.position) +
              sent_.torque.dot(turn_between(from.orientation, to.orientation));
-  reach_.extend(to.position);  // a simulated hand goes on where no device would
+  reach_.extend(to.position);  // a simulated hand moves beyond the workspace of any device
   const double width = reach_.diagonal().norm();
   energy_ = std::max(energy_, -std::max(limits_.energy_reserve, kThereAndBack * width * limits_.force_max));
   if (energy_ > limits_.energy_max) {
@@ -201,15 +200,15 @@ void SafetyGovernor::watch_energy(const DevicePose& from, const DevicePose& to, 
   }
 }
 
-/// A reading speaks for the time that was promised until the next one or, in a loop that is slower than the
-/// device, for the tick.
+/// A reading counts for the nominal period until the next one or, in a loop slower than the device, for the
+/// tick.
 void SafetyGovernor::watch_rate(bool fresh) {
   const double spoken_for = fresh ? std::max(limits_.reading_period, passed_) : 0.0;
   fresh_ = std::min(1.0, fresh_ * std::exp(-passed_ / kRateFilter) + spoken_for / kRateFilter);
   if (fresh_ < 0.5) raise(Fault::kSlowDevice);
 }
 
-/// Encoders that are broken do not say so. A handle that friction holds moves once less force is on it.
+/// Broken encoders do not report themselves. A handle held by friction moves once the force on it decreases.
 void SafetyGovernor::watch_stillness(bool moved) {
   if (moved || !presses_) moved_ = t_;
   const bool still = t_ - moved_ > limits_.frozen_after;
@@ -240,8 +239,8 @@ void SafetyGovernor::remember() {
   ++transition_count_;
 }
 
-/// The first fault tells the reason, unless a later one is graver; the one that asks for the shortest time
-/// sets the pace.
+/// The first fault is reported as the reason, unless a later one is graver; the one with the shortest fall
+/// time sets the ramp.
 void SafetyGovernor::raise(Fault fault) {
   wrong_at_ = t_;
   const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;
@@ -281,13 +280,13 @@ void SafetyGovernor::advance(bool small) {
   }
 }
 
-/// Of what is asked for or, in a fall, of what was sent before.
+/// Fraction of the requested force or, while falling, of the last force before the fall.
 double SafetyGovernor::share() const {
   const double passed = t_ - since_;
   switch (state_) {
     case GovernorState::kRising: return fade_ * std::min(1.0, passed / limits_.rise_time);
     case GovernorState::kActive: return fade_;
-    // A tick ahead, so that it is over in time.
+    // Evaluated one tick ahead, so that the force is zero in time.
     case GovernorState::kFalling:
       if (fall_end_ <= fall_from_) return 0.0;
       return std::max(0.0, 1.0 - (t_ + limits_.tick - fall_from_) / (fall_end_ - fall_from_));
@@ -296,7 +295,7 @@ double SafetyGovernor::share() const {
 }
 
 Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
-  if (stop_asked_.load(std::memory_order_relaxed) != 0U) hear();  // while the model was asked
+  if (stop_asked_.load(std::memory_order_relaxed) != 0U) hear();  // requests made while the model ran
   const bool good = is_finite(wanted);
   if (!good) raise(Fault::kBadForce);
   if (!(contacts_age <= limits_.contacts_after)) raise(Fault::kLateContacts);
@@ -305,7 +304,7 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
                      asked.torque.norm() <= limits_.gate_share * limits_.torque_max;
   advance(small);
   presses_ = !small && (state_ == GovernorState::kRising || state_ == GovernorState::kActive);
-  if (state_ == GovernorState::kFalling) {  // at its own pace, however late the tick
+  if (state_ == GovernorState::kFalling) {  // on its own ramp, however late the tick
     sent_ = share() * at_fall_;
     let_through_ = 0.0;
     return sent_;

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-/// Of the newest age in the mean of them: a fiftieth of a second at 1 kHz, short to a hand.
+/// Weight of the newest age in the mean: a time constant of 20 ms at 1 kHz, short for a hand.
 constexpr double kAgeShare = 0.05;
 
 }  // namespace
@@ -30,11 +30,11 @@ void ServoLoop::stop() {
 }
 
 void ServoLoop::watch(const Options& options) {
-  ThreadPriority above = options.priority;  // a loop that spins must not keep it from looking
+  ThreadPriority above = options.priority;  // a busy loop must not keep it from running
   above.priority = std::min(above.priority + 1, 99);
   if (options.real_time) make_real_time(above);
   name_thread("palpate-watch");
-  constexpr double kLook = 0.2;  // of its patience
+  constexpr double kLook = 0.2;  // interval of checks, as a fraction of patience
   const double patience = std::max(kPatience, 3.0 / options.rate);
   std::uint64_t seen = 0;
   double since = clock_.now();
@@ -89,7 +89,7 @@ void ServoLoop::run(const Options& options) {
     double due = begin + period * static_cast<double>(beat);
     tick_.wait(clock_, due);
     const double early =
-        std::max(0.0, due - clock_.now());  // the device has a reading: the beat goes by that
+        std::max(0.0, due - clock_.now());  // a reading arrived early: the schedule follows it
     begin -= early;
     due -= early;
     if (ends_.load(std::memory_order_relaxed)) {

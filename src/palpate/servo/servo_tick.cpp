@@ -9,15 +9,15 @@
 namespace palpate {
 namespace {
 
-/// Of a change of the gain: a hand that leans on a surface feels it give way, and does not fall. Unit: [s].
+/// Time constant of the gain: a hand that leans on a surface feels it yield, and does not fall. Unit: [s].
 constexpr double kGainFilter = 0.1;
-/// Of the time that forces are held: longer than a tick that is late now and then. Unit: [s].
+/// Time constant of the mean hold time of forces: longer than an occasional late tick. Unit: [s].
 constexpr double kHeldFilter = 0.5;
-/// So that nothing is divided by nothing.
+/// Prevents division by zero.
 constexpr double kLeastGain = 1e-6;
 
-/// The share of a wrench that a device can show; 1 for one that is not finite, which is the governor's to
-/// see.
+/// The fraction of a wrench that a device can render; 1 for one that is not finite, which the governor
+/// handles.
 double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
   const auto share = [](double most, double asked) { return asked > most ? most / asked : 1.0; };
   const double rho = std::min(share(device.force_max, wrench.force.norm()),
@@ -55,8 +55,8 @@ void ServoTick::bring(const Pose& place, double reach) {
   places_.publish();
 }
 
-/// What other threads want otherwise. Whatever makes the force or the tool's way jump goes through the gate.
-/// \param passed since the last tick. Unit: [s].
+/// Applies changes requested by other threads. Those that make the force or the tool's path jump go through
+/// the start gate. \param passed since the last tick. Unit: [s].
 void ServoTick::change(double passed) {
   const double gain = std::min(wanted_gain_.load(std::memory_order_relaxed), gain_max_);
   gain_ += -std::expm1(-passed / kGainFilter) * (gain - gain_);
@@ -81,7 +81,7 @@ void ServoTick::change(double passed) {
 void ServoTick::feel() {
   const DeviceReading& reading = record_.reading;
   const double passed = asked_ ? reading.t - asked_at_ : 0.0;
-  // The force of the world that the device shows all of, at this gain, and the damping.
+  // Largest force in the world that the device renders at this gain, and largest damping.
   const double least = std::max(gain_, kLeastGain);
   const double force_max = device_.capabilities().force_max * map_.scale / least;
   const double damping_max = device_.capabilities().damping_max / least;
@@ -103,14 +103,13 @@ void ServoTick::feel() {
   felt.wrench.torque *= gain;
   felt.stored_energy = passive_gain_.stored_energy();
   felt.stiffness *= gain_;
-  // Who renders the surface without this loop's delay has no need of a softer one.
+  // Clients that render the surface without this loop's delay need no softer one.
   felt.local.stiffness *= wanted_gain_.load(std::memory_order_relaxed);
   record_.margin = felt.stiffness > 0.0 ? margin : 0.0;
   Wrench wanted = map_.to_device(felt.wrench);
   if (device_.capabilities().torque_max == 0.0 && wanted.torque.allFinite()) wanted.torque.setZero();
-  // Clamped before it is damped: what is damped and then clamped is not damped. Of what the model's spring
-  // holds, a force that is clamped to the share rho gives back S (2 rho - rho^2) along the way that S was
-  // stored on.
+  // Clamped before it is damped: clamping afterwards would remove the damping. If the model's spring stores
+  // S, a force clamped to the fraction rho returns S (2 rho - rho^2) along the way on which S was stored.
   const double rho = share_shown(wanted, device_.capabilities());
   const double stored = std::isnan(felt.stored_energy)
                             ? std::numeric_limits<double>::infinity()
@@ -119,8 +118,8 @@ void ServoTick::feel() {
                                passed);
 }
 
-/// A spring that would be active is made softer. \param stiffness of the model, as set without a gain. Unit:
-/// [N/m]. \param begins nothing was pressed before: it is soft from the start \returns TickRecord::margin
+/// Softens a spring that would be active. \param stiffness of the model, without a gain. Unit: [N/m].
+/// \param begins no load before: the spring is then soft from the start \returns TickRecord::margin
 double ServoTick::keep_passive(double stiffness, bool begins) {
   if (!(stiffness > 0.0)) return 0.0;
   const DeviceCapabilities& device = device_.capabilities();
@@ -162,7 +161,7 @@ void ServoTick::tell() {
   record_.added_damping = passivity_.added_damping();
 }
 
-/// \param held by the clutch, so that the hand goes elsewhere without it
+/// \param held by the clutch: the hand moves without the tool
 void ServoTick::place_tool(bool held) {
   if (tool_held_ && !held) map_.attach(record_.tool, record_.reading.pose);
   tool_held_ = held;
@@ -171,7 +170,7 @@ void ServoTick::place_tool(bool held) {
   record_.velocity = held ? Twist{} : map_.to_world(record_.reading.velocity);
 }
 
-/// \returns true if there is a good new reading.
+/// \returns true if there is a valid new reading.
 bool ServoTick::listen(double t) {
   heard_ = device_.read(t, said_) || heard_;
   if (heard_) return governor_.admit(said_, t);
@@ -187,7 +186,7 @@ const TickRecord& ServoTick::run(double t) {
   record_.t = t;
   record_.reading = governor_.reading();
   place_tool(clutched_ && before == GovernorState::kStopped);
-  if (!on) {  // the tool may be anywhere when the force comes back
+  if (!on) {  // the tool may be anywhere when the force returns
     used_.model->reset();
     passivity_.reset();
     passive_gain_.reset();

@@ -10,7 +10,7 @@ void TimeHistogram::add(double seconds) {
   const auto k = std::min(static_cast<std::size_t>(place), kClasses - 1);
   classes_[k].fetch_add(1, std::memory_order_relaxed);
   count_.fetch_add(1, std::memory_order_relaxed);
-  if (seconds > max()) max_.store(seconds, std::memory_order_relaxed);  // there is one writer
+  if (seconds > max()) max_.store(seconds, std::memory_order_relaxed);  // single writer
 }
 
 double TimeHistogram::quantile(double q) const {

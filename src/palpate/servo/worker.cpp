@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// Between two rounds: as often as a servo loop asks, and no core is spent on asking in vain. Unit: [s].
+/// Pause between two rounds: as often as a servo loop asks, without occupying a core by polling. Unit: [s].
 constexpr double kPause = 1e-3;
 
 }  // namespace
@@ -21,7 +21,7 @@ void VirtualWorker::run_until(double t) {
     take(t);
     return;
   }
-  // Only one round can be new: what is taken now is what is wanted now.
+  // However late, at most one round is new: it takes the latest requests.
   if (t < taken_ + delay_) return;
   for (BackgroundWork* work : work_) work->finish();
   answered_ = taken_;
