@@ -323,28 +323,26 @@ TEST(CrtkDevice, IsCarriedOnByTheVelocityThatItsDriverTells) {
   CrtkLink link(o);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Twist told{{0.2, 0, 0}, {0, 0, 3}};
-  const auto carried = [&](const std::vector<std::pair<const char*, Twist>>& twists, int silent_ticks) {
-    for (int k = 0; k < 5; ++k) {
-      link.pose(0.0);
-      link.tick();
-    }
-    for (const auto& [source, twist] : twists) link.device->take_velocity({0.0, "base", source}, twist);
-    for (int k = 0; k < silent_ticks; ++k) sleep_until(monotonic_now() + kMilli);
+  const auto carried = [&](const char* source, const Twist& twist, double seconds_ago) {
+    link.ticks(5, 0.0);
+    link.device->take_velocity({0.0, "base", source}, twist);
+    sleep_until(monotonic_now() + seconds_ago);
     link.pose(0.0);
     EXPECT_TRUE(link.tick());
     DeviceReading next = link.reading;
     for (int k = 0; k < 4; ++k) {
       if (link.tick()) next = link.reading;
     }
-    return next;
+    return next.pose;
   };
-  const DeviceReading moved = carried({{"/arm", told}}, 0);
-  EXPECT_GT(moved.pose.position.x(), 1e-4);
-  EXPECT_GT(2.0 * moved.pose.orientation.z(), 1e-3);
-  EXPECT_EQ(carried({{"/arm", told}}, 50).pose.position.x(), 0.0) << "that one is old";
-  EXPECT_EQ(carried({{"/other", told}}, 0).pose.position.x(), 0.0);
-  EXPECT_EQ(carried({{"/arm", {{nan, 0, 0}, {0, 0, 0}}}}, 0).pose.position.x(), 0.0);
-  EXPECT_EQ(carried({{"/arm", {{0.2, 0, 0}, {0, nan, 0}}}}, 0).pose.position.x(), 0.0);
+  DevicePose moved;  // at once, unless the machine stands still meanwhile
+  for (int round = 0; round < 10 && moved.position.isZero(); ++round) moved = carried("/arm", told, 0.0);
+  EXPECT_GT(moved.position.x(), 1e-4);
+  EXPECT_GT(2.0 * moved.orientation.z(), 1e-3);
+  EXPECT_EQ(carried("/arm", told, 0.05).position.x(), 0.0) << "that one is old";
+  EXPECT_EQ(carried("/other", told, 0.0).position.x(), 0.0);
+  EXPECT_EQ(carried("/arm", {{nan, 0, 0}, {0, 0, 0}}, 0.0).position.x(), 0.0);
+  EXPECT_EQ(carried("/arm", {{0.2, 0, 0}, {0, nan, 0}}, 0.0).position.x(), 0.0);
 }
 
 TEST(CrtkDevice, NothingIsCarriedOnBeforeTheFirstPoseAndNothingSentBeforeTheFirstTick) {
