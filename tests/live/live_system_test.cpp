@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -106,6 +107,26 @@ TEST(LiveSystem, KeepsTheSceneWhereTheOtherCannotBeRead) {
     EXPECT_EQ(system.felt(), before);
     EXPECT_EQ(system.settings(), plane_config());
   }
+  system.stop();
+}
+
+TEST(LiveSystem, IsChangedByOneThreadWhileAnotherChangeIsMade) {
+  LiveSystem system(plane_config());
+  LiveView view;
+  system.start({&view});
+  std::jthread other([&](const std::stop_token& end) {
+    while (!end.stop_requested()) {
+      system.change([](LiveConfig& c) { c.force.proxy.stiffness = 1100.0 - c.force.proxy.stiffness; });
+      sleep_until(monotonic_now() + 1e-4);
+    }
+  });
+  for (const double radius : {0.02, 0.03}) {
+    const Tool ball(Eigen::Vector3d::Constant(radius));
+    system.change([&](LiveConfig& c) { c.tool = ball; });
+    EXPECT_TRUE(comes_true([&] { return system.felt()->tool() == ball; }));
+  }
+  other.request_stop();
+  other.join();
   system.stop();
 }
 

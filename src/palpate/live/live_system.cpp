@@ -145,7 +145,7 @@ void LiveSystem::place_giant() {
 void LiveSystem::find_way() {
   const std::string name = settings_.scene.name();
   try {
-    path_ = explore(*scene_.index, settings_.tool);
+    path_ = explore(*scene_.index, settings_);
   } catch (const Error& error) {
     if (scene_.index->size() == 0) throw Error("{}: {}; or give --trajectory", name, error.what());
     notify_(fmt::format("note: the hand waits above the scene: {}: {}", name, error.what()));
@@ -153,18 +153,18 @@ void LiveSystem::find_way() {
   }
 }
 
-Trajectory LiveSystem::explore(const SceneIndex& index, const Tool& tool) const {
-  if (home_) return explore_room(index, tool);
+Trajectory LiveSystem::explore(const SceneIndex& index, const LiveConfig& config) const {
+  if (home_) return explore_room(index, config);
   TouchPathOptions options;  // of a hand, whose way is that much longer in the world
-  options.speed *= settings_.device.map.scale;
-  options.acceleration *= settings_.device.map.scale;
-  return touch_path(index, EllipsoidLookup(index).all(), tool, options);
+  options.speed *= config.device.map.scale;
+  options.acceleration *= config.device.map.scale;
+  return touch_path(index, EllipsoidLookup(index).all(), config.tool, options);
 }
 
 /// As far as a giant reaches.
-Trajectory LiveSystem::explore_room(const SceneIndex& index, const Tool& tool) const {
-  if (!settings_.device.chain.empty()) throw Error("nobody knows how far {} reaches", settings_.device.chain);
-  const WorkspaceMap& map = settings_.device.map;
+Trajectory LiveSystem::explore_room(const SceneIndex& index, const LiveConfig& config) const {
+  if (!config.device.chain.empty()) throw Error("nobody knows how far {} reaches", config.device.chain);
+  const WorkspaceMap& map = config.device.map;
   const Eigen::AlignedBox3d reach = giant_reach();
   RoomPathOptions options;
   options.home = map.to_world(DevicePose(*home_));
@@ -173,7 +173,7 @@ Trajectory LiveSystem::explore_room(const SceneIndex& index, const Tool& tool) c
     options.reach.extend(
         map.to_world(DevicePose{reach.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)), {}})
             .position);
-  return room_path(index, EllipsoidLookup(index).all(), tool, options).path;
+  return room_path(index, EllipsoidLookup(index).all(), config.tool, options).path;
 }
 
 /// Opens `device`, or the one that the configuration asks for.
@@ -433,7 +433,7 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
 void LiveSystem::set_stiffness(const LiveConfig& settings) {
   const double stiffness = settings.force.proxy.stiffness;
   if (home_) {
-    const GiantSetup setup = giant_setup(settings_.device, settings_.loop.rate, stiffness);
+    const GiantSetup setup = giant_setup(settings.device, settings.loop.rate, stiffness);
     admittance_->change(admittance_of(setup), stiffness);
   }
   if (stiffness_ > 0.0) tick_->set_gain(stiffness / stiffness_);
@@ -441,13 +441,13 @@ void LiveSystem::set_stiffness(const LiveConfig& settings) {
 
 /// Has the simulated hand explore another scene, or with another tool. A scene that is another size may be so
 /// far from it that the way would take minutes: then the tool is brought there.
-void LiveSystem::lead_hand(const SceneIndex& index, const Tool& tool) {
+void LiveSystem::lead_hand(const SceneIndex& index, const LiveConfig& wanted) {
   Trajectory path;
   try {
-    path = explore(index, tool);
+    path = explore(index, wanted);
   } catch (const Error&) {
     // There is no place to touch by itself. A client may lead it to one.
-    if (index.size() > 0 && !home_) path.emplace_back().pose = waiting_place(index, tool);
+    if (index.size() > 0 && !home_) path.emplace_back().pose = waiting_place(index, wanted.tool);
   }
   if (!path.empty()) {
     go(path);
@@ -518,7 +518,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const Sh
   } else {
     return;
   }
-  if (explores_ && (other_scene || other_tool)) lead_hand(*scene.index, wanted.tool);
+  if (explores_ && (other_scene || other_tool)) lead_hand(*scene.index, wanted);
   tick_->use(next_->model(wanted.force.model));
   constexpr double kLook = 5e-3;  // s
   while (!tick_->is_used()) {

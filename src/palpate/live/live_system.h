@@ -162,8 +162,8 @@ class LiveSystem {
   void take(const SharedScene& scene);
   void place_giant();
   void find_way();
-  Trajectory explore(const SceneIndex& index, const Tool& tool) const;
-  Trajectory explore_room(const SceneIndex& index, const Tool& tool) const;
+  Trajectory explore(const SceneIndex& index, const LiveConfig& config) const;
+  Trajectory explore_room(const SceneIndex& index, const LiveConfig& config) const;
   void open(std::unique_ptr<HapticDevice> device);
   void go(const Trajectory& path);
   std::shared_ptr<FeltScene> make_felt(std::shared_ptr<const SceneIndex> index, const LiveConfig& settings,
@@ -172,7 +172,7 @@ class LiveSystem {
   SharedScene read_again(const LiveConfig& wanted, const LiveConfig& now);
   SharedScene taken_over(const LiveConfig& wanted, const SharedScene& followed) const;
   void apply(const LiveConfig& wanted, const LiveConfig& now, const SharedScene& scene);
-  void lead_hand(const SceneIndex& index, const Tool& tool);
+  void lead_hand(const SceneIndex& index, const LiveConfig& wanted);
   void let_hand_move();
   void set_stiffness(const LiveConfig& settings);
   void say(const std::string& busy);
