@@ -148,6 +148,16 @@ TEST(CrtkDevice, AnotherFrameIsDropped) {
   EXPECT_NE(link.reading.hand, hand);
 }
 
+TEST(CrtkDevice, ThePoseThatIsAcceptedFirstSetsTheFrame) {
+  CrtkLink link;
+  link.pose(std::numeric_limits<double>::quiet_NaN(), 0.0, "world");
+  EXPECT_FALSE(link.tick());
+  link.pose(0.1, 0.0, "base");
+  EXPECT_TRUE(link.tick());
+  link.pose(0.1, 0.0, "world");
+  EXPECT_FALSE(link.tick());
+}
+
 TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   CrtkLink link;
   link.ticks(3, 0.1);

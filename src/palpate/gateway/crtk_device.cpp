@@ -46,6 +46,7 @@ CrtkDevice::CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> trans
     throw Error("device '{}': the one-way delay must be 0 to {} s", name, age_limit_);
   // What is carried on looks as new as it is carried.
   options_.capabilities.delay += options_.extrapolation;
+  if (!options_.frame.empty()) frame_ = options_.frame;
   said_at_.fill(-2.0 * kSilence);
 }
 
@@ -138,12 +139,7 @@ CrtkDevice::Problem CrtkDevice::check_stamp(double stamp, bool anew, double now)
 
 CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
   if (is_other_source(header.source, now)) return Problem::kSecond;
-  const std::string& wanted = options_.frame.empty() ? frame_ : options_.frame;
-  if (taken_ + dropped_ > 0 || !options_.frame.empty()) {
-    if (header.frame != wanted) return Problem::kFrame;
-  } else {
-    frame_ = header.frame;
-  }
+  if (frame_ && header.frame != *frame_) return Problem::kFrame;
   if (!is_finite(pose) || !is_unit(pose.orientation) || !std::isfinite(header.stamp)) return Problem::kBad;
   return check_stamp(header.stamp, taken_ > 0 && header.source != source_, now);
 }
@@ -158,6 +154,7 @@ void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
   } else if (t - heard_ > age_limit_ && taken_ > 0) {
     hand_.change_hand();
   }
+  if (!frame_) frame_ = header.frame;
   accept(pose, header.stamp, t);
 }
 
@@ -191,7 +188,7 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
       return who + " are not finite or have no unit quaternion: no force until they do; correct the driver";
     case Problem::kFrame:
       return fmt::format("{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id",
-                         who, header.frame, options_.frame.empty() ? frame_ : options_.frame);
+                         who, header.frame, *frame_);
     case Problem::kStale:
       return fmt::format("{} come late, twice or out of order (limit {:.0f} ms), and those are dropped", who,
                          1e3 * age_limit_);

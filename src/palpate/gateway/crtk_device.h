@@ -152,7 +152,8 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   /// @{
   ClientHand hand_;
   StampClock stamps_;
-  std::string frame_, source_;
+  std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted
+  std::string source_;
   double stamp_ = 0.0;        ///< newest accepted, on the publisher's clock. Unit: [s].
   double age_ = 0.0;          ///< of the pose being checked
   double heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].
