@@ -131,5 +131,14 @@ TEST_F(ForceSensorGuardTest, AHandIsNoBias) {
   EXPECT_EQ(guard_.bias().force, Vector3d(1, 0, 0)) << "as it was";
 }
 
+TEST_F(ForceSensorGuardTest, WithoutAMeasurementThereIsNoBias) {
+  EXPECT_EQ(guard_.tare(), SensorFault::kDropout);
+  take({1, 0, 0});
+  ASSERT_EQ(guard_.tare(), SensorFault::kNone);
+  guard_.begin_tare();
+  EXPECT_EQ(guard_.tare(), SensorFault::kDropout);
+  EXPECT_EQ(guard_.bias().force, Vector3d(1, 0, 0)) << "as it was";
+}
+
 }  // namespace
 }  // namespace palpate

@@ -54,7 +54,7 @@ void ForceSensorGuard::begin_tare() {
 }
 
 SensorFault ForceSensorGuard::tare() {
-  if (summed_ == 0) return SensorFault::kNone;
+  if (summed_ == 0) return SensorFault::kDropout;
   const Wrench mean{sum_.force / summed_, sum_.torque / summed_};
   if (mean.force.norm() > limits_.bias_force || mean.torque.norm() > limits_.bias_torque)
     return SensorFault::kBias;

@@ -42,7 +42,8 @@ class ForceSensorGuard {
 
   /// Starts averaging the measurements.
   void begin_tare();
-  /// Takes the average since begin_tare() as the bias from now on, if plausible. \returns kBias if it is not
+  /// Takes the average since begin_tare() as the bias from now on. \returns kBias if it is not plausible,
+  /// kDropout if there was no measurement; the bias is then unchanged
   SensorFault tare();
 
   const Wrench& bias() const { return bias_; }
