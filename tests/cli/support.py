@@ -75,6 +75,11 @@ def stood_still(summary):
     return max(summary["late_us"]["max"], summary["tick_us"]["max"])
 
 
+def faults_but_late(summary):
+    """The faults of a run without late ticks, which are the machine's where it is busy."""
+    return [fault for fault in summary["faults"] if fault != "late-tick"]
+
+
 class Case(unittest.TestCase):
     """A test in an empty folder of its own, which is also where palpate runs."""
 

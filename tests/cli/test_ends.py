@@ -90,12 +90,6 @@ class Ends(Falls, Live):
                 self.assert_falls(rows, begin, 0.1)
                 self.assertEqual(force(rows[-1]), 0.0)
 
-    def test_a_crash_is_a_crash(self):
-        process = self.start("--json")
-        self.until_it_leans(process)
-        process.send_signal(signal.SIGSEGV)
-        self.end(process, -signal.SIGSEGV)
-
     def test_who_was_stopped_goes_through_the_gate(self):
         for gap in (0.06, 0.3, 1.0):
             with self.subTest(gap=gap):
