@@ -90,15 +90,15 @@ struct Whitened {
   /// Calls put(lane, numbers) for each array of WhitenedPairs that stores part of it.
   template <class Put>
   HWY_INLINE void put_into(PairsOf<L>& pairs, const Put& put) const {
-    const auto put3 = [&](const Vec3<L>& v, auto& lanes, std::size_t first) HWY_ATTR {
-      put(lanes[first], v.x);
-      put(lanes[first + 1], v.y);
-      put(lanes[first + 2], v.z);
+    const auto put3 = [&](const Vec3<L>& v, auto* lanes) HWY_ATTR {
+      put(lanes[0], v.x);
+      put(lanes[1], v.y);
+      put(lanes[2], v.z);
     };
-    put3(distance, pairs.distance, 0);
-    for (std::size_t c = 0; c < 3; ++c) put3(l[c], pairs.l, 3 * c);
-    put3(k.p, pairs.k, 0);
-    put3(k.e, pairs.k, 3);
+    put3(distance, pairs.distance.data());
+    for (std::size_t c = 0; c < 3; ++c) put3(l[c], pairs.l.data() + 3 * c);
+    put3(k.p, pairs.k.data());
+    put3(k.e, pairs.k.data() + 3);
   }
 };
 
