@@ -11,12 +11,12 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kPosesPerStroke = 125;
-constexpr double kShortest = 0.015, kLongest = 0.04;     // way along the surface. Unit: [m].
+constexpr double kShortest = 0.015, kLongest = 0.04;     // length of a stroke. Unit: [m].
 constexpr double kMaxSpin = 0.3;                         // Unit: [rad].
 constexpr double kLeastPush = 0.35, kDeepestPush = 0.8;  // in shortest semi-axes of the tool
-constexpr double kGap = 0.2;                             // above the surface at both ends, likewise
+constexpr double kGap = 0.2;                             // clearance at both ends, likewise
 
-/// Another point of the same side of the same surface, by trial: not too near, not too far.
+/// End point of a stroke, by rejection sampling: same side of the same surface, within the length limits.
 SurfacePoint sample_near(const SurfacePoint& from, const BenchScene& scene, std::size_t cell,
                          HashRandom& random) {
   constexpr int kTrials = 10'000;
@@ -25,7 +25,7 @@ SurfacePoint sample_near(const SurfacePoint& from, const BenchScene& scene, std:
     const double distance = (to.point - from.point).norm();
     if (distance > kShortest && distance < kLongest && to.normal.dot(from.normal) > 0.5) return to;
   }
-  return from;  // a scene too small to slide in
+  return from;  // scene too small for a slide
 }
 
 template <typename T>

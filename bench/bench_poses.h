@@ -1,5 +1,5 @@
 /// \file
-/// What the tool does in the benchmark scene.
+/// Tool poses in the benchmark scene.
 #pragma once
 
 #include <cstddef>
@@ -22,17 +22,17 @@ struct PoseOptions {
   std::uint64_t seed = 1;
   Eigen::Vector3d tool = kTool;
   bool shuffle = false;      ///< the same poses in random order: no pose is near the one before
-  bool whole_scene = false;  ///< every pose somewhere else: nothing is in a cache, for no pipeline
+  bool whole_scene = false;  ///< every pose at a random place, so that caches are cold for every pipeline
 };
 
-/// An eighth of a second of touching: the tool comes down on a surface, slides along it for a few
-/// centimetres, deepest half way, turning slowly, and leaves it again.
+/// A contact of an eighth of a second: the tool approaches a surface, slides along it for a few centimetres,
+/// deepest half way, while rotating slowly, and leaves it again.
 class Stroke {
  public:
-  /// Somewhere in the scene.
+  /// Draws a stroke at a random place of the scene.
   Stroke(const BenchScene& scene, const Eigen::Vector3d& tool, HashRandom& random);
 
-  /// The tool at `s` in [0, 1] of the stroke.
+  /// Tool at fraction `s` in [0, 1] of the stroke.
   Ellipsoid at(double s) const;
 
   /// The same place and orientation with the tool's lowest point `depth` below the surface; negative is
@@ -44,11 +44,11 @@ class Stroke {
   SurfacePoint from_, to_;
   Eigen::Quaterniond orientation_;  ///< at s = 0
   Eigen::Vector3d spin_axis_;       ///< unit
-  double spin_;                     ///< over the stroke. Unit: [rad].
-  double push_;                     ///< depth half way. Unit: [m].
+  double spin_;                     ///< rotation over the stroke. Unit: [rad].
+  double push_;                     ///< depth at s = 0.5. Unit: [m].
 };
 
-/// Stroke after stroke at 1 kHz, unless the options say otherwise.
+/// Poses of consecutive strokes, sampled at 1 kHz unless the options say otherwise.
 std::vector<Ellipsoid> make_poses(const BenchScene& scene, const PoseOptions& options);
 
 }  // namespace palpate::bench

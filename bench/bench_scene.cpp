@@ -15,9 +15,9 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kGaussiansPerCell = 40'000;
-constexpr double kObjectArea = 0.8;  // of an object, in areas of its cell's floor
+constexpr double kObjectArea = 0.8;  // area of an object relative to its cell's floor
 constexpr double kObjectHeight =
-    0.55;                             // of its centre above the floor, in sides of a cell: clear of all else
+    0.55;  // of its centre above the floor, in sides of a cell: clear of other objects
 constexpr double kSizeSpread = 0.35;  // standard deviation of ln sigma in the surface
 constexpr double kOffset = 0.1;       // standard deviation along the normal, in spacings
 constexpr double kTilt = 0.05;        // standard deviation of each component of the tilt. Unit: [rad].
@@ -34,7 +34,7 @@ Vector3d random_sigma(double spacing, HashRandom& random) {
   return {u, v, std::sqrt(u * v) / random.log_uniform(10.0, 50.0)};
 }
 
-/// Turns z to about `normal`, x anywhere.
+/// Random rotation that maps z close to `normal`.
 Quaterniond random_frame(const Vector3d& normal, HashRandom& random) {
   const Vector3d tilt = kTilt * Vector3d(random.normal(), random.normal(), random.normal());
   const Eigen::AngleAxisd roll(random.uniform(0.0, 2.0 * std::numbers::pi), Vector3d::UnitZ());
@@ -51,7 +51,7 @@ double logit(double p) { return std::log(p / (1.0 - p)); }
 
 BenchScene::BenchScene(std::size_t n, std::uint64_t seed, double spacing)
     : size_(n), seed_(seed), spacing_(spacing), cells_(std::max<std::size_t>(1, n / kGaussiansPerCell)) {
-  // What is left over makes all cells a little larger, not one of them emptier.
+  // The remainder of the division makes all cells slightly larger, rather than one of them emptier.
   const double area = static_cast<double>(n) / static_cast<double>(cells_.size()) * spacing * spacing;
   pitch_ = std::sqrt(area / (1.0 + kObjectArea));
   const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(cells_.size()))));

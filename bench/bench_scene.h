@@ -1,6 +1,5 @@
 /// \file
-/// The scene of all benchmarks: as many flat Gaussians as one likes, at a density that does not depend on how
-/// many.
+/// The scene of all benchmarks: flat Gaussians in any number, at a density independent of the number.
 #pragma once
 
 #include <array>
@@ -16,7 +15,7 @@
 
 namespace palpate::bench {
 
-/// A row of an INRIA .ply without normals: numbers as the file holds them, neither activated nor normalised.
+/// A row of an INRIA .ply without normals: the values as stored, neither activated nor normalised.
 struct BenchGaussian {
   std::array<float, 3> position;
   std::array<float, 3> f_dc;  ///< the normal, as a colour
@@ -27,24 +26,24 @@ struct BenchGaussian {
 static_assert(sizeof(BenchGaussian) == 14 * sizeof(float), "written to files as it is");
 
 /// A hall of square cells, each with its piece of floor and one object above it (a sphere, box, torus or
-/// wall, turned at random). More Gaussians are more cells, never denser ones, so that the contacts of a pose
-/// do not depend on the size of the scene. Immutable; any number of threads may ask at once.
+/// wall, randomly rotated). More Gaussians make more cells, not denser ones, so that the number of contacts
+/// of a pose does not depend on the size of the scene. Immutable; safe for concurrent use.
 ///
 /// Gaussian i is a pure function of (seed, i, n, spacing). Points are independent and uniform over the
 /// surfaces; sigmas in the surface are log-normal about the spacing, those across it 10 to 50 times smaller;
-/// one in a hundred Gaussians is 2 to 20 times larger, as captures have them. Every opacity is above the
+/// one in a hundred Gaussians is 2 to 20 times larger, as in captures. Every opacity is above the
 /// filter's default.
 class BenchScene {
  public:
   static constexpr double kSpacing = 0.0035;  ///< Unit: [m].
 
-  /// \param spacing one Gaussian for each spacing^2 of surface. Unit: [m].
+  /// \param spacing one Gaussian per spacing^2 of surface. Unit: [m].
   explicit BenchScene(std::size_t n, std::uint64_t seed = 1, double spacing = kSpacing);
 
   std::size_t size() const { return size_; }
   std::size_t cells() const { return cells_.size(); }
 
-  /// Of the floor and the highest object: nothing is above. Unit: [m].
+  /// Height above which the scene is empty. Unit: [m].
   double height() const { return 2.0 * pitch_; }
 
   /// A point of uniform density on the surfaces of a cell. World frame. Unit: [m].
@@ -52,7 +51,7 @@ class BenchScene {
 
   BenchGaussian gaussian(std::size_t i) const;
 
-  /// All of them, without colours; ids are 0 ... n-1. Runs in parallel.
+  /// All Gaussians, without colours; ids are 0 ... n-1. Runs in parallel.
   GaussianScene load() const;
 
  private:

@@ -10,7 +10,7 @@
 namespace palpate::bench {
 namespace {
 
-/// The box of an ellipsoid in Bullet's single precision, a step wider than rounding could make it too small.
+/// Bounding box of an ellipsoid in Bullet's single precision, widened by one step against rounding.
 btDbvtVolume bounds(const Ellipsoid& e) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Eigen::Vector3d half = e.half_extents();

@@ -11,7 +11,7 @@
 namespace palpate::bench {
 namespace {
 
-/// Builds a family; one result for each of its pipelines, with the build in it.
+/// Builds a family and appends one result per pipeline, with the build's time and memory.
 void build(const Family& family, const PipelineInput& input, Pipelines& pipelines,
            std::vector<PipelineResult>& results) {
   fmt::print(stderr, "building {}\n", family.name);
@@ -42,7 +42,7 @@ Accuracy check(Pipeline& pipeline, const std::vector<Ellipsoid>& poses, const Tr
   return accuracy;
 }
 
-/// The times of the poses that touch something, or of those that do not.
+/// Latency over the poses in contact, or over the others.
 Latency latency(const std::vector<double>& times, const Truth& truth, bool touching) {
   std::vector<double> selected;
   for (std::size_t i = 0; i < times.size(); ++i)
@@ -50,7 +50,7 @@ Latency latency(const std::vector<double>& times, const Truth& truth, bool touch
   return Latency(std::move(selected));
 }
 
-/// What all pipelines are given, and what they should answer.
+/// Input of all pipelines, and the ground truth.
 struct Setting {
   GaussianScene scene;
   SceneFilter filter;
@@ -73,7 +73,7 @@ struct Setting {
   }
 };
 
-/// What the paper's pipeline searches with.
+/// Sets the search radii of the paper's pipeline.
 void find_radii(const Setting& setting, Comparison& comparison) {
   const double tool_radius = comparison.options.poses.tool.maxCoeff();
   const double asked = comparison.options.search_radius;

@@ -1,5 +1,5 @@
 /// \file
-/// From the answer of a ContactQuery to what all pipelines have in common.
+/// Conversion of the result of a ContactQuery to the hits that all pipelines report.
 #pragma once
 
 #include <palpate/collision/contact.h>

@@ -17,8 +17,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Bounds of primitive `primID` in Embree's single precision, a step wider than rounding could make them too
-/// small.
+/// Bounds of primitive `primID` in Embree's single precision, widened by one step against rounding.
 void ellipsoid_bounds(const RTCBoundsFunctionArguments* arguments) {
   const auto& ellipsoids = *static_cast<const std::vector<Ellipsoid>*>(arguments->geometryUserPtr);
   const Ellipsoid& e = ellipsoids[arguments->primID];
@@ -35,7 +34,7 @@ void ellipsoid_bounds(const RTCBoundsFunctionArguments* arguments) {
 
 bool test_primitive(RTCPointQueryFunctionArguments* arguments) {
   static_cast<GoldenNarrowPhase::Query*>(arguments->userPtr)->test(arguments->primID);
-  return false;  // the radius stays as it is
+  return false;  // the radius is unchanged
 }
 
 template <auto release>
@@ -80,7 +79,7 @@ class Embree final : public Pipeline {
   void hits(std::vector<Hit>& out) const override { out = narrow_.hits(); }
 
  private:
-  /// More than a coordinate loses in single precision anywhere in a hall of 100 m. Unit: [m].
+  /// Bound of the rounding error of a coordinate in single precision, in a hall of 100 m. Unit: [m].
   static constexpr double kRounding = 1e-5;
 
   GoldenNarrowPhase narrow_;

@@ -1,5 +1,5 @@
-// FCL: its dynamic AABB tree and the GJK of libccd on its own ellipsoids, as its documentation has it. It
-// says whether a pair overlaps; it has no K.
+// FCL: its dynamic AABB tree and the GJK of libccd on its ellipsoids, as in its documentation. It reports
+// whether a pair overlaps, but no K.
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/shape/ellipsoid.h>
 #include <fcl/narrowphase/collision.h>
@@ -11,7 +11,7 @@ namespace {
 
 using Object = fcl::CollisionObject<double>;
 
-/// Principal axes as a rotation, semi-axes as a shape. \pre the semi-axes are positive.
+/// Collision object with the principal axes as rotation. \pre the semi-axes are positive.
 Object make_object(const Ellipsoid& e) {
   const Eigen::Vector3d semi_axes = e.axes.colwise().norm().transpose();
   fcl::Transform3d pose = fcl::Transform3d::Identity();
@@ -31,7 +31,7 @@ struct Collector {
     fcl::CollisionResultd result;
     fcl::collide(a, b, request, result);
     if (result.isCollision()) overlapping.push_back(a == tool ? b : a);
-    return false;  // go on
+    return false;  // continue
   }
 };
 

@@ -8,7 +8,7 @@
 namespace palpate::bench {
 namespace {
 
-/// K at the middle of the last bracket.
+/// Minimum of K by golden-section search: K at the middle of the last bracket.
 double golden_minimum(const KFunction& k) {
   constexpr double kShrink = 1.0 / std::numbers::phi;
   double begin = 0.0, width = 1.0;

@@ -1,5 +1,5 @@
 /// \file
-/// The paper's narrow phase for peers that bring only a broad phase.
+/// The paper's narrow phase, for libraries that provide only a broad phase.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,10 @@
 
 namespace palpate::bench {
 
-/// What follows a broad phase in the paper: bounding spheres (eq. 4), then golden section with as many
-/// iterations as PaperPipeline on the same KFunction. In between, boxes: a broad phase that compares with the
-/// tool's sphere alone would else be held up by golden sections that any collision library avoids.
+/// Narrow phase of the paper: bounding spheres (eq. 4), then golden-section search with as many iterations as
+/// PaperPipeline on the same KFunction. A test of bounding boxes is added in between: a broad phase that
+/// compares with the tool's sphere alone would otherwise cost golden sections that any collision library
+/// avoids.
 class GoldenNarrowPhase {
  public:
   explicit GoldenNarrowPhase(const EllipsoidScene& scene);
@@ -22,7 +23,7 @@ class GoldenNarrowPhase {
   const std::vector<Ellipsoid>& ellipsoids() const { return ellipsoids_; }
   const std::vector<Hit>& hits() const { return hits_; }
 
-  /// One query: its tool, and how candidates of the broad phase are tested.
+  /// One query, which tests the candidates of the broad phase.
   class Query {
    public:
     Query(GoldenNarrowPhase& phase, const Ellipsoid& tool);

@@ -1,4 +1,4 @@
-// What a query costs as the scene, the number of contacts, or the tool grows.
+// Cost of a query as the scene, the number of contacts, or the tool grows.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,7 +16,7 @@
 namespace palpate::bench {
 namespace {
 
-/// One quantity that grows while all else stays.
+/// Options with one quantity that grows, all others fixed.
 struct Sweep {
   std::string quantity;
   std::vector<std::pair<std::string, ComparisonOptions>> steps{};
@@ -35,7 +35,7 @@ Sweep over_gaussians(ComparisonOptions options, const std::vector<std::size_t>& 
   return sweep;
 }
 
-/// As many Gaussians, packed ever closer.
+/// A fixed number of Gaussians, of increasing density.
 Sweep over_density(ComparisonOptions options) {
   Sweep sweep{"Gaussians a cm2"};
   for (const double per_cm2 : {1.0, 2.0, 4.0, 8.0, 16.0, 32.0}) {
@@ -45,7 +45,7 @@ Sweep over_density(ComparisonOptions options) {
   return sweep;
 }
 
-/// The same centres, ever larger ellipsoids.
+/// The same centres, with increasingly large ellipsoids.
 Sweep over_sigma(ComparisonOptions options) {
   Sweep sweep{"sigma"};
   for (const double sigma : {0.5, 1.0, 1.5, 2.0, 3.0}) {
@@ -102,7 +102,7 @@ void run(const Sweep& sweep, const std::vector<Family>& families, std::string& m
   }
 }
 
-/// Measures a scene file; appends what it costs, and its table, to `markdown` and its results to `json`.
+/// Measures a scene file; appends its costs and its table to `markdown`, and its results to `json`.
 void run(const std::string& path, const ComparisonOptions& options, std::string& markdown,
          nlohmann::ordered_json& json) {
   const SceneFileResult file = measure_scene_file(path, options);

@@ -1,5 +1,5 @@
 /// \file
-/// Random numbers that are a pure function of a seed and an index.
+/// Random numbers as a pure function of a seed and an index.
 #pragma once
 
 #include <cmath>
@@ -9,11 +9,11 @@
 
 namespace palpate::bench {
 
-/// What a stream of random numbers decides: different purposes never share one.
+/// Purpose of a stream of random numbers: different purposes have different streams.
 enum class Purpose : std::uint64_t { kGaussian, kCell, kPose, kOrder };
 
-/// One short stream for each (seed, purpose, index), by splitmix64 (Steele, Lea and Flood 2014). Unlike
-/// Random, whose engine has 2.5 KB of state to fill, it costs nothing to begin: one for each of 100 million
+/// A short stream per (seed, purpose, index), by splitmix64 (Steele, Lea and Flood 2014). Unlike Random,
+/// whose engine has 2.5 KB of state to initialise, it is cheap to construct: one for each of 100 million
 /// Gaussians.
 class HashRandom {
  public:
@@ -27,7 +27,7 @@ class HashRandom {
   }
   /// Uniform in [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// In [low, high), its logarithm uniform. \pre both are positive.
+  /// Log-uniform in [low, high). \pre both are positive.
   double log_uniform(double low, double high) { return low * std::pow(high / low, uniform()); }
   /// Uniform in 0 ... n-1. \pre 0 < n < 2^53.
   std::size_t index(std::size_t n) { return static_cast<std::size_t>(uniform() * static_cast<double>(n)); }
@@ -38,7 +38,7 @@ class HashRandom {
   }
 
  private:
-  /// The finalizer: a bijection in which every input bit changes every output bit half the time.
+  /// Finalizer of splitmix64: a bijection in which every input bit flips every output bit half the time.
   static std::uint64_t mix(std::uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;

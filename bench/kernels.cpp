@@ -1,4 +1,4 @@
-// The parts of a contact query, one by one.
+// Micro-benchmarks of the parts of a contact query.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kGaussians = 1'000'000;
 constexpr double kNear =
-    0.01;  // above the surface: many boxes meet the tool's, hardly a Gaussian does. Unit: [m].
+    0.01;  // above the surface: many boxes overlap the tool's, few Gaussians do. Unit: [m].
 
 const BenchScene& scene() {
   static const BenchScene made(kGaussians);
@@ -31,7 +31,7 @@ const SceneIndex& index() {
 
 std::vector<Ellipsoid> touching() { return make_poses(scene(), {}); }
 
-/// Above the places where touching() touches.
+/// Poses just above the places of touching().
 std::vector<Ellipsoid> near() {
   std::vector<Ellipsoid> poses;
   for (std::size_t i = 0; i < PoseOptions{}.count; ++i) {
@@ -47,7 +47,7 @@ std::vector<Ellipsoid> far() {
   return poses;
 }
 
-/// Pairs as a narrow phase meets them: the Gaussians that bounding spheres leave of a spread of poses.
+/// Input pairs of a narrow phase: every 100th pose, and the Gaussians whose spheres overlap the tool's.
 std::vector<std::pair<WhitenedTool, Ellipsoid>> pairs() {
   std::vector<std::pair<WhitenedTool, Ellipsoid>> found;
   constexpr std::size_t kEveryPose = 100;
@@ -75,7 +75,7 @@ void minimize_pair(benchmark::State& state) {
 }
 BENCHMARK(minimize_pair);
 
-/// Time of one query, and how many contacts it has.
+/// Measures the time of one query, and counts its contacts.
 template <typename Query>
 void run_queries(benchmark::State& state, const std::vector<Ellipsoid>& poses, const Query& query) {
   ContactSet contacts;

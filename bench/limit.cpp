@@ -1,5 +1,5 @@
-// How far the contact query is from what the machine could do: the operations that its mathematics needs,
-// over the operations a second that the processor is capable of.
+// Lower bound of the time of a contact query: the operations that its mathematics needs, divided by the
+// peak rate of the processor; compared with the measured time.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -15,36 +15,35 @@
 namespace palpate::bench {
 namespace {
 
-/// Operations on single-precision lanes that one item of a stage needs, a multiply-add, a comparison and an
-/// estimate of a reciprocal being one each. Counted from the formulas as the kernel has them, without what it
-/// takes to get numbers to where they are needed: loads, stores, packing, loops. To be counted again when the
-/// formulas change.
+/// Number of operations on single-precision lanes per item of a stage; a multiply-add, a comparison and an
+/// estimate of a reciprocal count as one each. Counted from the formulas of the kernel, without data
+/// movement: loads, stores, packing, loops. Must be counted again when the formulas change.
 namespace cost {
 
-/// Slots of a visited node: six comparisons and five conjunctions of boxes; for the plane between, m and h
-/// 12, M m 9, m^T M m 3, the extent 6, the size 6, the gap and what follows 7 (walk_lanes-inl.h, expand).
+/// Slot of a visited node: six comparisons and five conjunctions of boxes; for the separating plane, m and h
+/// 12, M m 9, m^T M m 3, the extent 6, the size 6, the gap and its test 7 (walk_lanes-inl.h, expand).
 constexpr double kSlot = 6 + 5 + 12 + 9 + 3 + 6 + 6 + 7;
 
-/// Gaussians of a block: centre relative to the tool 6, W times it 9, its square 3, longest axis 2, reach 1,
+/// Gaussian of a block: centre relative to the tool 6, W times it 9, its square 3, longest axis 2, reach 1,
 /// its square 2, the comparison 1 (walk_lanes-inl.h, cull).
 constexpr double kCandidate = 6 + 9 + 3 + 2 + 1 + 2 + 1;
 
-/// Pairs that the spheres leave: rotation times lengths 38, d' and L 42, coefficients of K 82
-/// (pair_lanes-inl.h), first guess 18, and the step that screens 66 (search_lanes-inl.h).
+/// Pair that passes the spheres: rotation times lengths 38, d' and L 42, coefficients of K 82
+/// (pair_lanes-inl.h), initial guess 18, and the screening step 66 (search_lanes-inl.h).
 constexpr double kPair = 38 + 42 + 82 + 18 + 66;
 
-/// Contacts: three more steps of the search, one that ends with a certificate 90 and the bound of its
-/// rounding 13; normal, point, depth and lambda 150 (contact_lanes-inl.h).
+/// Contact: three more steps of the search, a final one with a certificate 90 and its rounding bound 13;
+/// normal, point, depth and lambda 150 (contact_lanes-inl.h).
 constexpr double kContact = 3 * 66 + 90 + 13 + 150;
 
 }  // namespace cost
 
-/// What a query has to look at. Means over the poses in contact.
+/// Number of items per query, means over the poses in contact.
 struct Work {
   double slots = 0.0, candidates = 0.0, filtered = 0.0, contacts = 0.0;
 };
 
-/// Slots of all nodes whose box meets that of `tool`. Counted apart from the kernel, in double.
+/// Number of slots of all nodes whose box overlaps that of `tool`; independent of the kernel, in double.
 std::size_t count_slots(const IndexView& index, const Ellipsoid& tool) {
   const Eigen::Vector3d low = tool.center - tool.half_extents() - index.origin;
   const Eigen::Vector3d high = tool.center + tool.half_extents() - index.origin;
@@ -92,8 +91,8 @@ std::vector<Ellipsoid> touching_poses(const SceneIndex& index, const BenchScene&
 
 struct Stage {
   const char* item;
-  double items;       ///< a query
-  double operations;  ///< an item
+  double items;       ///< per query
+  double operations;  ///< per item
 };
 
 std::vector<Stage> stages_of(const Work& work) {

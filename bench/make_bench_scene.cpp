@@ -19,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "rows are written as they lie in memory");
 
-constexpr std::size_t kChunk = 1 << 18;  // rows held at once: 15 MB
+constexpr std::size_t kChunk = 1 << 18;  // rows in memory at a time: 15 MB
 
 std::string header(std::size_t n) {
   std::string text = fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", n);

@@ -1,5 +1,5 @@
 /// \file
-/// Time and memory.
+/// Measurement of time and memory.
 #pragma once
 
 #include <atomic>
@@ -13,12 +13,12 @@
 
 namespace palpate::bench {
 
-/// The resident set of this process, after the heap has returned to the system what is free in it: so that
-/// its growth is what a structure holds, also where it maps memory on its own. Unit: [bytes].
+/// Resident set of this process, after the heap has returned its free memory to the system, so that the
+/// growth is the memory of a structure, including memory that it maps itself. Unit: [bytes].
 std::size_t resident_bytes();
 
-/// Watches the anonymous memory of this process (what it holds besides mapped files, whose pages the system
-/// may have back at any time) from a thread of its own.
+/// Monitors the anonymous memory of this process from its own thread. Pages of mapped files, which the system
+/// may reclaim at any time, are not included.
 class AnonymousMemoryWatch {
  public:
   AnonymousMemoryWatch();
@@ -26,7 +26,7 @@ class AnonymousMemoryWatch {
   AnonymousMemoryWatch(const AnonymousMemoryWatch&) = delete;
   AnonymousMemoryWatch& operator=(const AnonymousMemoryWatch&) = delete;
 
-  /// The most that was seen, looking a hundred times a second. Unit: [bytes].
+  /// Largest value so far, sampled at 100 Hz. Unit: [bytes].
   std::size_t peak() const { return peak_; }
 
  private:
@@ -37,9 +37,9 @@ class AnonymousMemoryWatch {
   std::thread thread_;
 };
 
-/// Of every pipeline, the time of every pose: the least of `rounds`, since whatever else the machine does
-/// only adds. In each round every pipeline sees all poses in turn, so that a slow minute is nobody's own.
-/// Unit: [us].
+/// Measures the time of every pose with every pipeline: the minimum over `rounds`, since other load only adds
+/// time. In each round, the pipelines run all poses in turn, so that a slow minute affects all of them.
+/// \returns times by pipeline and pose. Unit: [us].
 std::vector<std::vector<double>> measure(const Pipelines& pipelines, const std::vector<Ellipsoid>& poses,
                                          int rounds);
 

@@ -1,4 +1,4 @@
-// This library: a fresh query on every instruction set, and the tracker on the best.
+// This library: fresh queries on every instruction set, and the tracker on the best one.
 #include <array>
 #include <string_view>
 #include <utility>

@@ -1,5 +1,5 @@
 /// \file
-/// What is compared: a contact query behind one small interface, and how each is made.
+/// Interface of the compared contact queries, and their factories.
 #pragma once
 
 #include <cstdint>
@@ -20,60 +20,60 @@ namespace palpate::bench {
 /// A Gaussian that the tool overlaps.
 struct Hit {
   std::uint32_t id;
-  double k_min = std::numeric_limits<double>::quiet_NaN();  ///< NaN from a pipeline that only says yes or no
+  double k_min = std::numeric_limits<double>::quiet_NaN();  ///< NaN from a pipeline without K
 };
 
-/// A contact query, built. One thread at a time.
+/// A contact query on a built structure. One thread at a time.
 class Pipeline {
  public:
   virtual ~Pipeline() = default;
 
   virtual std::string name() const = 0;
 
-  /// Before every pass over the poses. Not timed.
+  /// Called before every pass over the poses. Not timed.
   virtual void prepare() {}
 
-  /// Finds what `tool` touches. Timed.
+  /// Finds the Gaussians that `tool` overlaps. Timed.
   virtual void query(const Ellipsoid& tool) = 0;
 
-  /// What the last query found, in any order. Not timed.
+  /// Returns the hits of the last query, in any order. Not timed.
   virtual void hits(std::vector<Hit>& out) const = 0;
 };
 
-/// What pipelines are built from. Each keeps a copy of all that its queries need, and nothing of this.
+/// Input of the build of pipelines. Each copies what its queries need, and keeps no reference to this.
 struct PipelineInput {
-  const GaussianScene& scene;  ///< for this library, which filters for itself
+  const GaussianScene& scene;  ///< for this library, which does its own filtering
   const SceneFilter& filter;
-  const EllipsoidScene& ellipsoids;  ///< the same filtered, for all others
+  const EllipsoidScene& ellipsoids;  ///< the filtered scene, for all others
   double search_radius;              ///< of the paper's kd-tree. Unit: [m].
-  double complete_radius;            ///< the least with which no contact is out of its reach. Unit: [m].
-  bool every_target;                 ///< this library on all instruction sets, not only the best
+  double complete_radius;            ///< least radius that reaches every contact. Unit: [m].
+  bool every_target;                 ///< run this library on all instruction sets, not only the best
 };
 
 using Pipelines = std::vector<std::unique_ptr<Pipeline>>;
 
-/// Pipelines that share one structure, and so one build.
+/// Pipelines that share one structure and its build.
 struct Family {
   std::string_view name;  ///< on the command line
   Pipelines (*build)(const PipelineInput&);
-  bool peer;  ///< not of this library
+  bool peer;  ///< true if not of this library
 };
 
 /// This library, then the peers.
 std::span<const Family> families();
 
-/// The family whose median others are set against.
+/// Family whose median is the reference for ratios.
 inline constexpr std::string_view kPaper = "paper";
 
-/// This library on an index that is there: fresh on SIMD targets, best first or only the best, and tracking
-/// on the best.
+/// This library on an existing index: fresh queries on all SIMD targets, best first, or only on the best one;
+/// and the tracker on the best.
 Pipelines pipelines_of(const std::shared_ptr<const SceneIndex>& index, bool every_target);
 
-/// The same, and the index too.
+/// The same, with a new index.
 Pipelines build_palpate(const PipelineInput& input);
 /// The paper's pipeline: nanoflann, bounding spheres, golden section.
 Pipelines build_paper(const PipelineInput& input);
-/// The same with the complete radius: the paper does not give its own.
+/// The same with the complete radius: the paper does not state its radius.
 Pipelines build_complete_paper(const PipelineInput& input);
 /// FCL: dynamic AABB tree, GJK of libccd.
 Pipelines build_fcl(const PipelineInput& input);
@@ -82,7 +82,7 @@ Pipelines build_bullet(const PipelineInput& input);
 /// Embree: point query, then as the paper.
 Pipelines build_embree(const PipelineInput& input);
 
-/// A family of one.
+/// Family of one pipeline.
 template <typename T, typename... Arguments>
 Pipelines only(Arguments&&... arguments) {
   Pipelines pipelines;

@@ -1,5 +1,5 @@
 /// \file
-/// What the benchmark programs have in common: options and how they fail.
+/// Options and error handling shared by the benchmark programs.
 #pragma once
 
 #include <functional>
@@ -12,31 +12,32 @@
 
 namespace palpate::bench {
 
-/// For options that must be greater than zero.
+/// Validator of options that must be greater than zero.
 CLI::Validator positive();
 
-/// Files to write results to; empty for none.
+/// Output files of the results; empty: none.
 struct ReportFiles {
   std::string json, markdown;
 };
 void declare_files(CLI::App& app, ReportFiles& files);
 
-/// The options of a program that compares.
+/// Options of a comparison program.
 struct ProgramOptions {
   ComparisonOptions comparison;
   ReportFiles files;
 };
 
-/// Declares them all but the number of Gaussians.
+/// Declares all options but the number of Gaussians.
 void declare_options(CLI::App& app, ProgramOptions& options);
 
-/// The names of all peers, for a check of an option.
+/// Names of all peers, to validate an option.
 std::vector<std::string> peer_names();
 
-/// This library, and the peers that `wanted` holds for.
+/// This library, and the peers for which `wanted` is true.
 std::vector<Family> select_families(const std::function<bool(const std::string&)>& wanted);
 
-/// Parses, then runs `body`. Every failure is one line on stderr: exit code 2 for bad usage, 1 for all else.
+/// Parses the arguments and runs `body`. A failure prints one line on stderr.
+/// \returns exit code: 2 for bad usage, 1 for other failures
 int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
 }  // namespace palpate::bench

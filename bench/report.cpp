@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// The contact medians that others are set against; infinite if there is no such pipeline.
+/// Reference medians in contact; infinite if there is no such pipeline.
 struct Yardsticks {
   double paper = std::numeric_limits<double>::infinity();
   double best_peer = std::numeric_limits<double>::infinity();

@@ -1,5 +1,5 @@
 /// \file
-/// Results as Markdown for people and as JSON for programs.
+/// Results as Markdown and JSON.
 #pragma once
 
 #include <string>
@@ -13,16 +13,16 @@
 
 namespace palpate::bench {
 
-/// What was compared, in one line, and the table of the pipelines.
+/// One line on the setting, and the table of the pipelines.
 std::string to_markdown(const Comparison& comparison);
 
-/// What it takes to index and to open the file, as a list.
+/// Cost of indexing and opening the file, as a list.
 std::string to_markdown(const SceneFileResult& file);
 
 nlohmann::ordered_json to_json(const Comparison& comparison);
 nlohmann::ordered_json to_json(const SceneFileResult& file);
 
-/// Prints `markdown` and writes both files, where a name is given. \throws Error if one cannot be written.
+/// Prints `markdown`, and writes the files whose path is not empty. \throws Error if one cannot be written.
 void publish(const std::string& markdown, const std::string& markdown_path,
              const nlohmann::ordered_json& json, const std::string& json_path);
 

@@ -18,12 +18,12 @@
 namespace palpate::bench {
 namespace {
 
-/// Has the system forget what it keeps of a file in memory, so that the next to read it waits for the disk. A
-/// wish: pages that someone else maps stay.
+/// Asks the system to drop a file from the page cache, so that the next read waits for the disk. Pages that
+/// another process maps stay.
 void evict(const std::string& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return;
-  fdatasync(file);  // what is not on the disk yet cannot be forgotten
+  fdatasync(file);  // dirty pages cannot be dropped
   posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
   close(file);
 }
@@ -38,7 +38,7 @@ OpenedIndex open_as(OpenedIndex::Origin expected, const std::string& path, const
   return opened;
 }
 
-/// Makes the index file; returns how many Gaussians the scene has, dropped ones included.
+/// Makes the index file. \returns the number of Gaussians of the scene, including filtered ones
 std::size_t make_index_file(const SceneFilter& filter, SceneFileResult& result) {
   fmt::print(stderr, "indexing {}\n", result.path);
   std::filesystem::remove(index_path(result.path));
@@ -52,13 +52,13 @@ std::size_t make_index_file(const SceneFilter& filter, SceneFileResult& result) 
   return opened.report.total;
 }
 
-/// What the tool does, and what it should find.
+/// Poses of the tool and their true contacts.
 struct Order {
   std::vector<Ellipsoid> poses;
   Truth truth;
 };
 
-/// The truth about all orders, from one pass over the file.
+/// Computes the truth of all orders in one pass over the file.
 void find_truth(const std::string& path, const SceneFilter& filter, std::array<Order, 2>& orders) {
   fmt::print(stderr, "computing the truth\n");
   std::array finders{TruthFinder(orders[0].poses), TruthFinder(orders[1].poses)};
@@ -72,7 +72,7 @@ void find_truth(const std::string& path, const SceneFilter& filter, std::array<O
   for (std::size_t i = 0; i < orders.size(); ++i) orders[i].truth = finders[i].take();
 }
 
-/// Unit: [s].
+/// Time to open the index file and find the first contact. Unit: [s].
 double time_first_contact(const std::string& path, const SceneFilter& filter, const Ellipsoid& touching) {
   ContactSet contacts;
   const Stopwatch watch;
@@ -90,7 +90,7 @@ void time_first_contacts(const SceneFilter& filter, const Ellipsoid& touching, S
   result.first_contact_warm = time_first_contact(result.path, filter, touching);
 }
 
-/// Opens the index file once more and asks it about all poses of `order`.
+/// Opens the index file again and runs all poses of `order`.
 void compare(const SceneFilter& filter, const Order& order, const SceneFileResult& file,
              Comparison& comparison) {
   OpenedIndex opened = open_as(OpenedIndex::Origin::kFile, file.path, filter);
@@ -106,7 +106,7 @@ void compare(const SceneFilter& filter, const Order& order, const SceneFileResul
   run(pipelines, order.poses, order.truth, comparison);
 }
 
-/// The first pose that touches something.
+/// First pose in contact.
 const Ellipsoid& first_touching(const Order& order, const std::string& path, std::uint64_t seed) {
   for (std::size_t i = 0; i < order.poses.size(); ++i)
     if (!order.truth[i].empty()) return order.poses[i];

@@ -18,11 +18,11 @@ using test::PairOracle;
 using test::Solid;
 
 double bounding_radius(const Ellipsoid& e) {
-  constexpr double kMargin = 1.0 + 1e-12;  // above all rounding of lengths: no contact may be lost here
+  constexpr double kMargin = 1.0 + 1e-12;  // larger than any rounding of lengths: no contact may be lost here
   return kMargin * e.axes.colwise().norm().maxCoeff();
 }
 
-/// The poses in order of x, so that those within reach of a Gaussian are a short run.
+/// Poses sorted by x, so that those within reach of a Gaussian are a short range.
 class Sweep {
  public:
   explicit Sweep(const std::vector<Ellipsoid>& tools) : order_(tools.size()) {
@@ -51,7 +51,7 @@ class Sweep {
 
  private:
   std::vector<std::size_t> order_;
-  std::vector<Eigen::Vector3d> center_;    // in that order
+  std::vector<Eigen::Vector3d> center_;    // in the order of order_
   std::vector<Solid<long double>> solid_;  // likewise
   double radius_ = 0.0;                    // of the largest tool
 };
@@ -78,7 +78,7 @@ TruthFinder::~TruthFinder() = default;
 void TruthFinder::add(const EllipsoidScene& scene) {
   tbb::enumerable_thread_specific<std::vector<PosedHit>> found;
   tbb::parallel_for(std::size_t{0}, scene.size(), [&](std::size_t i) {
-    std::optional<Solid<long double>> gaussian;  // most are near nothing
+    std::optional<Solid<long double>> gaussian;  // computed on demand: most are near no pose
     parts_->sweep.each_near(scene.ellipsoids[i], [&](std::size_t pose, const Solid<long double>& tool) {
       if (!gaussian) gaussian.emplace(scene.ellipsoids[i]);
       const long double k = PairOracle<long double>(tool, *gaussian).k_min(0.0L);

@@ -1,5 +1,5 @@
 /// \file
-/// What every pipeline is held to.
+/// Ground truth that every pipeline is compared with.
 #pragma once
 
 #include <cstddef>
@@ -16,17 +16,17 @@ namespace palpate::bench {
 /// The contacts of each pose, ordered by id.
 using Truth = std::vector<std::vector<Hit>>;
 
-/// Finds the truth from a sweep over bounding spheres and the oracle of the tests in long double: neither
-/// tree, nor boxes, nor polynomial of the library. The scene may come in parts, so that it may be larger than
+/// Computes the truth with a sweep over bounding spheres and the tests' oracle in long double, without the
+/// library's tree, boxes or polynomial. The scene may be added in parts, so that it may be larger than
 /// memory.
 class TruthFinder {
  public:
   explicit TruthFinder(const std::vector<Ellipsoid>& tools);
   ~TruthFinder();
 
-  /// Some of the scene. Runs in parallel.
+  /// Adds a part of the scene. Runs in parallel.
   void add(const EllipsoidScene& part);
-  /// The truth about all that was added. Call once, last.
+  /// Returns the truth for all parts added. Call once, last.
   Truth take();
 
  private:
@@ -34,14 +34,14 @@ class TruthFinder {
   std::unique_ptr<Parts> parts_;
 };
 
-/// How the hits of all poses differ from the truth.
+/// Deviation of the hits of all poses from the truth.
 struct Accuracy {
   std::size_t misses = 0;
   std::size_t extras = 0;
-  double worst_k = 0.0;       ///< |dK_min| over what both found; NaN from a pipeline that has no K
-  double worst_missed = 0.0;  ///< the largest true K_min of a miss: tangency, or a hole?
+  double worst_k = 0.0;       ///< largest |dK_min| of common hits; NaN for a pipeline without K
+  double worst_missed = 0.0;  ///< largest true K_min of a miss: tells tangency from a gap
 
-  /// Adds one pose. `found` is sorted.
+  /// Adds one pose. Sorts `found`.
   void add(const std::vector<Hit>& truth, std::vector<Hit>& found);
 };
 

@@ -16,8 +16,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Seconds that `rounds` times twelve independent multiply-adds take: more than any processor has under way
-/// at once. `sink` makes sure that they are done.
+/// Measures twelve independent chains of multiply-adds: more than any processor executes at once. `sink`
+/// prevents the compiler from removing them.
 VectorRate MeasureRate() {
   using D = hn::ScalableTag<float>;
   constexpr int kRounds = 2'000'000, kTries = 10;

@@ -1,5 +1,5 @@
 /// \file
-/// How fast the processor computes where nothing holds it up.
+/// Peak arithmetic rate of the processor.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@ namespace palpate::bench {
 
 struct VectorRate {
   std::string target;       ///< Highway's name of the instruction set
-  double lanes_per_second;  ///< operations a second on single-precision lanes, one core, a multiply-add being
-                            ///< one
+  double lanes_per_second;  ///< single-precision operations per second and core; a multiply-add counts as one
 };
 
-/// Of the best instruction set: the rate of independent multiply-adds on registers, best of several tries.
+/// Measures the rate of independent multiply-adds on registers with the best instruction set; the best of
+/// several tries.
 VectorRate measure_vector_rate();
 
 }  // namespace palpate::bench

@@ -1,5 +1,5 @@
-# Cross-compiles for aarch64 with Debian's g++-aarch64-linux-gnu against AARCH64_SYSROOT, and runs what is built under
-# qemu-user; tools/aarch64.sh makes the sysroot.
+# Toolchain file for aarch64: Debian's g++-aarch64-linux-gnu with AARCH64_SYSROOT, which tools/aarch64.sh makes;
+# programs run under qemu-user.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

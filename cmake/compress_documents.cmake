@@ -1,4 +1,4 @@
-# Run by CPack on what it is about to pack: Debian's policy wants man pages and changelogs compressed.
+# Run by CPack before packing: compresses man pages and changelogs, as Debian's policy requires.
 file(GLOB_RECURSE documents ${CPACK_TEMPORARY_DIRECTORY}/palpate*.1 ${CPACK_TEMPORARY_DIRECTORY}/changelog
      ${CPACK_TEMPORARY_DIRECTORY}/CHANGELOG.md)
 foreach(document IN LISTS documents)

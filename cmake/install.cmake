@@ -1,4 +1,4 @@
-# `cmake --install` gives find_package(palpate) and the targets palpate::scene ... palpate::gateway.
+# Installs the libraries, with find_package(palpate) and targets such as palpate::scene.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)

@@ -1,9 +1,9 @@
-# Debian packages, one a component: tools/packages.sh, or `cpack --config BUILD/CPackConfig.cmake`.
+# Debian packages, one per component. Built by tools/packages.sh, or `cpack --config BUILD/CPackConfig.cmake`.
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -11,11 +11,11 @@ set(CPACK_STRIP_FILES ON)
 if(BUILD_SHARED_LIBS)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/src/palpate)
 endif()
-# Whatever the umask is.
+# Independent of the umask.
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/compress_documents.cmake)
 
-# Who answers for the packages is who builds them: the environment says so, as to Debian's own tools.
+# The maintainer is whoever builds the packages, from the environment variables of Debian's own tools.
 set(maintainer "Palpate <maintainers@palpate.invalid>")
 if(DEFINED ENV{DEBEMAIL} AND DEFINED ENV{DEBFULLNAME})
   set(maintainer "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
@@ -23,8 +23,8 @@ endif()
 set(CPACK_PACKAGE_CONTACT ${maintainer})
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${maintainer})
 
-# palpate_package(COMPONENT PACKAGE SECTION SUMMARY TEXT [DEPENDS...]): the package of what is installed as COMPONENT, with the
-# documents that Debian's policy wants in each.
+# palpate_package(COMPONENT PACKAGE SECTION SUMMARY TEXT [DEPENDS...]) declares the package of the files installed as
+# COMPONENT, with the documents that Debian's policy requires in each package.
 macro(palpate_package component package section summary text)
   list(APPEND CPACK_COMPONENTS_ALL ${component})
   string(TOUPPER ${component} upper)
@@ -33,12 +33,12 @@ macro(palpate_package component package section summary text)
   set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}")
   set(depends ${ARGN})
   list(JOIN depends ", " CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS)
-  # With EXCLUDE_FROM_ALL `cmake --install` leaves them out.
+  # With EXCLUDE_FROM_ALL, a plain `cmake --install` omits them.
   install(FILES ${documents}/copyright ${documents}/changelog CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
           COMPONENT ${component} EXCLUDE_FROM_ALL)
 endmacro()
 
-# palpate_overrides(COMPONENT PACKAGE [LINES]...): what lintian is to pass over in a package, each with its reason.
+# palpate_overrides(COMPONENT PACKAGE [LINES]...) writes the lintian overrides of a package, each with its reason.
 function(palpate_overrides component package)
   list(JOIN ARGN "\n" lines)
   file(WRITE ${documents}/${package} "${lines}\n")
@@ -47,7 +47,7 @@ function(palpate_overrides component package)
 endfunction()
 
 set(documents ${CMAKE_BINARY_DIR}/package_documents)
-string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH, if that is set
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # time of SOURCE_DATE_EPOCH, if set
 file(CONFIGURE OUTPUT ${documents}/changelog @ONLY CONTENT [[
 palpate (@PROJECT_VERSION@) unstable; urgency=medium
 
@@ -74,7 +74,7 @@ set(about "Palpate lets a hand feel a captured 3D Gaussian Splatting scene: ever
 Gaussian is an ellipsoid, so is the tool, and what the tool touches becomes a
 force.")
 
-# What palpateConfig.cmake finds, and what the libraries themselves are linked with.
+# Dependencies found by palpateConfig.cmake, and those linked by the libraries themselves.
 set(needed libeigen3-dev libfmt-dev libtbb-dev libhwy-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev
   nlohmann-json3-dev libssl-dev)
 if(TARGET palpate_mujoco)
@@ -82,7 +82,7 @@ if(TARGET palpate_mujoco)
 endif()
 set(own)
 if(BUILD_SHARED_LIBS)
-  # Named after their soname.
+  # Package name from the soname.
   set(libraries libpalpate${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   palpate_package(palpate_libraries ${libraries} libs "haptic rendering of 3D Gaussian Splatting scenes (libraries)" "${about}
 .

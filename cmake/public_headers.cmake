@@ -1,4 +1,4 @@
-# The headers that an application is meant to include. With them those are installed that they include, and no others.
+# Headers for applications. Only these and the headers that they include are installed.
 set(palpate_public_headers
   base/clock.h base/error.h base/progress.h base/real_time.h base/version.h
   geometry/ellipsoid.h geometry/pose.h geometry/rotation.h geometry/similarity.h
@@ -15,7 +15,7 @@ set(palpate_public_headers
   study/procedural.h study/still_life.h study/touch_path.h
   live/config_toml.h live/factories.h live/live_gateway.h live/live_hands.h live/live_system.h)
 
-# Sets `result` to `headers` and all of src/palpate that they include.
+# Sets `result` to `headers` and all headers of src/palpate that they include.
 function(palpate_with_included headers result)
   set(found)
   while(headers)

@@ -1,4 +1,4 @@
-// Configuration files: read_config() either throws Error or gives entries.
+// Configuration files: read_config() either throws Error or returns entries with line numbers.
 #include <cstddef>
 #include <cstdint>
 

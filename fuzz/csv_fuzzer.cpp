@@ -1,5 +1,5 @@
-// Tables: read_csv(), read_trajectory() and read_run() either throw Error or give what can be written
-// and read back.
+// Tables: read_csv(), read_trajectory() and read_run() either throw Error or return valid data; a table can
+// be written and read back.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
-// What comes over the network, as far as it is ours: messages of clients, or the head of an HTTP request
-// after Beast has parsed it (the parser itself needs a connection, and is not reached from here). The first
-// byte chooses; the rest is cut at 0xfe, which is in no text and begins no value of CBOR.
+// Network input handled by this project: messages of clients, or the head of an HTTP request after parsing by
+// Beast (the parser itself needs a connection and is not covered). The first byte selects which; the rest is
+// split at 0xfe, which occurs in no UTF-8 text and starts no CBOR value.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -34,7 +34,7 @@ std::vector<std::string_view> pieces(std::string_view input) {
   }
 }
 
-/// Takes all there is to send, which must be what was said it is.
+/// Takes all outgoing messages, whose encoding and operation must be valid.
 void drain(Client& client) {
   while (const auto outgoing = client.next()) {
     const Json message = outgoing->binary ? Json::from_cbor(*outgoing->bytes) : Json::parse(*outgoing->bytes);
@@ -44,7 +44,7 @@ void drain(Client& client) {
   }
 }
 
-/// Frames to a hub that has one of everything. The topics have something new after every one.
+/// Sends frames to a hub with topics, an input and services. Topics publish after every frame.
 void talk(const std::vector<std::string_view>& frames, bool binary) {
   double now = 0.0;
   Hub hub;
@@ -84,7 +84,7 @@ void talk(const std::vector<std::string_view>& frames, bool binary) {
   require(hub.client_count() == 1 && other.fault().empty());
 }
 
-/// Six pieces: target, host, origin, authorization, cookie and range.
+/// Checks a request head of six pieces: target, host, origin, authorization, cookie and range.
 void ask(std::vector<std::string_view> head) {
   head.resize(6);
   for (const char* token : {"", "s3cret"}) {
@@ -92,7 +92,7 @@ void ask(std::vector<std::string_view> head) {
       const auto refused = palpate::Access("127.0.0.1", port, token, "c00kie")
                                .refusal({head[1], head[2], head[3], head[4], head[0]}, 0.0);
       require(!refused || refused->status == 401 || refused->status == 403);
-      // Nobody is let in without a secret being somewhere, percent-encoded perhaps.
+      // With a token set, access requires a secret in the request, possibly percent-encoded.
       const auto has = [](std::string_view text, std::string_view secret) {
         return text.find(secret) != std::string_view::npos;
       };

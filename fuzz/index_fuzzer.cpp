@@ -1,6 +1,5 @@
-// Index files: whatever the bytes beside a scene, IndexFile either throws Error or gives the index that was
-// written, which can be queried. The input is a list of changes to a sound index; or, where it begins as an
-// index does, the file itself.
+// Index files: for any bytes, IndexFile either throws Error or returns the index that was written, which can
+// be queried. The input is a list of changes to a valid index, or the file itself if it begins like an index.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -21,7 +20,7 @@ using palpate::fuzz::require;
 
 constexpr const char* kOptions = "--sigma 1";
 
-/// A scene file, which only has to be there, and the bytes of a sound index of it.
+/// A scene file, which only has to exist, and the bytes of a valid index of it.
 struct Sound {
   palpate::fuzz::InputFile scene_file;
   std::string scene = scene_file.hold(reinterpret_cast<const std::uint8_t*>("x"), 1, "scene.ply");
@@ -56,7 +55,7 @@ void use(const std::string& path, const std::string& scene) {
   }
 }
 
-/// Three bytes of place and one of what it is to be, again and again; then, perhaps, a cut.
+/// Applies records of three bytes position and one byte value; three remaining bytes are a new length.
 std::string changed(std::string bytes, const std::uint8_t* data, std::size_t size) {
   for (; size >= 4; data += 4, size -= 4) {
     const std::size_t at = (std::size_t{data[0]} << 16 | std::size_t{data[1]} << 8 | data[2]) % bytes.size();
@@ -78,7 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     use(file.hold(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "scene.ply.palpate"),
         sound.scene);
-    require(bytes == sound.bytes);  // what was changed anywhere must not be taken for sound
+    require(bytes == sound.bytes);  // a changed file must not be accepted
   } catch (const palpate::Error&) {
   }
   return 0;

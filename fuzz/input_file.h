@@ -1,5 +1,5 @@
 /// \file
-/// The bytes of a fuzzer as a file, without a disk.
+/// Fuzzer input as a file in memory.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@
 
 namespace palpate::fuzz {
 
-/// A file in memory that every input overwrites, under a name with the extension a reader wants.
+/// A file in memory that every input overwrites, linked under a name with the required extension.
 class InputFile {
  public:
-  /// The path of a file that holds `size` bytes of `data` and is called `name`.
+  /// Writes `size` bytes of `data`. \returns path of the file, which is named `name`
   std::string hold(const std::uint8_t* data, std::size_t size, const std::string& name) {
     std::size_t done = 0;
     if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) std::abort();
@@ -50,7 +50,7 @@ class InputFile {
   int descriptor_ = -1;
 };
 
-/// Ends the process, and with it the run of the fuzzer, if a property does not hold.
+/// Aborts the process, and with it the fuzzer, if a property does not hold.
 inline void require(bool holds) {
   if (!holds) std::abort();
 }

@@ -3,7 +3,7 @@
 
     make_seeds.py FOLDER
 
-The seeds are small sound files and the table of broken inputs of the command line tests.
+The seeds are small valid files and the table of broken inputs of the command line tests.
 """
 
 import json
@@ -54,7 +54,7 @@ def cbor_head(major, n):
 
 
 def cbor(value):
-    """What a browser's encoder makes of it (RFC 8949)."""
+    """CBOR encoding of a value, as a browser's encoder writes it (RFC 8949)."""
     if value is None or isinstance(value, bool):
         return {False: b"\xf4", True: b"\xf5", None: b"\xf6"}[value]
     if isinstance(value, int):
@@ -90,13 +90,13 @@ def sound_files():
     for name in ("stylus", "gripper"):
         with open(os.path.join(ROOT, "examples", "tools", name + ".toml"), "rb") as file:
             yield "tool", file.read()
-    # Changes to an index, see index_fuzzer.cpp: none, a byte of each part, a cut; and one that is only a front.
+    # Changes to an index, see index_fuzzer.cpp: none, single bytes, a truncation; and a file with only a header.
     yield "index", b""
     yield "index", bytes([0, 0, 12, 2])
     yield "index", bytes([0, 16, 0, 255, 0, 80, 0, 255])
     yield "index", bytes([0, 32, 0])
     yield "index", b"PALPATE\n" + bytes([4, 3, 2, 1, 1, 0, 0, 0]) + bytes(8176)
-    # What clients say, see gateway_fuzzer.cpp: frames of text, of CBOR, and heads of requests.
+    # Messages of clients, see gateway_fuzzer.cpp: text frames, CBOR frames, and heads of requests.
     yield "gateway", b"\0" + CUT.join(json.dumps(message).encode() for message in MESSAGES)
     for message in MESSAGES:
         yield "gateway", b"\0" + json.dumps(message).encode()

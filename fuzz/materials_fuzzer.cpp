@@ -1,5 +1,5 @@
-// Material files: read_materials() either throws Error or gives regions within their bounds, which a map can
-// be made of.
+// Material files: read_materials() either throws Error or returns regions with values within their bounds,
+// from which a map can be built.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -25,7 +25,7 @@ void check(const palpate::Material& material) {
   check(material.damping, palpate::kMaterialDamping);
 }
 
-/// A place that `region` holds.
+/// Material of `map` at a point inside `region`.
 palpate::Material inside(const palpate::MaterialMap& map, const palpate::MaterialRegion& region) {
   std::uint32_t id = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();

@@ -1,5 +1,5 @@
-// Scene files: whatever the bytes, load_scene() either throws Error or gives a scene that lint, filter,
-// index and query agree about; and read_ply_materials() gives a row for each of its Gaussians, or none.
+// Scene files: for any bytes, load_scene() either throws Error or returns a scene on which lint, filter,
+// index and query agree; and read_ply_materials() returns a row for each of its Gaussians, or none.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

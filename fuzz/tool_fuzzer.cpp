@@ -1,5 +1,4 @@
-// Tool files: read_tool() either throws Error or gives a tool within its bounds, whose sizes agree with each
-// other.
+// Tool files: read_tool() either throws Error or returns a tool within its bounds, with consistent sizes.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Cross-compiles the tests of base, scene, collision and haptics for aarch64, in build/aarch64, and runs them under
-# qemu-user: with all that the processor has (NEON), and as on one without AES instructions (Raspberry Pi 4).
+# qemu-user: with all instructions of the emulated processor, and without AES instructions (as on a Raspberry Pi 4).
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh
@@ -12,7 +12,7 @@ build=$root/build/aarch64
 sysroot=$build/sysroot
 apt=$build/apt
 
-# The libraries of the other architecture, unpacked beside this system and not installed into it.
+# apt-get for the arm64 packages, which are unpacked into the sysroot and not installed.
 apt_arm64() {
   apt-get -qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User=root \
     -o "Dir::State=$apt/state" -o "Dir::State::status=$apt/status" -o "Dir::Cache=$apt/cache" "$@"
@@ -23,11 +23,11 @@ if [[ ! -e $sysroot/ready ]]; then
   mkdir -p "$apt/state/lists/partial" "$apt/cache/archives/partial" "$sysroot"
   : >"$apt/status"
   apt_arm64 update
-  # Of build_packages, those that are libraries.
+  # The libraries among build_packages.
   mapfile -t libraries < <(printf '%s\n' "${build_packages[@]}" libgtest-dev libgmock-dev libc6-dev | grep -- '-dev$')
   apt_arm64 install -y --download-only --no-install-recommends "${libraries[@]}" >/dev/null
   for package in "$apt"/cache/archives/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
-  # Where urdfdom names a library by its place on a system that it is installed on.
+  # The CMake config of urdfdom names a library by its installed path.
   sed -i "s|/usr/lib/[a-z0-9-]*/libtinyxml.so|$sysroot&|" "$sysroot"/usr/lib/*/urdfdom/cmake/urdfdomExport.cmake
   touch "$sysroot/ready"
 fi
@@ -37,7 +37,7 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_TOOLCH
   "-DAARCH64_SYSROOT=$sysroot" -DPALPATE_APPS=OFF -DPALPATE_TESTS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
 cmake --build "$build" --target test_base test_scene test_collision test_haptics >&2
 
-# Hides the AES instructions from who asks the system for what the processor has.
+# Library to preload that hides the AES instructions from getauxval().
 cat >"$build/no_aes.c" <<'EOF'
 #define _GNU_SOURCE
 #include <asm/hwcap.h>

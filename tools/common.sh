@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2034,SC2154 # the scripts that source this use what it sets, and set root
-# Shared by ./run and ./test: installs what is missing and builds. Sourced, not run.
+# Functions shared by ./run, ./test and tools/: package installation, builds, generated parts of pages. To be sourced.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev libnanoflann-dev libtbb-dev libhwy-dev libxxhash-dev
   libboost-dev libssl-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev)
@@ -10,7 +10,7 @@ die() {
   exit 1
 }
 
-# ensure_packages PACKAGE...: installs the Debian packages that are not there yet.
+# ensure_packages PACKAGE...: installs missing Debian packages.
 ensure_packages() {
   command -v dpkg-query >/dev/null || die "needs Debian 12 or a relative of it; elsewhere install by hand: $*"
   local missing=() package
@@ -25,7 +25,7 @@ ensure_packages() {
     as_root=(sudo)
   fi
   export DEBIAN_FRONTEND=noninteractive
-  # To a file, not a pipe: what failed must be seen, what went well need not.
+  # Logged to a file, which is shown only on failure.
   local log
   log=$(mktemp)
   if ! "${as_root[@]}" apt-get update >"$log" 2>&1 ||
@@ -36,13 +36,13 @@ ensure_packages() {
   rm -f "$log"
 }
 
-# ensure_npm: npm of any origin will do; without one, Debian's.
+# ensure_npm: installs Debian's npm unless there is one of any origin.
 ensure_npm() { command -v npm >/dev/null || ensure_packages npm; }
 
-# build_preset PRESET TESTS [TARGET...]: configures if the build folder is not what is asked for, and
-# builds the targets or everything. TESTS is ON or OFF; ON stays ON. A library that was missed when the folder was
-# configured is looked for again. A new folder precompiles the headers that most sources read: quicker for all at once, but not
-# for ccache and clangd, so a folder that was configured by hand stays as it is.
+# build_preset PRESET TESTS [TARGET...]: configures the build folder if necessary, and builds the targets or everything.
+# TESTS is ON or OFF; a folder with ON keeps it. A folder whose configuration missed an optional library is configured
+# again. Precompiled headers are on, which is faster for a full build, unless the folder was configured without them:
+# they do not work well with ccache and clangd.
 build_preset() {
   local preset=$1 tests=$2 cache=$root/build/$1/CMakeCache.txt
   if [[ ! -e $root/build/$preset/build.ninja ]] ||
@@ -58,11 +58,11 @@ build_preset() {
   cmake --build "$root/build/$preset" --target "${@:-all}" >&2
 }
 
-# Of a page that a script writes a part of: the lines before and after that part.
+# Marker lines around the generated part of a page.
 begin_mark="<!-- written by tools/$(basename "$0"): begin -->"
 end_mark="<!-- written by tools/$(basename "$0"): end -->"
 
-# check_marks PAGE: it has one of each.
+# check_marks PAGE: fails unless the page has each marker line once.
 check_marks() {
   local mark
   for mark in "$begin_mark" "$end_mark"; do
@@ -70,7 +70,7 @@ check_marks() {
   done
 }
 
-# write_between_marks PAGE FILE: what is in FILE, in place of what was there.
+# write_between_marks PAGE FILE: replaces the generated part of the page by the content of FILE.
 write_between_marks() {
   local page=$1 text
   text=$(awk -v begin="$begin_mark" -v end="$end_mark" -v part="$2" '
@@ -81,5 +81,5 @@ write_between_marks() {
   say "wrote $page"
 }
 
-# processor: what it calls itself.
+# processor: prints the model name of the processor.
 processor() { sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1; }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the reference of the C++ library in build/docs/html, from the comments of its headers. A warning is an error.
+# Builds the reference of the C++ library in build/docs/html from the comments of its headers. Warnings are errors.
 #   tools/docs.sh
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")

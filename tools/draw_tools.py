@@ -3,7 +3,7 @@
 
     draw_tools.py FILE.toml... > docs/images/tools.svg
 
-An ellipsoid is drawn as the ellipse that it looks like from infinitely far away; a cross is the handle.
+An ellipsoid is drawn in orthographic projection, as an ellipse; a cross marks the handle.
 """
 
 import html
@@ -13,7 +13,7 @@ import sys
 import tomllib
 
 PANEL, HEAD, MARGIN = 250, 44, 16  # pixels
-VIEWS = {"from above": (0, 1), "from the side": (0, 2)}  # the frame's axes to the right and up
+VIEWS = {"from above": (0, 1), "from the side": (0, 2)}  # indices of the axes to the right and up
 COLORS = ("#4c78a8", "#72b7b2", "#54a24b", "#eeca3b", "#f58518", "#e45756", "#b279a2")
 
 
@@ -26,10 +26,10 @@ def rotation(q):
 
 
 def outline(part, right, up):
-    """Centre, half extents to the right and up, and semi-axes and angle of the ellipse that it is seen as."""
+    """Projected ellipse of a part: centre, half extents to the right and up, semi-axes, and angle in degrees."""
     turned, a = rotation(part.get("orientation", [1, 0, 0, 0])), part["semi_axes"]
 
-    def product(i, k):  # of the shape matrix R diag(a)^2 R^T
+    def product(i, k):  # entry of the shape matrix R diag(a)^2 R^T
         return sum(turned[i][j] * turned[k][j] * a[j] ** 2 for j in range(3))
 
     xx, yy, xy = product(right, right), product(up, up), product(right, up)
@@ -40,7 +40,7 @@ def outline(part, right, up):
 
 
 def bounds(parts, axes):
-    low, high = [0.0, 0.0], [0.0, 0.0]  # with the handle
+    low, high = [0.0, 0.0], [0.0, 0.0]  # the bounds include the handle
     for center, half, _, _ in (outline(part, *axes) for part in parts):
         low = [min(l, c - h) for l, c, h in zip(low, center, half)]
         high = [max(l, c + h) for l, c, h in zip(high, center, half)]
@@ -48,7 +48,7 @@ def bounds(parts, axes):
 
 
 def panel(parts, axes, scale):
-    """Ellipses in order of their height, and the handle; the middle is (0, 0)."""
+    """SVG of the ellipses, farthest first, and the handle, centred at (0, 0)."""
     low, high = bounds(parts, axes)
     middle = [(l + h) / 2 for l, h in zip(low, high)]
     behind = ({0, 1, 2} - set(axes)).pop()

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Repeats the paper's evaluation, and writes what docs/evaluation.md says about it: its tables, between the two marks in
+# Repeats the paper's evaluation, and writes the results for docs/evaluation.md: its tables, between the two marks in
 # the page, and docs/images/reproduce-*.svg. Takes ten minutes; more with a scene.
-#   tools/evaluation.sh [SCENE]    a captured scene besides the procedural one
+#   tools/evaluation.sh [SCENE]    SCENE: a captured scene in addition to the procedural one
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh
@@ -18,7 +18,7 @@ palpate=$root/build/release/bin/palpate
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# as_text HEADING ARGS...: a heading, and what palpate reproduce prints.
+# as_text HEADING ARGS...: prints a heading and the output of palpate reproduce.
 as_text() {
   local heading=$1
   shift
@@ -28,10 +28,10 @@ as_text() {
   printf '```\n'
 }
 
-# Soft to stiff hands: m, b, k.
+# Hands from soft to stiff: m, b, k.
 hands=('0.05,2,100' '0.1,3,200' '0.15,4,400' '0.2,6,700' '0.3,10,1000')
 
-# Of both mechanics and all hands, the worst of the places.
+# operators: prints the table of both mechanics and all hands, with the worst of all places.
 operators() {
   local plant hand
   printf '\n### Hands and mechanics\n\n'

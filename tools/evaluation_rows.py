@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rows of a table from the JSON of palpate reproduce: the project's default force, the worst of all places.
+"""Prints table rows from the JSON of palpate reproduce: the project's default force model, the worst of all places.
 
 usage: evaluation_rows.py MECHANICS HAND RUN.json
 """
@@ -28,7 +28,7 @@ def main():
     with open(path) as file:
         runs = json.load(file)["runs"]
     for run in runs:
-        # The device that takes a wrench has no mechanics of its own to choose: it is told once.
+        # The impedance device has no mechanics to choose: one row is enough.
         if run["model"] != "density" and (run["device"] == "admittance" or mechanics == "own"):
             print(row(mechanics, hand, run))
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures the force models and writes what docs/force-models.md says about them: its figures, docs/images/evaluate-*.svg,
-# and its tables, between the two marks in the page. Takes five minutes, on a machine with nothing else to do.
+# Measures the force models and writes the results for docs/force-models.md: its figures, docs/images/evaluate-*.svg,
+# and its tables, between the two marks in the page. Takes five minutes, on an otherwise idle machine.
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh
@@ -22,7 +22,7 @@ say "palpate evaluate"
 say "palpate evaluate, many pushes"
 "$palpate" evaluate --models proxy --spacings 0.006 --scenes 10 --places 10 --pushes 1430 --csv "$work/pushes.csv" >/dev/null
 
-# table CSV CONDITION "HEADING=COLUMN:FORMAT"...: rows of CSV where the awk CONDITION on value(COLUMN) holds.
+# table CSV CONDITION "HEADING=COLUMN:FORMAT"...: prints the rows for which the awk CONDITION on value(COLUMN) holds.
 table() {
   local csv=$1 condition=$2 heads='' rules='' values='' spec
   shift 2

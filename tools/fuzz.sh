@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes every reader of the project for SECONDS each, under AddressSanitizer and UBSan; fails on any
-# crash, hang or leak, and leaves the input that did it in build/fuzz.
+# Fuzzes every reader of the project for SECONDS each, under AddressSanitizer and UBSan; fails on any crash, hang or
+# leak, and leaves the failing input in build/fuzz.
 #   tools/fuzz.sh SECONDS [TARGET...]     targets: ply csv config materials tool index gateway
 # Needs clang-16 and libclang-rt-16-dev.
 set -euo pipefail
@@ -24,7 +24,6 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_
 cmake --build "$build" --target "${targets[@]/%/_fuzzer}" >&2
 
 /usr/bin/python3 -B "$root/fuzz/make_seeds.py" "$build/seeds"
-# One thread: what the index does in parallel is not what is fuzzed, and makes inputs repeatable.
 for target in "${targets[@]}"; do
   say "fuzzing $target for $seconds s"
   mkdir -p "$build/corpus/$target"

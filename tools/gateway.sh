@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures the gateway with real clients and writes what docs/gateway.md says about it, between the two marks in the page.
-# Takes twelve minutes, on a machine with nothing else to do.
+# Measures the gateway with real clients and writes the tables of docs/gateway.md, between the two marks in the page.
+# Takes twelve minutes, on an otherwise idle machine.
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh

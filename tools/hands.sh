@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures 1, 8 and 32 hands over one scene, in one process and in a process each, and writes what docs/network.md says about it,
-# between the two marks in the page. Takes three minutes, on a machine with nothing else to do.
+# Measures 1, 8 and 32 hands in one scene, in one process and in one process each, and writes the table of
+# docs/network.md, between the two marks in the page. Takes three minutes, on an otherwise idle machine.
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh

@@ -1,4 +1,4 @@
-"""Runs hands over one scene, in one process and in many, and prints what they take as rows of a table.
+"""Runs several hands in one scene, in one process and in many, and prints their CPU, memory and latency as table rows.
 Usage: hands_rows.py PALPATE SCENE FOLDER"""
 
 import json
@@ -8,9 +8,9 @@ import subprocess
 import sys
 import time
 
-PATHS = 8  # of different seeds; hands take them in turn
-SETTLE, MEASURE = 4.0, 8.0  # s: once all loops tick, of which CPU is counted
-PATIENCE = 120.0  # s: for them to tick
+PATHS = 8  # trajectories with different seeds; hands use them in turn
+SETTLE, MEASURE = 4.0, 8.0  # s: wait after the start of all loops, and duration of the measurement
+PATIENCE = 120.0  # s: longest wait for the loops to start
 COUNTS = [1, 8, 32]
 TICKS = os.sysconf("SC_CLK_TCK")
 
@@ -22,7 +22,7 @@ def path_of(hand):
 
 
 def prepare():
-    """Paths that touch the scene, and the index, so that no run has to make it."""
+    """Makes the trajectories, and the index file, so that no run has to build it."""
     for k in range(PATHS):
         subprocess.run([palpate, "make-path", scene, "--seed", str(k + 1), "--touches", "3", "--out", path_of(k), "-q"], check=True)
         with open(os.path.join(folder, f"hand-{k}.toml"), "w") as file:
@@ -30,14 +30,14 @@ def prepare():
 
 
 def start(hands):
-    """A process with these hands, until it is told to end."""
+    """Starts a process with these hands, which runs until it is terminated."""
     arguments = [palpate, "run", scene, "--trajectory", path_of(hands[0]), "--no-gateway", "--json", "-q"]
     others = [f"h{k}=" + os.path.join(folder, f"hand-{k % PATHS}.toml") for k in hands[1:]]
     return subprocess.Popen(arguments + (["--hands", ",".join(others)] if others else []), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
 
 
 def loops_of(process):
-    """How many loops it has."""
+    """Number of servo threads of a process."""
     names = (f"/proc/{process.pid}/task/{task}/comm" for task in os.listdir(f"/proc/{process.pid}/task"))
     return sum(open(name).read() == "palpate-servo\n" for name in names)
 
@@ -49,7 +49,7 @@ def cpu_of(process):
 
 
 def memory_of(process):
-    """Resident, proportional, shared and private, in MB."""
+    """Resident, proportional, shared and private memory, in MB."""
     with open(f"/proc/{process.pid}/smaps_rollup") as file:
         kb = {line.split(":")[0]: int(line.split()[1]) for line in file if line.rstrip().endswith("kB")}
     shared, private = (sum(kb[f"{what}_{how}"] for how in ("Clean", "Dirty")) for what in ("Shared", "Private"))

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Measures what a hand feels over a network, with device, collision and viewer on hosts of their own (network namespaces of this
-# machine), and writes what docs/network.md says about it, between the two marks in the page. Takes six minutes, as root, on a
-# machine with nothing else to do.
+# Measures the force rendered over a network, with device, collision and viewer on separate hosts (network namespaces of
+# this machine), and writes the table of docs/network.md, between the two marks in the page. Takes six minutes, as root,
+# on an otherwise idle machine.
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh
@@ -27,9 +27,9 @@ collision=10.78.1.1 device=10.78.1.2 collision_of_viewer=10.78.2.1
 
 on() { ip netns exec "palpate-$$-$1" "${@:2}"; }
 running=()
-# start HOST OUTPUT COMMAND...: in the background; what is killed is the command itself.
+# start HOST OUTPUT COMMAND...: starts a command in the background, so that stop_all kills the command itself.
 start() {
-  : >"$2" # what the one before it has said is not for await()
+  : >"$2" # output of an earlier command must not satisfy await
   ip netns exec "palpate-$$-$1" "${@:3}" </dev/null >>"$2" 2>&1 &
   running+=($!)
 }
@@ -50,7 +50,7 @@ clean_up() {
 }
 trap clean_up EXIT
 
-# link HOST ADDRESS PEER_ADDRESS: a cable from HOST to the collision host.
+# link HOST ADDRESS PEER_ADDRESS: connects HOST to the collision host by a pair of virtual interfaces.
 link() {
   ip link add "pp$1" netns "palpate-$$-$1" type veth peer name "pp$1" netns "palpate-$$-collision"
   on "$1" ip address add "$2/24" dev "pp$1"
@@ -68,7 +68,7 @@ link viewer 10.78.2.2 "$collision_of_viewer"
 g++ -std=c++20 -O2 -pthread -I"$root/examples" "$root/tests/network/hand.cpp" -o "$work/hand"
 "$palpate" make-scene plane --out "$work/plane.ply" -q
 
-# await FILE TEXT: until a program that has been started says so.
+# await FILE TEXT: waits until a started program has printed TEXT to FILE.
 await() {
   local k
   for ((k = 0; k < 300; ++k)); do
@@ -78,7 +78,7 @@ await() {
   die "a program does not start: $(tail -n 1 "$1")"
 }
 
-# trial RATE DELAY JITTER LOSS KIND [COMMAND]: the figures of tests/network/hand.cpp, over a link of DELAY ms each way.
+# trial RATE DELAY JITTER LOSS KIND [COMMAND]: prints the results of tests/network/hand.cpp; DELAY in ms, each way.
 trial() {
   start collision "$work/palpate" "$palpate" run "$work/plane.ply" --device client --client-rate "$1" --tool 0.02,0.02,0.02 \
     --listen 0.0.0.0 --token "$token"
@@ -90,7 +90,7 @@ trial() {
   stop_all
 }
 
-# row NAME RATE DELAY JITTER LOSS
+# row NAME RATE DELAY JITTER LOSS: prints the table rows of a link, one per kind of force.
 row() {
   local kind drops peak rest port age50 age99 stiffness lasts
   for kind in wrench local; do

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Measures the contact query against its peers and writes docs/performance.md, all of it.
-#   tools/performance.sh FOLDER    everything; FOLDER is where a scene of 100 million Gaussians is made, indexed and
-#                                  removed again: 20 GB. Needs 16 GB of memory, an hour, and a machine with
-#                                  nothing else to do.
+# Compares the contact query with its peers and writes all of docs/performance.md.
+#   tools/performance.sh FOLDER    all measurements; FOLDER temporarily holds a scene of 100 million Gaussians and its
+#                                  index: 20 GB. Needs 16 GB of memory, one hour, and an otherwise idle machine.
 #   tools/performance.sh --quick   without the scenes of 10 and 100 million, to build/bench/performance-quick.md
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
@@ -29,10 +28,10 @@ build_preset bench OFF peers growth limit make_bench_scene
 bin=$root/build/bench/bin
 
 work=$(mktemp -d)
-large='' # the scene of 100 million
+large='' # file of the scene of 100 million Gaussians
 trap 'rm -rf "$work" ${large:+"$large" "$large.palpate"}' EXIT
 
-# measure NAME PROGRAM [ARGS...]: runs a program and keeps its table as $work/NAME.
+# measure NAME PROGRAM [ARGS...]: runs a program and stores its table as $work/NAME.
 measure() {
   local name=$1 program=$2
   shift 2
@@ -43,7 +42,7 @@ measure() {
   }
 }
 
-# What NAME has, without its first two lines, which say the machine and the date.
+# table NAME: prints a stored table without its first two lines: machine and date, and an empty line.
 table() { tail -n +3 "$work/$1"; }
 
 measure one_sigma peers

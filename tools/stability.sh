@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Measures how firmly scenes can be held on to, and writes what docs/stability.md says about it: its figures,
+# Measures the contact stability of scenes, and writes the results for docs/stability.md: its figures,
 # docs/images/stability-*.svg, and its tables, between the two marks in the page. Takes five minutes; ten with a scene.
-#   tools/stability.sh [SCENE]    a captured scene besides the built-in one
+#   tools/stability.sh [SCENE]    SCENE: a captured scene in addition to the built-in one
 set -euo pipefail
 root=$(dirname "$(dirname "$(realpath "$0")")")
 # shellcheck source=tools/common.sh
@@ -18,7 +18,7 @@ palpate=$root/build/release/bin/palpate
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# measure NAME ARGS...: a heading, and what palpate stability prints.
+# measure NAME ARGS...: prints a heading and the output of palpate stability.
 measure() {
   local name=$1
   shift

@@ -1,7 +1,8 @@
-# palpate_page(TARGET WHAT OUTPUT_ARGUMENT FILES...): a page that is built once from this folder's src/ and from shared/, then
-# part of the program. TARGET makes FILES by `node build.mjs OUTPUT_ARGUMENT`; WHAT is for messages.
+# palpate_page(TARGET WHAT OUTPUT_ARGUMENT FILES...) declares a page built from the current folder's src/ and from
+# shared/, to be embedded in the program. TARGET makes FILES with `node build.mjs OUTPUT_ARGUMENT`; WHAT names it in
+# messages.
 #
-# npm works in the build tree on a copy of the sources, which lie there as they do here; the source tree stays as it is.
+# npm runs in the build tree on a copy of the sources with the same layout; the source tree is not changed.
 find_program(PALPATE_NPM npm)
 find_program(PALPATE_NODE NAMES node nodejs)
 if(NOT PALPATE_NPM OR NOT PALPATE_NODE)
@@ -17,7 +18,7 @@ function(palpate_page target what output)
   set(copy ${work}/${name})
   set(stamp ${work}/packages.stamp)
   set(packages ${source}/package.json ${source}/package-lock.json)
-  # esbuild comes as a ready program, so no package has to run an install script.
+  # esbuild comes as a prebuilt executable, so that no package has to run an install script.
   add_custom_command(
     OUTPUT ${stamp}
     COMMAND ${CMAKE_COMMAND} -E copy ${packages} ${work}

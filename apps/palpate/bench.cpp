@@ -46,7 +46,7 @@ std::size_t peak_resident_bytes() {
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
-/// What answers, and how it came to be.
+/// The contact query under test, and figures on how it was opened.
 struct Opened {
   Pipeline pipeline;
   OpenFigures figures;
@@ -84,7 +84,7 @@ Opened open_paper(const Options& options, const Progress& progress) {
   opened.pipeline = options.query.build(options.live, progress);
   opened.figures.seconds = watch.seconds();
   opened.figures.origin = "memory";
-  // A tool without bounds may touch all of them from out of reach.
+  // For an unbounded tool, can_miss() counts all Gaussians.
   opened.figures.gaussians = opened.pipeline.paper->can_miss(std::numeric_limits<double>::infinity());
   return opened;
 }
@@ -101,7 +101,7 @@ Opened open_query(const Options& options, const Progress& progress) {
   return opened;
 }
 
-/// The path of the file, or else the one that make-path makes, the same for every pipeline.
+/// Reads the --trajectory, or else generates the path of make-path, the same for every pipeline.
 Trajectory path_of(const Options& options, const SceneIndex* index, const Progress& progress) {
   if (!options.trajectory.empty()) return read_trajectory(options.trajectory);
   const LoadedScene loaded = load(options.live.scene, progress);
@@ -115,7 +115,7 @@ Trajectory path_of(const Options& options, const SceneIndex* index, const Progre
   }
 }
 
-/// The poses that touch something, or all if none does.
+/// Poses in contact, or all poses if there are none.
 std::vector<Pose> poses_for_batches(const BenchFigures& figures, const Trajectory& path) {
   const bool all = figures.contact_poses() == 0;
   std::vector<Pose> poses;

@@ -1,5 +1,5 @@
-// palpate columns: every column of a CSV and every field of --json, as docs/columns.md has them. Hidden from
-// --help: it is for the page, which tests hold against what commands write.
+// palpate columns: prints docs/columns.md, which describes every CSV column and every --json field. Hidden
+// from --help: only the documentation needs it; tests compare the page with the output of the commands.
 #include <fmt/format.h>
 
 #include <palpate/report/columns_page.h>

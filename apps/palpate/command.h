@@ -21,7 +21,7 @@ struct CommonOptions {
   bool quiet = false;
   bool json = false;
   std::string config;             ///< read before the arguments are parsed, see config.h
-  const CLI::App* app = nullptr;  ///< the command's, which lives as long as the program
+  const CLI::App* app = nullptr;  ///< the subcommand; lives as long as the program
 };
 
 Command declare_info(CLI::App& parent);

@@ -1,4 +1,4 @@
-// palpate completion: shell completion scripts, made from the declared commands themselves.
+// palpate completion: shell completion scripts, generated from the declared commands.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -13,7 +13,7 @@
 namespace palpate::cli {
 namespace {
 
-/// Those that --help lists.
+/// Commands listed by --help.
 std::vector<const CLI::App*> commands_of(const CLI::App& root) {
   return root.get_subcommands([](const CLI::App* app) { return !app->get_group().empty(); });
 }
@@ -34,7 +34,7 @@ std::vector<std::string> all_names(const CLI::App& command) {
   return names;
 }
 
-/// The part of a description that fits a menu, safe inside single quotes.
+/// Description without characters that are special in a zsh specification or inside single quotes.
 std::string brief(std::string text) {
   std::replace_if(
       text.begin(), text.end(),
@@ -92,7 +92,7 @@ std::string zsh_script(const CLI::App& root) {
       "  shift words; (( CURRENT-- ))\n"
       "  case $command in\n{}  esac\n"
       "}}\n"
-      // A file that zsh loads by itself is the body of the function at its first call.
+      // At the first call of an autoloaded function, zsh executes its file as the body of the function.
       "if [[ ${{funcstack[1]:-}} == _palpate ]]; then _palpate \"$@\"; else compdef _palpate palpate; fi\n",
       commands, cases);
 }

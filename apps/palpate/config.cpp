@@ -13,14 +13,14 @@
 namespace palpate::cli {
 namespace {
 
-/// True if `arguments` give option `name` ("--name", "--name=value").
+/// Returns whether `arguments` give option `name` ("--name", "--name=value").
 bool gives(const std::vector<std::string>& arguments, const std::string& name) {
   return std::any_of(arguments.begin(), arguments.end(), [&](const std::string& argument) {
     return argument == name || argument.starts_with(name + "=");
   });
 }
 
-/// The value of the option `name`, if given.
+/// Value of option `name`; empty if it is not given.
 std::string value_given(const std::vector<std::string>& arguments, const std::string& name) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i].starts_with(name + "=")) return arguments[i].substr(name.size() + 1);
@@ -29,7 +29,7 @@ std::string value_given(const std::vector<std::string>& arguments, const std::st
   return {};
 }
 
-/// The first that is neither an option nor the value of one.
+/// First argument that is neither an option nor the value of one.
 std::string first_positional(const CLI::App& command, const std::vector<std::string>& arguments) {
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
@@ -40,7 +40,7 @@ std::string first_positional(const CLI::App& command, const std::vector<std::str
   return {};
 }
 
-/// The run whose settings are the defaults; empty where there is none.
+/// Path of the run whose settings are the defaults; empty if there is none.
 std::string run_taken_from(const CLI::App& command, const std::vector<std::string>& arguments) {
   if (command.get_name() == "replay") return value_given(arguments, kFromRun);
   if (command.get_name() != "report" || !gives(arguments, "--scene")) return {};
@@ -58,15 +58,15 @@ bool known_anywhere(const CLI::App& app, const std::string& name) {
                      [&](const CLI::App* sub) { return find_option(*sub, name) != nullptr; });
 }
 
-/// True if `arguments` give an option that `option` cannot go with.
+/// Returns whether `arguments` give an option that excludes `option`.
 bool excluded(const CLI::Option& option, const std::vector<std::string>& arguments) {
   const auto& others = option.get_excludes();
   return std::any_of(others.begin(), others.end(),
                      [&](const CLI::Option* other) { return gives(arguments, other->get_name()); });
 }
 
-/// Appends those entries that `command` has an option for, and that what is given already neither sets nor
-/// excludes.
+/// Appends the entries that `command` has an option for and that the given arguments neither set nor exclude.
+/// A flag that is false is omitted.
 void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
          const std::vector<ConfigEntry>& entries) {
   const std::vector<std::string> given = arguments.all;

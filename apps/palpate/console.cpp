@@ -14,11 +14,12 @@ namespace palpate::cli {
 namespace {
 
 constexpr double kMicro = 1e6;
-/// Between two looks at the loop. Unit: [s].
+/// Interval between updates of the display. Unit: [s].
 constexpr double kLook = 0.05;
-/// A press of + or -.
+/// Factor on the stiffness per press of + (- divides by it), and its limits relative to the initial
+/// stiffness.
 constexpr double kStiffer = 1.25, kLeastGain = 0.05, kMostGain = 20.0;
-/// Lines at a time, which fit on any terminal.
+/// Largest number of status lines, which fits on any terminal.
 constexpr std::size_t kMostLines = 20;
 
 }  // namespace
@@ -67,7 +68,7 @@ void Console::tell(const std::string& message) {
   if (!quiet_) stderr_.write(notice(message));
 }
 
-/// What takes the lines that are drawn off the terminal.
+/// Control sequence that erases the drawn lines from the terminal.
 std::string Console::erased() {
   const std::size_t above = std::max<std::size_t>(std::exchange(drawn_, 0), 1) - 1;
   return above > 0 ? fmt::format("\r\033[{}A\033[J", above) : "\r\033[K";
@@ -82,7 +83,7 @@ void Console::draw() {
   std::string text = line_of(0);
   for (std::size_t k = 1; k < shown; ++k) text += "\n\r" + line_of(k);
   if (shown < count) text += fmt::format("  (and {} more)", count - shown);
-  // Of several, what is wider than the terminal is cut: a second line of it would not be counted.
+  // Several lines are clipped to the width of the terminal: erased() does not count wrapped lines.
   stderr_.write(erased() + (count > 1 ? "\033[?7l" + text + "\033[?7h" : text));
   drawn_ = shown;
 }
@@ -133,7 +134,7 @@ bool Console::act(char key) {
   return true;
 }
 
-/// As the first is not.
+/// Pauses or resumes all hands, depending on the state of the first.
 void Console::pause_or_go_on() {
   const bool paused = views_.front()->newest().fault == Fault::kPaused;
   for (const LiveHands::Hand& hand : hands_.all()) {

@@ -15,13 +15,13 @@
 
 namespace palpate::cli {
 
-/// One of each hand, in the order of LiveHands::all().
+/// One view per hand, in the order of LiveHands::all().
 using LiveViews = std::vector<std::unique_ptr<LiveView>>;
 
 /// Shows one status line per hand and all notices, and handles keys. Main thread.
 class Console {
  public:
-  /// All must outlive it. \param gateway whose pages show what is told, too; may be null
+  /// The references must outlive it. \param gateway also shows the messages on its pages; may be null
   Console(LiveHands& hands, const LiveViews& views, LiveGateway* gateway, bool quiet);
   ~Console() { clear(); }
   Console(const Console&) = delete;
@@ -54,13 +54,13 @@ class Console {
   const LiveViews& views_;
   LiveGateway* gateway_;
   bool quiet_;
-  double stiffness_;  ///< of the first at the beginning. Unit: [N/m].
+  double stiffness_;  ///< initial stiffness of the first hand. Unit: [N/m].
   bool draws_;
   bool clutched_ = false;
-  std::size_t drawn_ = 0;  ///< lines that are on the terminal now
+  std::size_t drawn_ = 0;  ///< number of lines currently on the terminal
   NonblockingStderr stderr_;
   Keyboard keyboard_;
-  std::vector<std::size_t> told_;  ///< transitions of each hand
+  std::vector<std::size_t> told_;  ///< number of transitions reported, per hand
 };
 
 }  // namespace palpate::cli

@@ -15,17 +15,17 @@
 namespace palpate::cli {
 namespace {
 
-/// Values in one text, and repeated options, both make lists.
+/// Makes an option a list: values separated by commas, or the option repeated.
 CLI::Option* listed(CLI::Option* option) { return option->delimiter(',')->capture_default_str(); }
 
-/// Of a LiveConfig.
+/// Returns whether `name` is a field of a LiveConfig.
 bool is_field(const std::string& name) {
   const auto fields = config_fields();
   return name == "scene" || std::any_of(fields.begin(), fields.end(),
                                         [&](const ConfigField& field) { return field.name == name; });
 }
 
-/// Where results go, or how soon they come.
+/// Returns whether an option only affects where results go or how fast they are computed.
 bool is_no_setting(const std::string& name) {
   constexpr std::array<std::string_view, 13> kThose{"help",      "quiet",   "json", "config", "from",
                                                     "out",       "record",  "csv",  "html",   "svg",
@@ -33,7 +33,7 @@ bool is_no_setting(const std::string& name) {
   return std::find(kThose.begin(), kThose.end(), name) != kThose.end();
 }
 
-/// Lists that are shown as a default have some.
+/// Removes the brackets that CLI11 puts around the default of a list.
 std::string without_brackets(const std::string& text) {
   return text.starts_with('[') && text.ends_with(']') ? text.substr(1, text.size() - 2) : text;
 }

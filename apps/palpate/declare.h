@@ -34,13 +34,13 @@ class DeclaredOption {
   DeclaredOption& excludes(const DeclaredOption& other);
 
  private:
-  CLI::Option* option_;  ///< of the command, which outlives this
+  CLI::Option* option_;  ///< owned by the command, which outlives this
 };
 
 /// \name Declarations
-/// `name` is "--name" or, for a positional argument, "NAME". `type` stands for the value in --help ("": as
-/// CLI11 names it). What `value` holds is the default, and shown. `value` must live until the arguments are
-/// parsed.
+/// `name` is "--name" or, for a positional argument, "NAME". `type` is the placeholder of the value in --help
+/// (empty: CLI11's own). The initial `value` is the default; choices, lists and numbers show it in --help.
+/// `value` must live until the arguments are parsed.
 /// @{
 CLI::App& add_command(CLI::App& parent, const std::string& name, const std::string& description);
 
@@ -54,7 +54,7 @@ DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& val
 DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& value,
                           const std::vector<std::string>& choices, const std::string& description);
 
-/// The same, handed to `set`. \param may_be true for other text that is taken, too; null: none is
+/// The same, with the choice passed to `set`. \param may_be returns true for other text to accept; null: none
 DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& choices,
                           const std::string& description, const std::function<void(const std::string&)>& set,
                           bool (*may_be)(const std::string& text) = nullptr);
@@ -63,7 +63,7 @@ DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vec
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                            const std::vector<std::string>& choices, const std::string& description);
 
-/// Several files, one after the other.
+/// Several files, as separate arguments.
 DeclaredOption add_files(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                          const std::string& description);
 
@@ -76,8 +76,8 @@ void need_one(CLI::App& app, const std::string& a, const std::string& b);
 
 std::string command_name(const CLI::App& app);
 
-/// The options that decide what comes out and are no fields of a LiveConfig, with what is given or their
-/// default: long names without dashes, and text.
+/// Returns the options that affect results but are not fields of a LiveConfig: long name without dashes, and
+/// the text of the given value or the default.
 std::vector<std::pair<std::string, std::string>> other_options(const CLI::App& app);
 
 /// Returns whether the option was given on the command line or in its configuration file.
@@ -87,7 +87,7 @@ bool is_given(const CLI::App& app, const std::string& option);
 DeclaredOption add_count(CLI::App& app, const std::string& name, int& value, int low, int high,
                          const std::string& description);
 
-/// A number in [low, high] (NaN does not lie there), in `unit`.
+/// A number in [low, high], not NaN, in `unit`.
 DeclaredOption add_number(CLI::App& app, const std::string& name, double& value, double low, double high,
                           const std::string& unit, const std::string& description);
 

@@ -1,5 +1,4 @@
-// palpate evaluate: force models against surfaces that are known exactly, or on a capture against what is
-// seen.
+// palpate evaluate: force models compared with analytic surfaces, or on a capture with its visible surface.
 #include <cstdio>
 #include <memory>
 #include <numbers>
@@ -166,10 +165,10 @@ Command declare_evaluate(CLI::App& parent) {
   options->trials.declare(app);
   options->live.tool = Tool(Eigen::Vector3d::Constant(0.02));
   declare_field(app, options->live, "tool");
-  options->live.force.proxy.friction = 0.3;  // measured in slides and rests of its own
+  options->live.force.proxy.friction = 0.3;  // measured in separate slides and rests
   declare_force_parameters(app, options->live);
   return {&app, [=, &app] {
-            // Captures and trials are of the model as it is by default.
+            // Captures and trials use the default model, without friction.
             const bool rubs = options->capture.live.scene.path.empty() && options->trials.strokes == 0;
             if (!rubs && !is_given(app, "--friction")) options->live.force.proxy.friction = 0.0;
             run(*options);

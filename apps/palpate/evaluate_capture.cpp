@@ -28,7 +28,7 @@
 namespace palpate::cli {
 namespace {
 
-/// A scene that can be seen and felt.
+/// A scene with its contact index and its visible surface.
 struct Capture {
   LoadedScene loaded;
   SceneIndex index;
@@ -81,7 +81,7 @@ class Study {
     return row;
   }
 
-  /// Pictures of the worst pushes, whose trajectories are written to the folder that was asked for.
+  /// Plots the worst pushes, and writes their trajectories to the --worst folder.
   std::vector<Plot> worst(const CaptureRow& row, const Provenance& made, std::vector<std::string>& written) {
     std::vector<Plot> plots;
     CaptureEvaluation evaluation = on(capture_, row.model);

@@ -11,10 +11,10 @@
 namespace palpate::cli {
 
 struct CaptureOptions {
-  LiveConfig live;      ///< its scene; the analytic shapes instead if its path is empty
-  std::string against;  ///< another capture of the same object, registered alike; empty: none
-  std::string worst;    ///< folder for the worst pushes; empty: none
-  int rays = 1000;      ///< of a tool's cross-section
+  LiveConfig live;      ///< only its scene is used; empty path: analytic shapes instead
+  std::string against;  ///< another capture of the same object with the same registration; empty: none
+  std::string worst;    ///< output folder for the worst pushes; empty: none
+  int rays = 1000;      ///< number of rays over the tool's cross-section
   int slides = 50;
 
   void declare(CLI::App& app);

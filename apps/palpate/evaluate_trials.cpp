@@ -30,7 +30,7 @@ std::string in_mm(const std::optional<double>& value) {
   return value ? fmt::format("{:.2f} mm", kToMm * *value) : "-";
 }
 
-/// Each tool that is tried is named among the settings.
+/// Provenance without the tool: the tools are among the settings.
 Provenance provenance_of(const TrialTask& task) {
   LiveConfig live;
   live.force = task.force;

@@ -1,5 +1,5 @@
 /// \file
-/// `palpate evaluate --trials`: any tool pushed at any place of known solids, at any speed.
+/// `palpate evaluate --trials`: tools pushed at known solids, at several places and speeds.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 namespace palpate::cli {
 
 struct TrialOptions {
-  int strokes = 0;                 ///< a row; none: the other evaluations instead
-  std::vector<std::string> tools;  ///< of trial_tools(), or files of tools
+  int strokes = 0;                 ///< per row; 0: the other evaluations instead
+  std::vector<std::string> tools;  ///< names from trial_tools(), or tool files
   std::vector<std::string> places;
-  std::vector<std::string> like;  ///< of capture_defects(), or even
-  int stroke = -1;                ///< this one alone, of one row; negative: all
+  std::vector<std::string> like;  ///< names from capture_defects(), or "even"
+  int stroke = -1;                ///< number of the only stroke to run, of one row; negative: all
 
   TrialOptions();
   void declare(CLI::App& app);

@@ -1,4 +1,4 @@
-// palpate info: what is in a scene file, what is wrong with it, and what the filter keeps.
+// palpate info: statistics of a scene file, lint findings, and the result of the filter.
 #include <cstdio>
 #include <memory>
 #include <optional>

@@ -7,7 +7,7 @@ namespace palpate::cli {
 
 Keyboard::Keyboard() {
   if (::isatty(STDIN_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &before_) != 0) return;
-  // In the background, a change of the terminal would stop the process.
+  // In the background, changing the terminal mode would stop the process (SIGTTOU).
   if (::tcgetpgrp(STDIN_FILENO) != ::getpgrp()) return;
   termios single = before_;
   single.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);

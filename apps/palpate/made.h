@@ -14,25 +14,25 @@
 
 namespace palpate::cli {
 
-/// Of a command whose fields of `live` are of these groups; its other options that decide a result are among
-/// the settings. \throws Error if the scene or the materials cannot be read.
+/// Provenance of a command: the fields of `live` in these groups, and its other options that affect results.
+/// \throws Error if the scene or the materials cannot be read.
 Provenance made_by(const CommonOptions& common, const LiveConfig& live,
                    std::initializer_list<ConfigGroup> groups);
-/// The same with a scene that is no file of `live`.
+/// The same, for a scene that is not the file of `live`.
 Provenance made_by(const CommonOptions& common, const SceneOrigin& scene, const LiveConfig& live,
                    std::initializer_list<ConfigGroup> groups);
 
-/// Of a command that asks poses, for the contacts of `pipeline`, which query_options made.
+/// Provenance of a command that queries poses with `pipeline`, which was built from `query_options`.
 Provenance made_by(const CommonOptions& common, LiveConfig live, const QueryOptions& query_options,
                    const Pipeline& pipeline);
 
-/// The head of a table in CSV.
+/// Provenance as the comment header of a CSV file.
 std::string head_of(const Provenance& provenance);
 
 /// Provenance as JSON.
 inline Json made_json(const Provenance& provenance) { return provenance_json<Json>(provenance); }
 
-/// An object of `made` and `rows`.
+/// JSON object with the members `made` and `rows`.
 Json with_made(const Provenance& provenance, Json rows);
 
 }  // namespace palpate::cli

@@ -40,14 +40,14 @@ int fail(int code, std::string_view message) {
   return code;
 }
 
-/// Messages of CLI11 may have several lines; ours have one.
+/// Joins the lines of a CLI11 message: messages of this program have one line.
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (text.ends_with(' ')) text.pop_back();
   return text;
 }
 
-/// A value that CLI11 refused: an error of the configuration file if it came from there, else usage.
+/// Reports a value that CLI11 rejected: an error of the configuration file that it came from, else of usage.
 int refuse(const CLI::ParseError& error, const Arguments& arguments) {
   const std::string message = one_line(error.what());
   for (const ConfigEntry& entry : arguments.from_files) {
@@ -91,7 +91,7 @@ int run(const std::vector<std::string>& given) {
   return 0;
 }
 
-/// Output that was buffered and cannot be written is an error too.
+/// Flushes stdout: buffered output that cannot be written is an error too.
 void flush_stdout() {
   if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
 }

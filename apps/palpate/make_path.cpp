@@ -1,4 +1,4 @@
-// palpate make-path: a path that touches a scene, for who has a scene but no recorded motion.
+// palpate make-path: a path that touches a scene, for users without a recorded motion.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -26,7 +26,7 @@ struct Options {
   TouchPathOptions path;
 };
 
-/// The path; errors name the scene.
+/// Generates the path; errors name the scene.
 Trajectory make_path(const Options& options, const SceneIndex& index, const EllipsoidScene& kept) {
   try {
     return touch_path(index, kept, options.live.tool, options.path);

@@ -1,4 +1,4 @@
-// palpate make-scene: a scene whose true surface is known exactly.
+// palpate make-scene: a synthetic scene with an analytically known surface.
 #include <cstdio>
 #include <memory>
 #include <numbers>
@@ -26,10 +26,11 @@ struct Options {
   std::string out;
   ProceduralOptions procedural;
   double tilt_degrees = 0.0;
-  std::vector<std::string> like;  ///< of capture_defects()
+  std::vector<std::string> like;  ///< names from capture_defects()
 };
 
-/// Which has light, materials and a spacing by the thing, and none of the defects of captures.
+/// Writes the still life, which has its own lighting, materials and spacing per object, and no capture
+/// defects.
 void run_still_life(const Options& options) {
   if (options.procedural.noise > 0.0 || options.tilt_degrees > 0.0 || !options.like.empty())
     throw Error("{} takes neither --noise nor --tilt nor --like; leave them out, or make a table",

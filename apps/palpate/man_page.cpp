@@ -1,4 +1,4 @@
-// palpate man-page: the manual page, made from the declared commands themselves.
+// palpate man-page: the manual page, generated from the declared commands.
 #include <string>
 #include <vector>
 
@@ -12,7 +12,7 @@
 namespace palpate::cli {
 namespace {
 
-/// Text as roff takes it for what it is: no escapes, no requests, and every dash one that can be copied.
+/// Escapes text for roff: no escape sequences, no requests, and dashes as ASCII minus signs, to be copied.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -27,7 +27,7 @@ std::string roff(const std::string& text) {
   return out;
 }
 
-/// The words after an option; long lists of choices may be broken behind their commas.
+/// Allows line breaks after the commas and bars of long lists of choices.
 std::string breakable(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -39,13 +39,13 @@ std::string breakable(const std::string& text) {
 
 std::string heading(const std::string& group) { return fmt::format(".PP\n\\fI{}\\fR\n", roff(group)); }
 
-/// What --help says of an option, with its names in bold.
+/// The --help entry of an option, with its names in bold.
 std::string entry(const CLI::Formatter& help, const CLI::Option& option) {
   return fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(help.make_option_name(&option, option.get_positional())),
                      breakable(roff(help.make_option_opts(&option))), roff(help.make_option_desc(&option)));
 }
 
-/// The options of a command under the headings of its --help; --help itself is said once, for all commands.
+/// The options of a command under the headings of its --help; --help itself is listed once, for all commands.
 std::string options_of(const CLI::Formatter& help, const CLI::App& command) {
   std::string text;
   for (const CLI::Option* option : command.get_options()) {
@@ -69,7 +69,7 @@ std::string command_section(const CLI::Formatter& help, const CLI::App& command)
                      options_of(help, command));
 }
 
-// What --help does not say.
+// Text that is not in --help.
 constexpr const char* kIntroduction =
     R"(.SH DESCRIPTION
 .B palpate

@@ -19,30 +19,30 @@
 
 namespace palpate::cli {
 
-inline constexpr int kMostThreads = 1024;  ///< of --threads
+inline constexpr int kMostThreads = 1024;  ///< upper limit of --threads
 
 /// \name Options of a live configuration, as config_fields() describes them
-/// `config` must live until the arguments are parsed; what it holds is the default.
+/// `config` must live until the arguments are parsed; its initial values are the defaults.
 /// @{
-/// The option of that name, under the heading of its group.
+/// Declares the option of that name, under the heading of its group.
 DeclaredOption declare_field(CLI::App& app, LiveConfig& config, std::string_view name);
-/// All of a group.
+/// Declares all options of a group but --no-index-file.
 void declare_group(CLI::App& app, LiveConfig& config, ConfigGroup group);
-/// The scene as positional argument SCENE, which may be optional, or as option --scene; and its group but for
-/// --no-index-file.
+/// How the scene is given: positional argument SCENE, required or optional, or option --scene.
 enum class SceneArgument { kPositional, kOptionalPositional, kOption };
+/// Declares the scene argument and the options of its group.
 void declare_scene(CLI::App& app, LiveConfig& config, SceneArgument as);
-/// The group of forces but for --model and --materials.
+/// Declares the options of the force group but --model and --materials.
 void declare_force_parameters(CLI::App& app, LiveConfig& config);
 /// @}
 
-/// Loads and filters; warns on stderr if nothing is left. \throws Error.
+/// Loads and filters a scene; warns on stderr if no Gaussian is left. \throws Error.
 LoadedScene load(const SceneConfig& config, const Progress& progress);
 
-/// Contact query pipeline: exactly one of the two is set.
+/// Contact query pipeline; exactly one member is set.
 struct Pipeline {
-  std::unique_ptr<SceneIndex> index;     ///< the exact one
-  std::unique_ptr<PaperPipeline> paper;  ///< the paper's
+  std::unique_ptr<SceneIndex> index;     ///< exact pipeline
+  std::unique_ptr<PaperPipeline> paper;  ///< the paper's pipeline
 
   const ContactQuery& query() const { return index ? static_cast<const ContactQuery&>(*index) : *paper; }
 };
@@ -58,15 +58,15 @@ struct QueryOptions {
   bool is_exact() const { return pipeline == "exact"; }
   /// \throws Error.
   Pipeline build(const LiveConfig& config, const Progress& progress) const;
-  /// The model that was asked for; else the proxy, or the paper's on the contacts of the paper's pipeline.
+  /// The requested model; by default that of `config` for the exact pipeline, density for the paper's.
   ForceModelKind model(const LiveConfig& config) const;
-  /// Of model(), for the contacts of `pipeline`, which must outlive it. \throws Error if the model needs a
+  /// Builds model() for the contacts of `of`, which must outlive it. \throws Error if the model needs a
   /// SceneIndex and has none, or for broken materials.
   std::unique_ptr<ForceModel> build_model(const LiveConfig& config, const Pipeline& of,
                                           const Progress& progress) const;
 
  private:
-  const CLI::App* app_ = nullptr;  ///< which lives as long as the program
+  const CLI::App* app_ = nullptr;  ///< lives as long as the program
 };
 
 }  // namespace palpate::cli

@@ -17,16 +17,16 @@ using Json = OrderedJson;
 /// "palpate 0.1.0"
 std::string program_version();
 
-/// One line on stderr: "palpate: " and the message, printable.
+/// Prints one line on stderr: "palpate: " and the message, with unprintable characters replaced.
 void notify(std::string_view message);
 
-/// What notify() writes: a line of its own.
+/// The line that notify() writes.
 std::string notice(std::string_view message);
 
-/// On stdout, indented.
+/// Prints indented JSON on stdout.
 void print_json(const Json& json);
 
-/// The tool in a few words: "20/20/40 mm", "24 ellipsoids".
+/// Short description of a tool: "20/20/40 mm", "24 ellipsoids".
 std::string tool_in_words(const Tool& tool);
 
 /// \throws Error if writing `out`, the value of `option`, would destroy one of `inputs` (empty names are
@@ -34,10 +34,11 @@ std::string tool_in_words(const Tool& tool);
 void check_output(const std::string& out, std::initializer_list<std::string> inputs,
                   std::string_view option = "--out");
 
-/// Adds `search_radius` and `can_miss`: what the paper's pipeline does not reach with `tool`.
+/// Adds `search_radius` and `can_miss`, the number of Gaussians out of reach of the paper's pipeline with
+/// `tool`.
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json);
 
-/// Prints the same in a sentence.
+/// Prints the same as a sentence.
 void print_reach(const PaperPipeline& paper, const Tool& tool);
 
 }  // namespace palpate::cli

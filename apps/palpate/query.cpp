@@ -1,4 +1,4 @@
-// palpate query: one pose, its contacts and its wrench.
+// palpate query: contacts and wrench at one pose.
 #include <limits>
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-// palpate replay: every pose of a trajectory, offline and deterministic.
+// palpate replay: contacts and wrench at every pose of a trajectory, offline and deterministic.
 #include <algorithm>
 #include <cstdio>
 #include <memory>

@@ -1,4 +1,4 @@
-// palpate report: the paper's Fig. 5 and Fig. 4 of a run, as one page that needs no network.
+// palpate report: the paper's Fig. 5 and Fig. 4 of a run, as one self-contained page.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -32,12 +32,12 @@ namespace {
 struct Options {
   CommonOptions common;
   LiveConfig live;
-  std::vector<std::string> runs;  ///< the first, and those that are drawn over it
+  std::vector<std::string> runs;  ///< the first run, and those plotted over it
   RunWindow window;
   std::string out, svg;
 };
 
-/// The page template with its one placeholder of each kind filled in.
+/// Page template with its placeholders filled in, one of each kind.
 std::string fill_page(const std::string& title, const std::string& json) {
   std::string page(palpate_report_page_begin, palpate_report_page_end);
   const auto fill = [&](std::string_view placeholder, const std::string& text) {
@@ -110,7 +110,7 @@ std::string recording_page(const std::string& csv) {
   try {
     const std::string title = std::filesystem::path(csv).filename().string();
     return fill_page(title, report_json(read_run(csv), nullptr, nullptr, nullptr, program_version()));
-  } catch (const std::exception& error) {  // also where there is no memory for a long one
+  } catch (const std::exception& error) {  // including out of memory for a long recording
     return "<!doctype html><title>no report</title><p>" + markup_escaped(error.what());
   }
 }

@@ -6,7 +6,7 @@
 
 namespace palpate::cli {
 
-/// The report page of the recording in a file, without its scene; a page that says why if it cannot be made.
+/// Report page of a recording file, without its scene; on failure, a page with the error message.
 std::string recording_page(const std::string& csv);
 
 }  // namespace palpate::cli

@@ -31,15 +31,15 @@ struct Options {
   int touches = 7;
   double press = RoomPathOptions().press;
   std::uint64_t seed = 1;
-  double stall = 0.05;      ///< the paper's. Unit: [s].
-  bool registered = false;  ///< by the user
+  double stall = 0.05;      ///< stall of the forces, as in the paper. Unit: [s].
+  bool registered = false;  ///< the user gave a registration
   std::string csv, html, svg;
 };
 
-/// A scene in the room.
+/// A scene placed in the room, with its contact queries.
 struct Ground {
   std::string name;
-  std::unique_ptr<AnalyticSurface> surface;  ///< null for a file
+  std::unique_ptr<AnalyticSurface> surface;  ///< null for a scene file
   LoadedScene loaded;
   std::unique_ptr<SceneIndex> index;
   std::unique_ptr<PaperPipeline> paper;

@@ -1,4 +1,4 @@
-// palpate run: a hand, a device, and a scene between them, live.
+// palpate run: live haptic rendering of a scene.
 #include <algorithm>
 #include <filesystem>
 #include <limits>
@@ -39,13 +39,13 @@ struct Options {
   CommonOptions common;
   LiveConfig live;
   std::string record;
-  double seconds = 0.0;             ///< 0: until someone ends it
-  std::vector<std::string> scenes;  ///< folders
-  std::vector<std::string> hands;   ///< besides the first: see read_hands()
+  double seconds = 0.0;             ///< 0: until the user ends it
+  std::vector<std::string> scenes;  ///< folders of scenes that the viewer may open
+  std::vector<std::string> hands;   ///< additional hands, see read_hands()
   bool hands_touch = false;
 };
 
-/// Ends the loops before what looks on is gone, whatever happens.
+/// Ends the loops before their observers are destroyed, also when an exception is thrown.
 class LoopEnd {
  public:
   explicit LoopEnd(LiveHands& hands) : hands_(hands) {}
@@ -57,7 +57,7 @@ class LoopEnd {
   LiveHands& hands_;
 };
 
-/// What the terminal has shown and pages are still to show. Any thread.
+/// Messages shown on the terminal that pages have yet to show. Any thread.
 class Lines {
  public:
   void add(const std::string& line) {
@@ -74,15 +74,15 @@ class Lines {
   std::vector<std::string> lines_;
 };
 
-/// As thick as that of a finger: what the built-in scene is felt with unless a tool is given.
+/// Default tool of the built-in scene, as thick as a fingertip.
 Tool fingertip() { return Tool(Eigen::Vector3d::Constant(0.008)); }
 
-/// Why no page may open another scene.
+/// Reason why pages may not open another scene; empty if they may.
 std::string one_scene(const Options& options) {
   return options.record.empty() ? "" : "with --record all of a run is of one scene: start again for another";
 }
 
-/// What a user should know before a hand is near.
+/// Warns, before the loops start, if the stiffness exceeds what the device renders without buzzing.
 void warn(const LiveHands::Hand& hand, const Notify& tell) {
   const DeviceCapabilities& device = hand.system->device();
   const double stiffness = hand.system->settings().force.proxy.stiffness;
@@ -92,7 +92,7 @@ void warn(const LiveHands::Hand& hand, const Notify& tell) {
   }
 }
 
-/// What a user should know of one that has started.
+/// Describes a hand after its start, with notes on its limits.
 void introduce(const LiveHands::Hand& hand, const Notify& tell) {
   LiveSystem& system = *hand.system;
   const LiveConfig settings = system.settings();
@@ -107,10 +107,11 @@ void introduce(const LiveHands::Hand& hand, const Notify& tell) {
         of));
 }
 
-/// The recordings of a run, one a hand.
+/// The recordings of a run, one per hand.
 class Recordings {
  public:
-  /// None if `path` is empty; that of a hand NAME is in RUN-NAME.csv. \throws Error if one cannot be made.
+  /// An empty `path` makes none; a hand NAME is recorded in RUN-NAME.csv. \throws Error if a file cannot be
+  /// created.
   Recordings(const std::string& path, const LiveHands& hands) {
     if (path.empty()) return;
     for (const LiveHands::Hand& hand : hands.all()) {
@@ -123,9 +124,9 @@ class Recordings {
     }
   }
 
-  /// Of the hand of that number; null if there is none.
+  /// Recording observer of hand number `hand`; null without recordings.
   TickObserver* observer(std::size_t hand) { return all_.empty() ? nullptr : &all_[hand]->observer; }
-  /// The first there is.
+  /// First failure of a recording.
   std::optional<std::string> failure() const {
     for (const auto& recording : all_)
       if (auto failure = recording->recorder.failure()) return failure;
@@ -153,7 +154,8 @@ class Recordings {
   std::vector<std::unique_ptr<Recording>> all_;
 };
 
-/// When a run is over by itself: once all that is played back has been played. Unit: [s].
+/// Time at which the run ends: `seconds` if set, else after the longest playback, or infinity if a hand is
+/// not played back. Unit: [s].
 double end_of(const LiveHands& hands, double seconds) {
   if (seconds > 0.0) return seconds;
   double longest = 0.0;
@@ -251,10 +253,10 @@ void run(const Options& options) {
     outcomes.push_back({systems[k]->clock().now(), systems[k]->loop().statistics().ticks, view.totals(),
                         view.newest().state, faults_of(view)});
   }
-  for (LiveSystem* system : systems) system->begin_to_stop();  // while the rest is ended
+  for (LiveSystem* system : systems) system->begin_to_stop();  // they ramp down while the gateway stops
   if (gateway) gateway->stop();
   hands.stop();
-  signals.reset();  // there is no force: a signal may end whatever is left to write
+  signals.reset();  // no force is left: from here, a signal may end the program
   recordings.close();
   failure = recordings.failure();
   if (talks || options.common.json) tell_outcomes(outcomes, hands, options.common.json);

@@ -12,7 +12,7 @@
 namespace palpate::cli {
 namespace {
 
-/// Of a live loop, whose hand went elsewhere than this says.
+/// Setting of a live loop that is replaced by the run itself: the recorded hand deviated from it.
 constexpr std::string_view kTrajectory = "trajectory";
 constexpr std::string_view kScene = "scene";
 

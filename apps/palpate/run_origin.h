@@ -14,20 +14,21 @@ namespace palpate::cli {
 /// Returns whether a run's file has a provenance header. \throws Error if it cannot be read.
 bool says_how_it_was_made(const std::string& run);
 
-/// Content of the header of a run's file (to_toml(const Provenance&)).
+/// Provenance header of a run's file, as written by to_toml(const Provenance&).
 class RunOrigin {
  public:
-  /// \throws Error if the file cannot be read, or does not say it.
+  /// \throws Error if the file cannot be read or has no provenance header.
   explicit RunOrigin(const std::string& run);
 
-  /// The settings but for the scene, and the run itself as trajectory.
+  /// All settings but the scene, with the run itself as trajectory.
   std::vector<ConfigEntry> entries() const;
 
-  /// Takes the run's scene where `live` has none. \throws Error if that is not there, or if the scene or the
-  /// materials of `live` are not those that the run was made with: one line with what to do.
+  /// Sets the run's scene if `live` has none, and compares checksums. \throws Error if the scene file does
+  /// not exist, or if the scene or the materials of `live` are not those of the run; the message is one line
+  /// that says what to do.
   void settle(LiveConfig& live) const;
 
-  /// Of the program that made it.
+  /// Version of the program that made the run.
   const std::string& version() const { return version_; }
 
  private:

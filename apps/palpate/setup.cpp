@@ -1,4 +1,4 @@
-// palpate setup: how an unknown scene might be felt, as a configuration file.
+// palpate setup: proposed frame, scale, filter and crop of an unknown scene, as a configuration file.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -35,7 +35,7 @@ struct Options {
   std::string out;
 };
 
-/// What was asked, not what is proposed.
+/// Provenance of the request; the proposals are not part of it.
 Provenance provenance_of(const Options& options) {
   Provenance known = made_by(options.common, options.live, {ConfigGroup::kTool});
   set(known, "scene", toml_quoted(options.live.scene.path));

@@ -1,4 +1,4 @@
-// palpate stability: what devices and hands make of a scene, in virtual time.
+// palpate stability: contact stability of a scene with several devices and hands, in virtual time.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -38,7 +38,7 @@ struct Options {
   std::string csv, html, svg;
 };
 
-/// A scene and where it is pressed.
+/// A scene and the places to press.
 struct Ground {
   std::string name;
   std::unique_ptr<SceneIndex> index;
@@ -46,8 +46,8 @@ struct Ground {
   std::vector<PressPlace> places;
 };
 
-/// Without a file the table of make-scene, of one stuff all over: plain shapes, whose figures stay
-/// comparable.
+/// Loads the scene file, or generates the table of make-scene with one material: simple shapes, so that
+/// results remain comparable.
 LoadedScene read_ground(const LiveConfig& live, Ground& ground, const Progress& progress) {
   const SceneConfig& scene = live.scene;
   if (!scene.path.empty()) {
@@ -92,7 +92,7 @@ StabilityStudy study_of(const Options& options, const Ground& ground) {
   return study;
 }
 
-/// The first profile and model, in the hand that is in the middle, with every source.
+/// Traces of the first profile and model with the middle hand, one per contact source.
 std::vector<StabilityTrace> traces_of(const StabilityStudy& study, const StabilityTables& tables,
                                       std::string& subtitle) {
   std::vector<StabilityTrace> traces;

@@ -12,7 +12,7 @@
 
 namespace palpate::cli {
 
-// Opened anew, it has flags of its own. A socket cannot be, and is left alone.
+// A newly opened description has its own flags. A socket cannot be opened anew; see write().
 NonblockingStderr::NonblockingStderr()
     : descriptor_(::open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | O_APPEND)) {}
 
@@ -21,17 +21,17 @@ NonblockingStderr::~NonblockingStderr() {
 }
 
 void NonblockingStderr::write(std::string_view text) const {
-  // A socket, as of systemd's journal, cannot be opened anew; it can be sent to without waiting instead.
+  // A socket, such as systemd's journal, cannot be opened anew; MSG_DONTWAIT is used instead.
   const ssize_t written = descriptor_ >= 0
                               ? ::write(descriptor_, text.data(), text.size())
                               : ::send(STDERR_FILENO, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  if (written < 0) return;  // lost
+  if (written < 0) return;  // discarded
 }
 
 void open_closed_streams() {
   for (int descriptor = 0; descriptor < 3; ++descriptor) {
     struct stat status {};
-    // The lowest that is free is the one that is missing.
+    // open() returns the lowest free descriptor, which is the closed one.
     if (::fstat(descriptor, &status) != 0 && ::open("/dev/null", O_RDWR) != descriptor) return;
   }
 }

@@ -8,8 +8,8 @@
 
 namespace palpate::cli {
 
-/// stderr, written to without waiting: what does not fit, on a terminal that is held (Ctrl-S) or a pipe that
-/// nobody reads, is lost. The descriptor itself stays as it is, which other processes share.
+/// Non-blocking stderr: output that does not fit, on a stopped terminal (Ctrl-S) or a pipe without a reader,
+/// is discarded. The flags of the original descriptor, which other processes share, are not changed.
 class NonblockingStderr {
  public:
   NonblockingStderr();
@@ -20,11 +20,11 @@ class NonblockingStderr {
   void write(std::string_view text) const;
 
  private:
-  int descriptor_;  ///< -1: there is none
+  int descriptor_;  ///< -1 if it cannot be opened anew
 };
 
-/// Opens /dev/null in place of stdin, stdout and stderr where they are closed: a file that is opened later
-/// would be taken for one of them.
+/// Opens /dev/null in place of stdin, stdout and stderr if they are closed: a file opened later would
+/// otherwise get their descriptor.
 void open_closed_streams();
 
 /// A progress bar on stderr, or nothing at all if stderr is not a terminal or `quiet` is set.

@@ -8,7 +8,7 @@
 
 namespace palpate::cli {
 
-/// The file of that path; null if the viewer has none.
+/// Returns the file at `path`; null if there is none.
 const WebFile* viewer_file(std::string_view path);
 
 }  // namespace palpate::cli

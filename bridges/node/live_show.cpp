@@ -10,7 +10,7 @@
 namespace palpate::node {
 namespace {
 
-/// After the last pose that was dropped it is still a warning. Unit: [s].
+/// Duration of the warning after a dropped pose. Unit: [s].
 constexpr double kDropped = 1.0;
 
 Vector3 numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -51,13 +51,13 @@ LiveShow::LiveShow(const ShownHand& hand, const std::string& tf_prefix, NodeSink
 
 void LiveShow::update(const ShownScene* scene) {
   hand_.view.update();
-  felt_ = hand_.system.felt();  // which may be another, or with another tool
+  felt_ = hand_.system.felt();  // the scene or the tool may have changed
   if (scene != nullptr && sink_.wants_contacts(hand_.number)) publish_contacts(*scene);
   sink_.publish_tool(hand_.number, markers_of(tool_markers(felt_->tool(), hand_.view.newest().tool)));
   say_failures();
 }
 
-/// Contacts are looked for here, so that the loop does nothing for those who look on.
+/// Contacts are computed here, so that subscribers cost the loop nothing.
 void LiveShow::publish_contacts(const ShownScene& scene) {
   found_.contacts.clear();
   if (scene.index == felt_->index()) query(*felt_->index(), felt_->tool(), hand_.view.newest().tool, found_);
@@ -72,7 +72,7 @@ void LiveShow::say_failures() {
   if (const std::string failure = hand_.system.message(); !failure.empty()) hand_.notices.say(failure);
 }
 
-/// Scales, of the workspace and of the scene, have no place in tf.
+/// tf cannot represent the scales of the workspace and the scene.
 void LiveShow::add_transforms(std::vector<SinkTransform>& all) const {
   const TickRecord& tick = hand_.view.newest();
   const Similarity scene = hand_.system.settings().scene.world_from_scene();

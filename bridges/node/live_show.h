@@ -1,5 +1,5 @@
 /// \file
-/// What a node shows of its hands.
+/// Publication of the hands of a node.
 #pragma once
 
 #include <cstdint>
@@ -22,36 +22,36 @@
 
 namespace palpate::node {
 
-/// A hand that is shown. All that it refers to must outlive who has it.
+/// A hand to publish. The references must outlive this.
 struct ShownHand {
-  std::size_t number = 0;  ///< in the sink
+  std::size_t number = 0;  ///< index in the sink
   const NodeHand& settings;
   LiveSystem& system;
-  const CrtkDevice& device;  ///< of `system`
+  const CrtkDevice& device;  ///< device of `system`
   LiveView& view;
   NodeNotices& notices;
   NodeRecording& recording;
 };
 
-/// Publishes what a hand feels, at its newest tick. One thread.
+/// Publishes contacts, tool, transforms and status of a hand at its newest tick. One thread.
 class LiveShow {
  public:
-  static constexpr double kRate = 30.0;        ///< of update(). Unit: [Hz].
-  static constexpr int kDiagnosticsEvery = 3;  ///< of update(), how many to one of diagnostics
+  static constexpr double kRate = 30.0;        ///< rate of update(). Unit: [Hz].
+  static constexpr int kDiagnosticsEvery = 3;  ///< number of updates per publication of diagnostics
 
-  /// \param tf_prefix of names of frames \param sink must outlive it
+  /// \param tf_prefix prefix of frame names \param sink must outlive it
   LiveShow(const ShownHand& hand, const std::string& tf_prefix, NodeSink& sink);
 
-  /// Has the newest tick, and publishes contacts and tool at it. Says what has failed. \param scene that is
-  /// shown, null for none: there are no contacts while the hand feels another
+  /// Reads the newest tick, publishes its contacts and tool, and reports failures. \param scene the published
+  /// scene, or null; no contacts are published while the hand feels another scene
   void update(const ShownScene* scene);
-  /// Its frames go to `all`.
+  /// Appends the hand's frames to `all`.
   void add_transforms(std::vector<SinkTransform>& all) const;
-  /// The states of its loop, its device and what it is doing go to `all`.
+  /// Appends the status of the loop, the device and the scene to `all`.
   void add_statuses(std::vector<SinkStatus>& all);
 
  private:
-  /// Which tells the scene's frame.
+  /// Returns whether this is the first hand, which publishes the scene's frame.
   bool is_first() const { return hand_.settings.name.empty(); }
   SinkStatus servo_status(std::string name) const;
   SinkStatus device_status(std::string name, double now);
@@ -60,18 +60,18 @@ class LiveShow {
   void say_failures();
 
   ShownHand hand_;
-  std::string frames_;  ///< before the names of the hand's own
+  std::string frames_;  ///< prefix of the names of the hand's frames
   NodeSink& sink_;
   std::shared_ptr<const FeltScene> felt_;
   ContactSet found_;
   ContactMarkers contacts_;
   RateWatch watch_;
-  std::uint64_t dropped_ = 0;  ///< poses, when they were counted last
-  double dropped_at_ = -1e9;   ///< when that last rose. Unit: [s].
-  std::uint64_t said_ = 0;     ///< LiveSystem::version() of the failure that was said last
+  std::uint64_t dropped_ = 0;  ///< number of dropped poses at the last status
+  double dropped_at_ = -1e9;   ///< time of its last increase. Unit: [s].
+  std::uint64_t said_ = 0;     ///< LiveSystem::version() of the last reported failure
 };
 
-/// All hands, at their newest ticks. \param diagnostics these too
+/// Publishes all hands at their newest ticks. \param diagnostics whether to publish diagnostics too
 void publish(std::deque<LiveShow>& shows, const ShownScene* scene, NodeSink& sink, bool diagnostics);
 
 }  // namespace palpate::node

@@ -1,5 +1,5 @@
 /// \file
-/// What a node has told a person of a hand.
+/// Messages of a node to its user, per hand.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace palpate::node {
 /// Writes lines to the terminal, and remembers the last one for diagnostics. Any thread.
 class NodeNotices {
  public:
-  /// Of the first hand, and of the node. \param program that speaks
+  /// Notices of the node and its first hand. \param program name printed before each line
   explicit NodeNotices(std::string program) : speaker_(std::move(program)) {}
-  /// Of another hand of that node.
+  /// Notices of another hand of that node.
   NodeNotices(const NodeNotices& node, const std::string& hand)
       : speaker_(node.speaker_ + ": hand " + hand) {}
 

@@ -1,12 +1,12 @@
 /// \file
-/// A parameter of a node, as its network has it. Without other headers; see node_sink.h.
+/// A parameter of a node. Includes no headers of ROS or Palpate; see node_sink.h.
 #pragma once
 
 #include <string>
 
 namespace palpate::node {
 
-/// A private parameter as text; numbers of an array separated by commas.
+/// A private parameter as text; elements of an array are separated by commas.
 struct NodeParameter {
   std::string name, value;
 };

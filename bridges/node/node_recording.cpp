@@ -14,7 +14,7 @@
 namespace palpate::node {
 namespace {
 
-/// Whoever asks waits: that is not the thread of what ends the force.
+/// Runs the work in the caller's thread, which may block: emergency stop and pause have another thread.
 void at_once(const std::function<void()>& work, const std::function<void()>& then) {
   work();
   then();
@@ -28,7 +28,7 @@ NodeRecording::NodeRecording(const std::string& folder, std::string hand, const 
       system_(system),
       switch_(at_once, {}, recorder_options(system.device()), [this] { return next(); }) {}
 
-/// As rosbag names its files: palpate-2026-11-26-17-34-05.csv, palpate-left-...
+/// Path of the next file, named as rosbag names its files: palpate-2026-11-26-17-34-05.csv, palpate-left-...
 std::string NodeRecording::next() const {
   const std::string name =
       fmt::format("palpate-{}{:%Y-%m-%d-%H-%M-%S}", hand_.empty() ? "" : hand_ + "-",
@@ -53,7 +53,7 @@ std::string NodeRecording::set(bool on) {
   return switch_.path();
 }
 
-/// \returns why it had failed before, and what is left.
+/// Ends the recording. \returns a message if it had failed before, which names the partial file.
 std::string NodeRecording::end() {
   std::string said;
   switch_.end([&](const std::string& failure) {

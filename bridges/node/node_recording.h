@@ -1,5 +1,5 @@
 /// \file
-/// A recording of a hand of a node, begun and ended by a service.
+/// Recording of a hand of a node, started and ended by a service.
 #pragma once
 
 #include <mutex>
@@ -10,23 +10,23 @@
 
 namespace palpate::node {
 
-/// Records a hand into files of a folder that stay, each under a name of the time at which it began.
+/// Records a hand into files of a folder, each named after its start time. The files are kept.
 class NodeRecording {
  public:
-  /// \param hand its name; empty: the first \param system must outlive the last set()
+  /// \param hand name of the hand; empty: the first \param system must outlive the last set()
   NodeRecording(const std::string& folder, std::string hand, const LiveSystem& system);
 
-  /// To be given to LiveHands::start(). Must outlive the loop.
+  /// Observer to pass to LiveHands::start(). Must outlive the loop.
   TickObserver& observer() { return switch_; }
 
-  /// Begins a recording, or ends it; waits until the file is there, or whole. Any thread. \returns its path
-  /// \throws Error if there is one already, or none, or the disk is full, after which the file has all until
-  /// then.
+  /// Starts or ends a recording; blocks until the file is created or complete. Any thread. \returns its path
+  /// \throws Error if a recording is running already, or none is, or the disk is full; the file then holds
+  /// everything recorded so far.
   std::string set(bool on);
-  /// The path of what is being recorded; empty if nothing is. Any thread; waits for nothing.
+  /// Path of the running recording; empty if there is none. Any thread; does not block.
   std::string path() const;
-  /// Ends a recording that cannot go on; waits for nothing else. \returns what to say of it; empty if all is
-  /// well. Any thread.
+  /// Ends the recording if it has failed; otherwise does not block. \returns a message about the failure;
+  /// empty if there is none. Any thread.
   std::string look();
 
  private:
@@ -36,9 +36,9 @@ class NodeRecording {
 
   std::string folder_, hand_;
   const LiveSystem& system_;
-  std::mutex mutex_;  ///< of `switch_`, but for what the servo thread does
+  std::mutex mutex_;  ///< guards `switch_`, except for the calls of the servo thread
   RecordingSwitch switch_;
-  mutable std::mutex shown_mutex_;  ///< of what follows
+  mutable std::mutex shown_mutex_;  ///< guards `shown_`
   std::string shown_;
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// The scenes that a node may be told to feel.
+/// Scenes that a node can open.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace palpate::node {
 
-/// Those of its folders, the one it began with and the built-in one, and any other file by its path. Any
-/// thread.
+/// The scenes of the node's folders, the initial scene, the built-in scene, and any other file by its path.
+/// Any thread.
 class NodeScenes {
  public:
-  /// \param hands must outlive it \param folders of a SceneLibrary \throws Error for a folder that is none.
+  /// \param hands must outlive this \param folders of a SceneLibrary \throws Error if one is not a folder.
   NodeScenes(LiveHands& hands, const std::vector<std::string>& folders);
 
-  /// JSON of scenes_json(). Looks at the disk.
+  /// JSON of scenes_json(). Reads the folders.
   std::string list() const;
-  /// Has another scene be read, and felt once it is there. Reads the beginning of its file. \param which an
-  /// id of list(), or a path from the root on \throws Error for one that there is not, or cannot be felt.
+  /// Starts loading another scene, which is felt once it is loaded. Reads the beginning of its file.
+  /// \param which id from list(), or an absolute path \throws Error if it does not exist or cannot be felt.
   void open(const std::string& which);
 
  private:
@@ -28,7 +28,7 @@ class NodeScenes {
   SceneLibrary library_;
 };
 
-/// Of what is felt, for people.
+/// Display name of the current scene.
 std::string felt_name(const LiveSystem& system);
 
 }  // namespace palpate::node

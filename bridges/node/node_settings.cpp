@@ -16,20 +16,20 @@
 namespace palpate::node {
 namespace {
 
-/// Set before all others, whatever the order.
+/// Name of the parameter that is applied before all others.
 constexpr const char* kConfig = "config";
 constexpr const char* kHands = "hands";
 constexpr const char* kDevice = "device";
 constexpr double kMostDecimation = 1e6;
 
-/// \returns nothing where it is empty, too.
+/// Value of a parameter; nothing if it is missing or empty.
 std::optional<std::string> find(const std::vector<NodeParameter>& parameters, std::string_view name) {
   const auto at = std::find_if(parameters.begin(), parameters.end(),
                                [&](const NodeParameter& p) { return p.name == name; });
   return at == parameters.end() || at->value.empty() ? std::nullopt : std::optional(at->value);
 }
 
-/// Those of a hand, without its name.
+/// Parameters of a hand, without its name as prefix.
 std::vector<NodeParameter> parameters_of(const std::string& hand, const std::vector<NodeParameter>& all) {
   std::vector<NodeParameter> own;
   for (const auto& [name, value] : all)
@@ -37,7 +37,8 @@ std::vector<NodeParameter> parameters_of(const std::string& hand, const std::vec
   return own;
 }
 
-/// The device itself is CrtkArguments', and a node has no gateway. \param first the others share its scene
+/// Returns whether a hand has a parameter for `field`. CrtkArguments describes the device; a node has no
+/// gateway. \param first whether it is the first hand, whose scene the others share
 bool is_field(const ConfigField& field, bool first) {
   switch (field.group) {
     case ConfigGroup::kScene: return first && !field.name.empty();
@@ -105,7 +106,7 @@ bool set_hand(NodeHand& hand, const NodeParameter& parameter) {
   return name == kDevice || set_field(hand, parameter);
 }
 
-/// Of the node, or else of its first hand.
+/// Sets a parameter of the node or of its first hand. \returns false if there is no such parameter.
 bool set_node(NodeSettings& settings, const NodeParameter& parameter) {
   const auto& [name, value] = parameter;
   NodeHand& first = settings.hands.front();
@@ -129,7 +130,7 @@ bool set_node(NodeSettings& settings, const NodeParameter& parameter) {
   return true;
 }
 
-/// Has `set` take each parameter. \throws Error that names it
+/// Calls `set` for each parameter. \throws Error that names the parameter
 template <class Set>
 void set_each(const std::string& before, const std::vector<NodeParameter>& parameters, const Set& set) {
   for (const NodeParameter& parameter : parameters) {
@@ -142,7 +143,7 @@ void set_each(const std::string& before, const std::vector<NodeParameter>& param
   }
 }
 
-/// That of the parameter, of its file, where that has one of this kind, or `otherwise`.
+/// Device of the `device` parameter; else `driver`, from the file, if it is of this kind; else `otherwise`.
 CrtkArguments device_of(const std::string& kind, const std::vector<NodeParameter>& parameters,
                         const std::string& driver, const std::string& otherwise) {
   const auto parameter = find(parameters, kDevice);
@@ -158,7 +159,7 @@ void add_hands(NodeSettings& settings, const std::string& kind,
   for (HandSetup& setup :
        read_hands(split(find(parameters, kHands).value_or("")), first, "parameter 'hands'")) {
     const std::vector<NodeParameter> own = parameters_of(setup.name, parameters);
-    // Without a file it is a copy of the first, whose device is that one's.
+    // Without a file, the configuration is a copy of the first hand's, whose driver must not be used twice.
     const std::string& driver = setup.config.device.driver;
     NodeHand& hand = settings.hands.emplace_back(
         NodeHand{setup.name, setup.config,
@@ -167,7 +168,7 @@ void add_hands(NodeSettings& settings, const std::string& kind,
   }
 }
 
-/// \throws Error where two hands have one device.
+/// \throws Error if two hands have the same device.
 void check_devices(const std::vector<NodeHand>& hands) {
   std::map<std::string, std::string> names;
   for (const NodeHand& hand : hands) {

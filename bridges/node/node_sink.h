@@ -1,6 +1,6 @@
 /// \file
-/// What a node shows of a live system and may be asked for, without the headers of ROS, and without
-/// Palpate's: ROS 1's do not compile as C++20, and Palpate's not as C++17.
+/// Topics and services of a node. Includes neither ROS nor Palpate headers: those of ROS 1 do not compile as
+/// C++20, and Palpate's do not compile as C++17.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct SinkPose {
   std::array<double, 4> orientation{1.0, 0.0, 0.0, 0.0};  ///< w, x, y, z
 };
 
-/// visualization_msgs/Marker in the world's frame.
+/// visualization_msgs/Marker in the world frame.
 struct SinkMarker {
   std::string ns;
   std::int32_t id = 0, type = 0, action = 0;
@@ -32,7 +32,7 @@ struct SinkMarker {
   std::vector<Vector3> points;
 };
 
-/// Pose of the frame `child` in the world's.
+/// Pose of the frame `child` in the world frame.
 struct SinkTransform {
   std::string child;
   SinkPose pose;
@@ -45,47 +45,48 @@ struct SinkStatus {
   std::vector<std::pair<std::string, std::string>> values;
 };
 
-/// What services do, each Pace on a thread of the sink's own. What they return is the answer's message; what
-/// they throw (std::exception) is why they refuse.
+/// Service callbacks. Each Pace has its own thread in the sink. The return value is the message of the
+/// response; the text of a thrown std::exception is the reason of a failure.
 struct NodeServices {
   /// \name Pace::kQuick
   /// @{
   std::function<void()> emergency_stop, resume;
   std::function<void(bool)> pause, clutch;
-  std::function<std::string()> get_parameters;  ///< the settings, and what is felt, as JSON
-  std::function<std::string()> config;          ///< a file for --config that starts a run as things are now
-  /// Of JSON, settings that are to be others; says what is wrong with it, and does not throw.
+  std::function<std::string()> get_parameters;  ///< settings and current scene as JSON
+  std::function<std::string()> config;          ///< a --config file with the current settings
+  /// Changes the settings given in JSON. Reports errors as notices; does not throw.
   std::function<void(const std::string& json)> set_parameters;
   /// @}
   /// \name Pace::kSlow
   /// @{
-  /// True: begins a recording, false: ends it. Tells its file, once that is there, or whole.
+  /// Starts (true) or ends (false) a recording. \returns its file, once created or complete.
   std::function<std::string(bool)> record;
-  /// \name Of the first hand alone
+  /// \name First hand only
   /// @{
-  std::function<std::string()> list_scenes;  ///< those that open_scene knows, as JSON
-  /// Another scene is to be felt; says what is wrong, and does not throw.
+  std::function<std::string()> list_scenes;  ///< the scenes that open_scene accepts, as JSON
+  /// Opens another scene. Reports errors as notices; does not throw.
   std::function<void(const std::string& which)> open_scene;
   /// @}
   /// @}
 };
 
-/// Whether a service may wait, for a disk, and others with it: never those that end the force.
+/// Whether a service may block, for example on a disk, and delay others of the same pace. Services that end
+/// the force are quick.
 enum class Pace { kQuick, kSlow };
 
-/// A hand as the network sees it.
+/// Topics and services of a hand.
 struct SinkHand {
-  std::string prefix;  ///< of its topics and services in the node's namespace: "palpate", "palpate/left"
+  std::string prefix;  ///< of topics and services, in the node's namespace: "palpate", "palpate/left"
   NodeServices services;
 };
 
-/// std_srvs/Trigger and SetBool answer this.
+/// Response of std_srvs/Trigger and SetBool.
 struct Answer {
   bool success = true;
   std::string message = {};
 };
 
-/// What `work` comes to.
+/// Runs `work` and converts its result or exception to a response.
 template <class Work>
 Answer answer_of(const Work& work) {
   try {
@@ -100,7 +101,7 @@ Answer answer_of(const Work& work) {
   }
 }
 
-/// `work`, as what answers a call of it.
+/// Wraps `work` in a function that returns the response.
 template <class Result>
 std::function<Answer()> answering(std::function<Result()> work) {
   return [work = std::move(work)] { return answer_of(work); };
@@ -110,7 +111,7 @@ std::function<Answer(bool)> answering(std::function<Result(bool)> work) {
   return [work = std::move(work)](bool data) { return answer_of([&] { return work(data); }); };
 }
 
-/// Makes the services of a hand that have this pace, with `trigger(name, std::function<Answer()>)` and
+/// Creates the services of a hand that have this pace, with `trigger(name, std::function<Answer()>)` and
 /// `set_bool(name, std::function<Answer(bool)>)`.
 template <class Trigger, class SetBool>
 void make_services(const SinkHand& hand, Pace pace, const Trigger& trigger, const SetBool& set_bool) {
@@ -128,8 +129,9 @@ void make_services(const SinkHand& hand, Pace pace, const Trigger& trigger, cons
   set_bool(prefix + "/clutch", answering(services.clutch));
 }
 
-/// Has what a hand is told at this pace heard, with `listen(name, std::function<void(const std::string&)>)`.
-/// These are topics, for std_srvs has no service that takes text.
+/// Creates the text subscriptions of a hand that have this pace, with
+/// `listen(name, std::function<void(const std::string&)>)`. They are topics because std_srvs has no service
+/// with a text argument.
 template <class Listen>
 void make_listeners(const SinkHand& hand, Pace pace, const Listen& listen) {
   const auto& [prefix, services] = hand;
@@ -137,10 +139,10 @@ void make_listeners(const SinkHand& hand, Pace pace, const Listen& listen) {
   if (pace == Pace::kSlow && services.open_scene) listen(prefix + "/open_scene", services.open_scene);
 }
 
-/// Publishes under the node's namespace contacts and tool (MarkerArray) of each hand, palpate/centers
-/// (PointCloud2, kept for who comes later), and /tf and /diagnostics; has each hand's NodeServices as
-/// services and topics. Everything is stamped when it is published, in the frame `world`. Hands are told by
-/// their number. One thread.
+/// Publishes in the node's namespace contacts and tool (MarkerArray) of each hand and palpate/centers
+/// (PointCloud2, latched), and publishes /tf and /diagnostics; provides each hand's NodeServices as services
+/// and topics. Messages are stamped with the time of publication, in the world frame. Hands are identified by
+/// their index. One thread.
 class NodeSink {
  public:
   NodeSink() = default;
@@ -148,13 +150,13 @@ class NodeSink {
   NodeSink(const NodeSink&) = delete;
   NodeSink& operator=(const NodeSink&) = delete;
 
-  /// Whether anybody gets publish_contacts().
+  /// Returns whether the contacts have subscribers.
   virtual bool wants_contacts(std::size_t hand) const = 0;
   virtual void publish_contacts(std::size_t hand, const std::vector<SinkMarker>& markers) = 0;
   virtual void publish_tool(std::size_t hand, const std::vector<SinkMarker>& markers) = 0;
   virtual void publish_transforms(const std::vector<SinkTransform>& transforms) = 0;
   virtual void publish_diagnostics(const std::vector<SinkStatus>& statuses) = 0;
-  /// \param points x, y, z each, in the world. Unit: [m].
+  /// \param points x, y, z of each centre, world frame. Unit: [m].
   virtual void publish_centers(const std::vector<float>& points) = 0;
 };
 

@@ -23,7 +23,7 @@
 namespace palpate::node {
 namespace {
 
-/// What there is of each hand besides the live system itself.
+/// Parts of a hand besides its live system.
 struct HandParts {
   const NodeHand& settings;
   NodeNotices& notices;
@@ -32,7 +32,7 @@ struct HandParts {
   std::unique_ptr<NodeRecording> recording = {};
 };
 
-/// What there is of the node besides its hands.
+/// Parts of the node that its services use.
 struct NodeParts {
   LiveHands& hands;
   NodeScenes& scenes;
@@ -44,7 +44,7 @@ struct NodeParts {
   }
 };
 
-/// Says in one line what `work` throws.
+/// Runs `work`; reports an exception as a one-line notice.
 void say_refusal(NodeNotices& notices, const char* what, const std::function<void()>& work) {
   try {
     work();
@@ -63,7 +63,7 @@ std::string parameters(const LiveSystem& system, const NodeRecording& recording)
   return encode_json(json);
 }
 
-/// The services that may wait: one after the other, on one thread.
+/// Adds the services that may block. They run one at a time, on one thread.
 void add_slow_services(NodeServices& services, const NodeParts& node, const HandParts& hand, bool first) {
   services.record = [&node, &recording = *hand.recording](bool on) {
     if (on && node.hands.is_opening_scene())
@@ -80,7 +80,7 @@ void add_slow_services(NodeServices& services, const NodeParts& node, const Hand
   };
 }
 
-/// \param of the first hand: its emergency stop is that of all
+/// Services of hand `of`. The emergency stop of the first hand stops all hands.
 NodeServices services_of(const NodeParts& node, const LiveHands::Hand& of, const HandParts& hand) {
   LiveSystem& system = *of.system;
   NodeServices services;
@@ -116,7 +116,7 @@ std::vector<SinkHand> sink_hands(const NodeParts& node) {
   return all;
 }
 
-/// Ends the loops before what looks on is gone, whatever happens.
+/// Ends the loops before their observers are destroyed, also when an exception is thrown.
 class LoopEnd {
  public:
   explicit LoopEnd(LiveHands& hands) : hands_(hands) {}
@@ -158,7 +158,7 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
     observers.push_back({parts[k].view.get(), devices[k], &parts[k].recording->observer()});
   }
   hands.start(observers);
-  const RunSignals signals(systems);  // which still let the force fall where it falls already
+  const RunSignals signals(systems);  // outlives `end`: a signal during the stop still ramps the force down
   const LoopEnd end(hands);
   for (const std::string& line : systems.front()->loop().refused()) notices.say("note: " + line);
   const auto sink = network.sink(settings, sink_hands(node));
@@ -175,7 +175,7 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
     publish(shows, scene.scene().get(), *sink, count % LiveShow::kDiagnosticsEvery == 0);
     clock.sleep_until(begin + 1.0 / LiveShow::kRate);
   }
-  for (LiveSystem* system : systems) system->begin_to_stop();  // while services end that wait for a disk
+  for (LiveSystem* system : systems) system->begin_to_stop();  // ramps the force down while slow services end
 }
 
 }  // namespace palpate::node

@@ -1,5 +1,5 @@
 /// \file
-/// A node: hands whose devices are drivers that speak CRTK, with what they feel as topics.
+/// Main function of a node: hands with CRTK devices, whose contacts and status are published as topics.
 #pragma once
 
 #include <functional>
@@ -15,16 +15,17 @@
 
 namespace palpate::node {
 
-/// What messages go over.
+/// Network of a node.
 struct NodeNetwork {
   std::function<std::unique_ptr<CrtkTransport>(const std::string& prefix, NodeNotices& notices)> transport;
   std::function<std::unique_ptr<NodeSink>(const NodeSettings& settings, std::vector<SinkHand> hands)> sink;
-  /// False once it has been ended from outside.
+  /// Returns false once the network has ended the node.
   std::function<bool()> is_up;
 };
 
-/// Runs until a signal, or the network, ends it; then the force has fallen and the device is closed. The main
-/// thread. \param notices of the first hand \throws Error for a scene, tool or device that cannot be had.
+/// Runs the node until a signal or the network ends it; on return the force is zero and the devices are
+/// closed. Main thread. \param notices of the first hand \throws Error if a scene, tool or device cannot be
+/// loaded.
 void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNotices& notices);
 
 }  // namespace palpate::node

@@ -1,5 +1,5 @@
 /// \file
-/// The scene that a node shows.
+/// Publication of the scene of a node.
 #pragma once
 
 #include <future>
@@ -15,7 +15,7 @@
 
 namespace palpate::node {
 
-/// What is felt, with its ellipsoids by their ids. Immutable.
+/// The current scene, with a lookup of its ellipsoids by id. Immutable.
 struct ShownScene {
   explicit ShownScene(std::shared_ptr<const SceneIndex> felt) : index(std::move(felt)), ellipsoids(*index) {}
 
@@ -23,22 +23,22 @@ struct ShownScene {
   EllipsoidLookup ellipsoids;
 };
 
-/// Follows the first hand from scene to scene: publishes the centres of what can be felt, in the world, and
-/// has the ellipsoids for those who show contacts. One thread; what takes long is done on another.
+/// Tracks the scene of the first hand: publishes the centres of its Gaussians in the world frame, and
+/// provides its ellipsoids for the display of contacts. One thread; long work runs on another.
 class SceneShow {
  public:
-  /// Publishes the first scene. All must outlive it. \param first has started \param decimation of the
-  /// centres, every how manieth is published
+  /// Publishes the initial scene. The references must outlive this. \param first a started system
+  /// \param decimation every n-th centre is published
   SceneShow(const LiveSystem& first, int decimation, NodeSink& sink, NodeNotices& notices);
 
-  /// Publishes another scene once it is felt and has been looked through; says which file it is.
+  /// Publishes a new scene once it is felt and its lookup is built; reports its name.
   void update();
-  /// The one that was published last.
+  /// The scene published last.
   const std::shared_ptr<const ShownScene>& scene() const { return scene_; }
 
  private:
   struct Made {
-    std::shared_ptr<const ShownScene> scene;  ///< null: there is not enough memory for it
+    std::shared_ptr<const ShownScene> scene;  ///< null if there is not enough memory
     std::vector<float> centers;
   };
   static Made make(const std::shared_ptr<const SceneIndex>& index, int decimation);
@@ -49,8 +49,8 @@ class SceneShow {
   NodeSink& sink_;
   NodeNotices& notices_;
   std::shared_ptr<const ShownScene> scene_;
-  std::shared_ptr<const SceneIndex> looked_at_;  ///< of what is made, or was made last
-  std::string name_;                             ///< of the scene that was felt then
+  std::shared_ptr<const SceneIndex> looked_at_;  ///< index of the scene in the making, or made last
+  std::string name_;                             ///< name of the scene published last
   std::future<Made> making_;
 };
 

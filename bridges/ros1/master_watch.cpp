@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook(200);
 
-/// Of the master's process; 0: there is none.
+/// Process id of the master; 0 if it cannot be reached.
 int master_pid() {
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
@@ -25,7 +25,7 @@ int master_pid() {
 }  // namespace
 
 void require_master_uri() {
-  // Nothing here sets variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
+  // No code here sets environment variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
   const char* uri = std::getenv("ROS_MASTER_URI");
   std::string host;
   std::uint32_t port = 0;

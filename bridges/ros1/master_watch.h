@@ -1,5 +1,5 @@
 /// \file
-/// Whether there is a ROS master, without ROS headers: these do not compile as C++20.
+/// Monitoring of the ROS master. Includes no ROS headers, which do not compile as C++20.
 #pragma once
 
 #include <atomic>
@@ -8,14 +8,15 @@
 
 namespace palpate::ros1 {
 
-/// \throws std::runtime_error if ROS_MASTER_URI does not name one; ROS itself would abort.
+/// \throws std::runtime_error if ROS_MASTER_URI is not a valid URI; ROS itself would abort.
 void require_master_uri();
 
-/// Asks the master now and then whether it is there, and whether it still is the same one.
+/// Polls the master: whether it can be reached, and whether it is still the same process.
 class MasterWatch {
  public:
-  /// Begins. Both are called by its own thread. \param lost once each time that it is gone \param found where
-  /// there is one again; true: another process, which knows nobody \pre ROS is initialised
+  /// Starts polling. The callbacks run on its own thread. \param lost called once each time the master is
+  /// lost \param found called when a master is reached again; `another` is true for a new process, which has
+  /// no registrations \pre ROS is initialised
   MasterWatch(std::function<void()> lost, std::function<void(bool another)> found);
   ~MasterWatch();
   MasterWatch(const MasterWatch&) = delete;

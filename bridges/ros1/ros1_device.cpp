@@ -1,4 +1,4 @@
-// The device plug-in of `palpate run --device ros1:/omni`: a driver that speaks CRTK on ROS 1.
+// Device plug-in of `palpate run --device ros1:/omni`: a device with a CRTK driver on ROS 1.
 #include <cstdio>
 
 #include <palpate/device/export_device.h>

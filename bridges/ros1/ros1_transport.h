@@ -1,5 +1,5 @@
 /// \file
-/// Carries the messages of a CrtkDevice over ROS 1.
+/// Transport of a CrtkDevice over ROS 1.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// \param prefix of the device's topics \param say CrtkTransport::say()
+/// \param prefix of the device's topics \param say implementation of CrtkTransport::say()
 std::unique_ptr<CrtkTransport> make_ros1_transport(std::string prefix,
                                                    std::function<void(const std::string&)> say);
 

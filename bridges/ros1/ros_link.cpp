@@ -24,12 +24,12 @@
 namespace palpate::ros1 {
 namespace {
 
-/// Between two looks at the master. Unit: [s].
+/// Polling interval of the master and of the end. Unit: [s].
 constexpr double kLook = 0.2;
-/// Of poses that wait: the newest counts.
+/// Queue length of subscriptions; only the newest pose counts.
 constexpr int kQueue = 8;
 
-/// That there is no master has been said. There is one a process, whatever the number of links.
+/// True once the loss of the master has been reported; one flag per process, shared by all links.
 std::atomic<bool> lost{false};
 
 std_msgs::MultiArrayDimension dimension(const char* label, std::size_t size, std::size_t stride) {
@@ -64,7 +64,7 @@ class Link::Implementation {
     if (!ros::isInitialized()) {
       require_master_uri();
       int argc = 0;
-      // No rosout: advertising it waits for a master.
+      // No rosout: advertising it blocks until there is a master.
       ros::init(argc, nullptr, "palpate",
                 ros::init_options::AnonymousName | ros::init_options::NoSigintHandler |
                     ros::init_options::NoRosout);
@@ -190,7 +190,7 @@ class Link::Implementation {
         });
   }
 
-  /// With a master that knows nobody, while connections between nodes stay.
+  /// Registers this link's subscriptions and all publications with a restarted master; connections persist.
   void register_anew() {
     for (const ros::Subscriber& subscriber : subscriptions_) {
       const std::string topic = subscriber.getTopic();
@@ -206,7 +206,7 @@ class Link::Implementation {
         register_as("registerPublisher", topic, publication->getDataType());
   }
 
-  /// \returns what the master answers: for a subscriber the publishers that it knows.
+  /// Registers one topic. \returns the master's answer: for a subscriber, the known publishers.
   static XmlRpc::XmlRpcValue register_as(const char* method, const std::string& topic,
                                          const std::string& type) {
     XmlRpc::XmlRpcValue request, response, payload;
@@ -218,7 +218,7 @@ class Link::Implementation {
     return payload;
   }
 
-  /// Publishers that have registered before this: as the master tells of those that come later.
+  /// Passes publishers that registered earlier to this node's own server, as the master does for later ones.
   static void update(const std::string& topic, const XmlRpc::XmlRpcValue& publishers) {
     if (publishers.getType() != XmlRpc::XmlRpcValue::TypeArray || publishers.size() == 0) return;
     std::string host;
@@ -246,8 +246,8 @@ class Link::Implementation {
   std::unique_ptr<ros::NodeHandle> node_;
   std::array<ros::Subscriber, 3> subscriptions_;  ///< poses, velocities, echoes
   ros::Publisher spatial_, body_, echo_, local_model_;
-  std::mutex mutex_;   ///< of what follows
-  std::string frame_;  ///< of the newest pose
+  std::mutex mutex_;   ///< guards `frame_`
+  std::string frame_;  ///< frame_id of the newest pose
   std::atomic<bool> ends_ = false, connected_ = false;
   std::unique_ptr<MasterWatch> watch_;
   std::thread thread_;

@@ -1,5 +1,5 @@
 /// \file
-/// Topics of a CRTK device on ROS 1, without ROS headers: these do not compile as C++20.
+/// Topics of a CRTK device on ROS 1. Includes no ROS headers, which do not compile as C++20.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace palpate::ros1 {
 
-/// Header of a message that came.
+/// Header of a received message.
 struct Header {
-  double stamp = 0.0;  ///< Unit: [s]. 0: none.
+  double stamp = 0.0;  ///< 0 if there is none. Unit: [s].
   std::string frame;   ///< frame_id
-  std::string source;  ///< name of the node that publishes
+  std::string source;  ///< name of the publishing node
 };
 
-/// Who gets what comes. Called by the link's thread, one message at a time.
+/// Receiver of messages. Called by the link's thread, one message at a time.
 class Listener {
  public:
   virtual ~Listener() = default;
@@ -27,9 +27,9 @@ class Listener {
   /// \param linear Unit: [m/s]. \param angular Unit: [rad/s].
   virtual void on_velocity(const Header& header, const std::array<double, 3>& linear,
                            const std::array<double, 3>& angular) = 0;
-  /// \param header with the stamp of the publisher's clock when it answered `number`
+  /// \param header stamped by the publisher's clock when it answered echo `number`
   virtual void on_echo(std::uint64_t number, const Header& header) = 0;
-  /// One line for a person. Any thread of the link.
+  /// Reports one line to the user. Any thread of the link.
   virtual void say(const std::string& line) = 0;
 };
 
@@ -41,25 +41,25 @@ struct StampedWrench {
 
 /// Subscribes PREFIX/measured_cp, measured_cv and palpate/echoed, publishes PREFIX/spatial/servo_cf,
 /// body/servo_cf, palpate/echo and palpate/local_model; all may be remapped. Connects as soon as there is a
-/// master, and registers anew where that has been started again; of several links in a process one tells it.
+/// master, and registers again after the master has restarted. Of several links in a process, one reports it.
 class Link {
  public:
-  /// Begins; does not wait for a master. `listener` must outlive it. \throws std::runtime_error if ROS cannot
-  /// be initialised.
+  /// Starts the link without waiting for a master. `listener` must outlive it. \throws std::runtime_error if
+  /// ROS cannot be initialised.
   Link(const std::string& prefix, Listener& listener);
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// \name One thread. Nothing is sent before there is a master
+  /// \name One thread. Nothing is sent until the link is connected
   /// @{
-  /// \param spatial in the frame of the newest pose \param body in the handle's
+  /// \param spatial in the frame of the newest pose \param body in the handle's frame
   void publish(const StampedWrench& spatial, const StampedWrench& body);
-  /// A std_msgs/Header: `seq` is to be answered, with the publisher's time as stamp.
+  /// Publishes `number` as `seq` of a std_msgs/Header; the peer answers with its own time as stamp.
   void publish_echo(std::uint64_t number);
-  /// \param numbers the first `head` of them, then rows of `row`
+  /// \param numbers `head` numbers, then rows of `row` numbers
   void publish_local_model(const std::vector<double>& numbers, std::size_t head, std::size_t row);
-  /// Whether anybody gets it.
+  /// Returns whether the local model has subscribers.
   bool wants_local_model() const;
   /// @}
 

@@ -69,7 +69,7 @@ std::vector<node::NodeParameter> private_parameters() {
 std::vector<node::NodeParameter> init_node(int& argc, char** argv) {
   require_master_uri();
   try {
-    // No rosout: advertising it waits for a master.
+    // No rosout: advertising it blocks until there is a master.
     ros::init(argc, argv, "palpate", ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
   } catch (const ros::Exception& error) {
     throw std::runtime_error(error.what());

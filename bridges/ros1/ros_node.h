@@ -1,5 +1,5 @@
 /// \file
-/// A node of ROS 1, without ROS headers: these do not compile as C++20.
+/// Initialisation of a ROS 1 node. Includes no ROS headers, which do not compile as C++20.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,12 @@
 namespace palpate::ros1 {
 
 /// Initialises ROS with remappings and private names (`_NAME:=VALUE`), waits for a master, and reads all
-/// private parameters. Signals stay as they are. \throws std::runtime_error for an argument that ROS does not
-/// know, no ROS_MASTER_URI, or a parameter that is neither a number, text, true or false nor an array of
+/// private parameters. Signal handlers are not changed. \throws std::runtime_error for an argument that ROS
+/// does not know, a missing ROS_MASTER_URI, or a parameter that is not a number, text, boolean or array of
 /// these.
 std::vector<node::NodeParameter> init_node(int& argc, char** argv);
 
-/// False once the node has been asked to end (`rosnode kill`, another of its name).
+/// Returns false once the node has been asked to end (`rosnode kill`, another node of the same name).
 bool is_up();
 
 }  // namespace palpate::ros1

@@ -125,7 +125,7 @@ class Ros1Sink final : public node::NodeSink {
  public:
   Ros1Sink(std::string world, std::vector<node::SinkHand> hands)
       : world_(std::move(world)), hands_(std::move(hands)) {
-    // Queues of its own: the link answers for that of the device.
+    // Separate queues: Link serves the queue of the device.
     node_.setCallbackQueue(&queue_);
     slow_node_.setCallbackQueue(&slow_queue_);
     for (const node::SinkHand& hand : hands_) {
@@ -216,7 +216,7 @@ class Ros1Sink final : public node::NodeSink {
   std::vector<ros::ServiceServer> servers_;
   std::vector<ros::Subscriber> listeners_;
   ros::AsyncSpinner spinner_{1, &queue_}, slow_spinner_{1, &slow_queue_};
-  /// Topics are the link's to register anew.
+  /// Advertises the services again after a restart of the master; Link does so for publications.
   MasterWatch watch_{[] {},
                      [this](bool another) {
                        if (another) serve();

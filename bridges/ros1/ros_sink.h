@@ -1,5 +1,5 @@
 /// \file
-/// What a node shows on ROS 1, without ROS headers: these do not compile as C++20.
+/// NodeSink for ROS 1. Includes no ROS headers, which do not compile as C++20.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace palpate::ros1 {
 
-/// Serves the services of `hands` anew where the master has been started again. \param world frame_id of what
-/// is in the world \pre init_node()
+/// Makes a sink that advertises the services of `hands` again after the master has restarted.
+/// \param world frame_id of data in the world frame \pre init_node()
 std::unique_ptr<node::NodeSink> make_sink(std::string world, std::vector<node::SinkHand> hands);
 
 }  // namespace palpate::ros1

@@ -15,13 +15,13 @@
 namespace palpate::ros2 {
 namespace {
 
-/// The largest for which DDS has ports.
+/// Largest domain id for which DDS has ports.
 constexpr std::uint32_t kMostDomain = 232;
-/// That a writer waits for a reader that does not keep up. Unit: [ns].
+/// Longest time that a writer blocks for a slow reader. Unit: [ns].
 constexpr dds_duration_t kBlocks = 0;
 
 std::uint32_t domain() {
-  // Nothing here sets variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
+  // No code here sets environment variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
   const char* text = std::getenv("ROS_DOMAIN_ID");
   if (text == nullptr || *text == '\0') return 0;
   const std::string_view all(text);
@@ -51,7 +51,7 @@ struct ListenerDeleter {
 };
 using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
-/// Of quality of service, by their numbers in DDS 1.4, 2.3.3.
+/// Name of a quality-of-service policy from its id (DDS 1.4, 2.3.3).
 std::string policy_name(std::uint32_t policy) {
   switch (policy) {
     case 2: return "durability";
@@ -73,7 +73,7 @@ std::string topic_of(dds_entity_t endpoint) {
 
 }  // namespace
 
-/// What has been said, for listeners.
+/// Messages already reported, for the DDS listeners.
 struct Participant::Told {
   Say say;
   std::mutex mutex;

@@ -29,11 +29,11 @@ constexpr std::array<SecurityFile, 6> kFiles{{
     {"dds.sec.access.permissions", "permissions.p7s"},
 }};
 
-/// What Cyclone DDS loads to do so.
+/// Security plug-in of Cyclone DDS.
 struct SecurityLibrary {
-  const char* kind;      ///< of its properties
+  const char* kind;      ///< part of its property names
   const char* library;   ///< without "lib" and ".so"
-  const char* function;  ///< behind "init_" and "finalize_"
+  const char* function;  ///< function names without "init_" and "finalize_"
 };
 constexpr std::array<SecurityLibrary, 3> kLibraries{{
     {"auth", "dds_security_auth", "authentication"},
@@ -42,12 +42,13 @@ constexpr std::array<SecurityLibrary, 3> kLibraries{{
 }};
 
 std::string variable(const char* name) {
-  // Nothing here sets variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
+  // No code here sets environment variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
   const char* text = std::getenv(name);
   return text == nullptr ? "" : text;
 }
 
-/// Debian has them in a folder of their own beside the library, where no loader looks.
+/// Path of a security plug-in: Debian has them in a subfolder beside the library, which the loader does not
+/// search.
 std::string path_of(const char* library) {
   Dl_info at{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_participant), &at) == 0) return library;
@@ -59,7 +60,7 @@ std::string path_of(const char* library) {
   return fs::exists(path, ignored) ? path.string() : library;
 }
 
-/// Why `folder` is no enclave; empty if it is.
+/// Reason why `folder` is not an enclave; empty if it is one.
 std::string missing_in(const fs::path& folder) {
   std::error_code ignored;
   for (const SecurityFile& file : kFiles)

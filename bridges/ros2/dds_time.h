@@ -1,5 +1,5 @@
 /// \file
-/// Stamps of messages.
+/// Message time stamps.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,12 @@
 
 namespace palpate::ros2 {
 
-/// The system's clock, as nodes have it that simulate no time. Unit: [s] since 1970.
+/// System time, which ROS nodes use unless time is simulated. Unit: [s] since 1970.
 inline double now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// \param seconds since 1970, to a quarter of a microsecond in a double
+/// \param seconds since 1970; a double resolves a quarter of a microsecond
 inline builtin_interfaces_msg_dds__Time_ time_of(double seconds) {
   const double whole = std::floor(seconds);
   const auto nanoseconds = static_cast<std::uint32_t>(std::lround((seconds - whole) * 1e9));

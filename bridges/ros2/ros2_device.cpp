@@ -1,4 +1,4 @@
-// The device plug-in of `palpate run --device ros2:/omni`: a driver that speaks CRTK on ROS 2.
+// Device plug-in of `palpate run --device ros2:/omni`: a device with a CRTK driver on ROS 2.
 #include <cstdio>
 
 #include <palpate/device/export_device.h>

@@ -14,9 +14,9 @@
 
 namespace palpate::ros2 {
 
-/// Has those of each hand's NodeServices that have one pace as services (std_srvs/Trigger, SetBool) and
-/// topics (std_msgs/String), as long as it lives, on a thread of its own. DDS knows no services, and
-/// implementations of ROS 2 differ in how they make them: this is how rmw_cyclonedds_cpp does.
+/// Provides the NodeServices of all hands that have one pace as services (std_srvs/Trigger, SetBool) and
+/// topics (std_msgs/String), on its own thread, during its lifetime. DDS itself has no services, and ROS 2
+/// implementations map them differently; this is the mapping of rmw_cyclonedds_cpp.
 class Services {
  public:
   /// \param participant must outlive it
@@ -28,8 +28,8 @@ class Services {
 
  private:
   struct Service {
-    dds_entity_t reader, writer;                 ///< no writer (0): nothing is answered
-    std::function<void(const Service&)> answer;  ///< all that has been asked
+    dds_entity_t reader, writer;                 ///< writer 0: a topic, without a response
+    std::function<void(const Service&)> answer;  ///< handles all pending requests
   };
 
   void trigger(const std::string& name, std::function<node::Answer()> work);
@@ -41,7 +41,7 @@ class Services {
   void run();
 
   Participant& participant_;
-  const Resolve& resolve_;  ///< while it is made
+  const Resolve& resolve_;  ///< valid during construction only
   std::vector<Service> all_;
   dds_entity_t set_ = 0, end_ = 0;
   std::thread thread_;

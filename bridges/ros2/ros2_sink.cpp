@@ -21,11 +21,11 @@ using KeyValue_ = diagnostic_msgs_msg_dds__KeyValue_;
 using Point_ = geometry_msgs_msg_dds__Point_;
 using Field_ = sensor_msgs_msg_dds__PointField_;
 
-constexpr Quality kTf{true, false, 100};  // as tf2_ros has it
+constexpr Quality kTf{true, false, 100};  // as in tf2_ros
 constexpr Quality kShown{true, false, 2};
 constexpr std::uint8_t kFloat32 = 7;  // sensor_msgs/PointField
 
-/// DDS only reads what is written, but wants it as if it were its own.
+/// DDS only reads messages to be written, but their fields are not const.
 char* text_of(const std::string& text) { return const_cast<char*>(text.c_str()); }
 char* empty_text() {
   static char nothing[] = "";
@@ -44,7 +44,7 @@ geometry_msgs_msg_dds__Quaternion_ quaternion_of(const std::array<double, 4>& q)
 geometry_msgs_msg_dds__Vector3_ vector_of(const node::Vector3& v) { return {v[0], v[1], v[2]}; }
 Point_ point_of(const node::Vector3& v) { return {v[0], v[1], v[2]}; }
 
-/// \param points room for those of the marker
+/// \param points storage of the marker's points
 Marker_ message_of(const SinkMarker& marker, const Header_& header, std::vector<Point_>& points) {
   for (const node::Vector3& point : marker.points) points.push_back(point_of(point));
   Marker_ out{};

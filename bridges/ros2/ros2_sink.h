@@ -1,5 +1,5 @@
 /// \file
-/// What a node shows over DDS, as ROS 2 does.
+/// NodeSink over DDS, compatible with ROS 2.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace palpate::ros2 {
 
-/// \param world frame_id of what is in the world \param participant must outlive it
+/// \param world frame_id of data in the world frame \param participant must outlive the sink
 std::unique_ptr<node::NodeSink> make_sink(Participant& participant, const Resolve& resolve, std::string world,
                                           const std::vector<node::SinkHand>& hands);
 

@@ -154,7 +154,8 @@ class Ros2Transport final : public CrtkTransport {
       device_->take_echo(number, header_of(echoes_, message, writer));
   }
 
-  /// A process is told from another by its participant, whose poses and velocities come from two writers.
+  /// Header with the source of the message, cached per reader. The source is the participant: poses and
+  /// velocities of one process come from different writers.
   CrtkHeader header_of(dds_entity_t reader, const Header_& header, dds_instance_handle_t writer) {
     Source& source = reader == poses_        ? pose_source_
                      : reader == velocities_ ? velocity_source_
@@ -175,10 +176,10 @@ class Ros2Transport final : public CrtkTransport {
   Participant* participant_;
   CrtkDevice* device_ = nullptr;
   dds_entity_t poses_ = 0, velocities_ = 0, echoes_ = 0, spatial_ = 0, body_ = 0, echo_ = 0, local_model_ = 0;
-  dds_entity_t set_ = 0, end_ = 0;                      ///< of what is waited for
-  Source pose_source_, velocity_source_, echo_source_;  ///< of the newest; the transport's thread
-  std::mutex mutex_;                                    ///< of what follows
-  std::string frame_;                                   ///< of the newest pose
+  dds_entity_t set_ = 0, end_ = 0;  ///< wait set, and the guard condition that ends the thread
+  Source pose_source_, velocity_source_, echo_source_;  ///< of the newest messages; transport's thread
+  std::mutex mutex_;                                    ///< guards `frame_`
+  std::string frame_;                                   ///< frame_id of the newest pose
   std::thread thread_;
 };
 

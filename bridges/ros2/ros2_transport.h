@@ -1,5 +1,5 @@
 /// \file
-/// Carries the messages of a CrtkDevice over DDS, as ROS 2 does.
+/// Transport of a CrtkDevice over DDS, compatible with ROS 2.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,13 @@
 
 namespace palpate::ros2 {
 
-/// The name that a topic really has; see Names.
+/// Returns the remapped name of a topic; see Names.
 using Resolve = std::function<std::string(const std::string& name)>;
 
 /// Subscribes PREFIX/measured_cp, measured_cv and palpate/echoed, publishes PREFIX/spatial/servo_cf,
 /// body/servo_cf, palpate/echo and palpate/local_model, from start() to stop(). A std_msgs/Header has no
-/// number in ROS 2: that of an echo is its frame_id. \param participant must outlive it; null: makes its own
+/// sequence number in ROS 2: the number of an echo is its frame_id. \param participant must outlive the
+/// transport; null: it creates its own
 std::unique_ptr<CrtkTransport> make_transport(std::string prefix, Say say, Resolve resolve,
                                               Participant* participant = nullptr);
 

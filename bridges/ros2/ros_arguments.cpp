@@ -22,7 +22,8 @@ std::string in_space(const std::string& space, const std::string& name) {
   return (space == "/" ? "" : space) + "/" + name;
 }
 
-/// Without quotes or brackets, as a setting is written: "[1.0, 2.0]" is "1.0,2.0", and '["left"]' is "left".
+/// Removes quotes and brackets, for the syntax of settings: "[1.0, 2.0]" becomes "1.0,2.0", '["left"]'
+/// becomes "left".
 std::string plain(std::string text) {
   const auto wrapped = [&](char first, char last) {
     return text.size() > 1 && text.front() == first && text.back() == last;
@@ -47,7 +48,7 @@ Rule split(std::string_view argument) {
   return {std::string(argument.substr(0, at)), std::string(argument.substr(at + 2))};
 }
 
-/// Remaps are of the namespace that the node ends up in, wherever that is given.
+/// Relative names of remappings are in the node's final namespace, wherever the arguments set it.
 Names names_of(const std::vector<Rule>& rules) {
   Names names;
   for (const auto& [from, to] : rules) {

@@ -1,5 +1,5 @@
 /// \file
-/// Arguments of a node, as ROS 2 has them.
+/// Command line of a ROS 2 node.
 #pragma once
 
 #include <map>
@@ -10,25 +10,25 @@
 
 namespace palpate::ros2 {
 
-/// Names as a node is started with them. Immutable.
+/// Node name, namespace and remappings. Immutable.
 struct Names {
   std::string node = "palpate";
-  std::string space = "/";                    ///< of the node; "/left"
-  std::map<std::string, std::string> remaps;  ///< from and to, both from their slash on
+  std::string space = "/";                    ///< namespace of the node, such as "/left"
+  std::map<std::string, std::string> remaps;  ///< absolute names: from, to
 
-  /// Of "/omni/measured_cp", or of "palpate/tool" in the node's namespace: from its slash on, remapped.
+  /// Absolute, remapped name of "/omni/measured_cp", or of "palpate/tool", which is in the node's namespace.
   std::string resolve(const std::string& name) const;
 };
 
 struct NodeArguments {
   Names names;
-  std::string enclave = "/";  ///< of DDS Security
+  std::string enclave = "/";  ///< see enclave_of_environment()
   std::vector<node::NodeParameter> parameters;
 };
 
-/// Reads `--ros-args`, then `-r FROM:=TO` (`__node:=NAME`, `__ns:=NAMESPACE`, too), `-p NAME:=VALUE` and
-/// `--enclave NAME`, up to `--`. An array's value is written
-/// `[1.0, 2.0]`. \throws Error for any other argument.
+/// Reads `-r FROM:=TO` (also `__node:=NAME` and `__ns:=NAMESPACE`), `-p NAME:=VALUE` and `--enclave NAME`
+/// between
+/// `--ros-args` and `--`. Arrays are written `[1.0, 2.0]`. \throws Error for any other argument.
 NodeArguments read_arguments(int argc, const char* const* argv);
 
 }  // namespace palpate::ros2

@@ -1,5 +1,5 @@
 /// \file
-/// What a reader has.
+/// Reading of all samples of a DDS reader.
 #pragma once
 
 #include <array>
@@ -9,7 +9,8 @@
 
 namespace palpate::ros2 {
 
-/// Calls `work(message, writer)` for each, in the order in which they came, in the memory of the reader.
+/// Calls `work(message, writer)` for each received message, in order of reception. The message is in memory
+/// loaned from the reader.
 template <class Message, class Work>
 void take_all(dds_entity_t reader, const Work& work) {
   constexpr std::size_t kMost = 8;

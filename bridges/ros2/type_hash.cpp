@@ -11,7 +11,7 @@ struct TypeHash {
   std::string_view type, hash;
 };
 
-/// REP 2016: SHA-256 of a type's description. tests/bridges/ros2/messages.mjs computes them anew.
+/// Type hashes of REP 2016: SHA-256 of a type's description. tests/bridges/ros2/messages.mjs recomputes them.
 constexpr std::array<TypeHash, 10> kHashes{{
     {"geometry_msgs::msg::dds_::PoseStamped_",
      "10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"},

@@ -1,6 +1,6 @@
 // Bundles src/ into one self-contained page: `node build.mjs OUTFILE`.
 //
-// The page keeps two placeholders, each exactly once, for `palpate report` to fill:
+// The page contains two placeholders, each exactly once, which `palpate report` fills:
 //   <!--PALPATE_TITLE-->     in <title>, replaced by escaped text
 //   <!--PALPATE_RUN_JSON-->  in <script type="application/json" id="run">, replaced by JSON in
 //                            which every '<' is written \u003c
@@ -18,14 +18,14 @@ const placeholders = ['<!--PALPATE_TITLE-->', '<!--PALPATE_RUN_JSON-->'];
 const escapeHtml = (text) =>
   text.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
 
-// The page may run its own script and style and load nothing: a browser then refuses whatever a
-// run file might smuggle in, besides the escaping.
+// The page may run its own script and style and load nothing: a second protection, besides the escaping, against
+// content injected by a run file.
 function contentPolicy(script, style) {
   const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
   return `default-src 'none'; script-src ${hash(script)}; style-src ${hash(style)}`;
 }
 
-// A function as replacement, because `$` has a meaning in replacement strings.
+// The replacement is a function, because `$` is special in replacement strings.
 function fill(page, slots) {
   return page.replace(/\{\{(\w+)\}\}/g, (whole, name) => {
     if (!(name in slots)) throw new Error(`template.html: unknown slot ${whole}`);

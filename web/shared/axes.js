@@ -1,10 +1,10 @@
-// The world's axes in a corner of the view, turning with the camera.
+// World axes in a corner of the view, which turn with the camera.
 
 import { Vector3 } from 'three';
 
 import { svg } from './dom.js';
 
-const labelAt = 8; // beyond the end of an axis. Unit: [px].
+const labelAt = 8; // distance of a label from the end of its axis. Unit: [px].
 const margin = 12; // around the ends, for the labels. Unit: [px].
 
 function createAxis(name, direction) {
@@ -13,7 +13,7 @@ function createAxis(name, direction) {
   return { line, label, node: svg('g', { class: `axis-${name}` }, line, label), direction: new Vector3(...direction) };
 }
 
-/// The drawing and a function that turns it to a camera. An axis is `reach` pixels long.
+/// Returns {node, turn(camera)}; `turn` draws the axes as the camera sees them. An axis is `reach` pixels long.
 export function createAxes(reach) {
   const axes = [createAxis('x', [1, 0, 0]), createAxis('y', [0, 1, 0]), createAxis('z', [0, 0, 1])];
   const half = reach + margin;

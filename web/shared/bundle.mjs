@@ -1,11 +1,11 @@
-// What the pages' build.mjs have in common.
+// Functions shared by the build.mjs of the pages.
 
 import { readFile, readdir } from 'node:fs/promises';
 import path from 'node:path';
 import { build } from 'esbuild';
 
-/// Bundles one script or style sheet of the folder `root`: {text, packages}, the latter being the folders of the
-/// packages that have a part in it.
+/// Bundles one script or style sheet of the folder `root`. Returns {text, packages}: `packages` are the folders of the
+/// npm packages that it includes.
 export async function bundle(root, entry) {
   const result = await build({
     absWorkingDir: root,
@@ -17,8 +17,8 @@ export async function bundle(root, entry) {
     format: 'iife',
     target: ['es2022'],
     charset: 'utf8',
-    legalComments: 'none', // the licences are printed in full: licenceTexts
-    logOverride: { 'empty-import-meta': 'silent' }, // Spark asks where it is only if it is a module
+    legalComments: 'none', // replaced by the full licences, see licenceTexts()
+    logOverride: { 'empty-import-meta': 'silent' }, // Spark uses import.meta only as a module
   });
   const packages = Object.keys(result.metafile.inputs)
     .map((file) => /^.*node_modules\/(?:@[^/]+\/)?[^/]+/.exec(file)?.[0])
@@ -35,13 +35,13 @@ async function licenceText(folder) {
   return `${name} ${version}\n\n${licence.trim()}`;
 }
 
-/// Name, version and licence of every package in `bundles`, as texts.
+/// Returns name, version and licence of every package in `bundles`, one text each.
 export function licenceTexts(bundles) {
   const folders = new Set(bundles.flatMap(({ packages }) => packages));
   return Promise.all([...folders].sort().map(licenceText));
 }
 
-/// The only argument of the command line, which `name` says in the usage.
+/// Returns the only command-line argument, called `name` in the usage message; exits without one.
 export function onlyArgument(name) {
   if (process.argv.length === 3) return process.argv[2];
   console.error(`usage: node build.mjs ${name}`);

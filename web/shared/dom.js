@@ -1,4 +1,4 @@
-// Small helpers for building a page. Text from outside goes through textContent only.
+// Helpers to build a page. External text is set through textContent only.
 
 const svgNamespace = 'http://www.w3.org/2000/svg';
 

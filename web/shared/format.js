@@ -1,4 +1,4 @@
-// Numbers as text. A true minus sign keeps signed columns readable.
+// Formatting of numbers. A true minus sign keeps signed columns readable.
 
 const grouped = new Intl.NumberFormat('en-US', { maximumFractionDigits: 9 });
 
@@ -10,7 +10,7 @@ export function formatCount(value) {
   return isNumber(value) ? withMinus(grouped.format(value)) : missing;
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is not above `value`, which is positive.
+/// Largest of 1, 2, 5 times a power of ten that is at most `value`, which is positive.
 export function niceFloor(value) {
   const decade = 10 ** Math.floor(Math.log10(value));
   const step = [5, 2, 1].find((m) => m * decade <= value * (1 + 1e-9)) ?? 1;

@@ -1,6 +1,6 @@
-// The colours of the page, which are custom properties of its style sheet.
+// Colours of the page: custom properties of its style sheet.
 
-/// The value of a custom property, such as '--ink', in the theme that is on.
+/// Value of a custom property, such as '--ink', in the current theme.
 export function themeValue(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
@@ -10,7 +10,7 @@ export function followTheme(redraw) {
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
 }
 
-/// Gives materials below `root` the colour that their `userData.color` names, in the theme that is on.
+/// Sets the materials below `root` to the colour named by their `userData.color`, in the current theme.
 export function applyTheme(root) {
   root.traverse(({ material }) => {
     if (material?.userData.color) material.color.set(themeValue(material.userData.color));

@@ -1,7 +1,7 @@
 // Bundles src/ into the files of the viewer page: `node build.mjs FOLDER`.
 //
-// FOLDER gets exactly index.html, viewer.js, viewer.css, icon.svg and licences.txt. The page loads nothing else
-// but what the gateway serves, so that it works without a network and under a strict Content-Security-Policy.
+// FOLDER receives index.html, viewer.js, viewer.css, icon.svg and licences.txt. The page loads nothing that the gateway
+// does not serve, so that it works without a network and under a strict Content-Security-Policy.
 
 import { copyFile, mkdir, writeFile } from 'node:fs/promises';
 import path from 'node:path';

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxColumns = 1000;                    // a hostile header must not cost quadratic time
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // as spreadsheets write it
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // written by spreadsheets
 constexpr std::uint64_t kMaxBytes = std::uint64_t{4} << 30;
 
 std::string_view trimmed(std::string_view text) {
@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// Calls visit(cell, it is the last one) for every comma-separated cell of `line`.
+/// Calls visit(cell, is_last) for every comma-separated cell of `line`.
 template <typename Visit>
 void for_each_cell(std::string_view line, Visit&& visit) {
   for (;;) {
@@ -46,7 +46,7 @@ void read_names(CsvHeader& header, std::string_view line) {
   });
 }
 
-/// True if more characters could make it a number, or one of `words`.
+/// Returns true if `cell` may be the start of a number or of one of `words`.
 bool may_become_one(std::string_view cell, std::span<const std::string_view> words) {
   return cell.find_first_not_of("0123456789+-.eE") == std::string_view::npos ||
          std::any_of(words.begin(), words.end(), [&](auto word) { return word.starts_with(cell); });
@@ -110,7 +110,8 @@ std::optional<std::span<const double>> CsvReader::next() {
   return row_;
 }
 
-/// False if the cell is the cut end of the file. \param last of its line
+/// Appends the value of a cell to row_. \returns false if the cell is the truncated end of the file. \param
+/// last cell of its line
 bool CsvReader::read_cell(std::string_view cell, bool last) {
   const std::size_t width = header_.columns.size();
   if (row_.size() == width) throw Error("{}: {}: more than {} values", header_.source, where(), width);

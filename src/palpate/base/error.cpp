@@ -18,13 +18,13 @@ std::size_t printable_bytes(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xc0) != 0x80) return 0;
   }
-  if (first == 0xc2 && byte(1) < 0xa0) return 0;   // the C1 controls
+  if (first == 0xc2 && byte(1) < 0xa0) return 0;   // C1 controls
   if (first == 0xe0 && byte(1) < 0xa0) return 0;   // overlong
   if (first == 0xed && byte(1) >= 0xa0) return 0;  // surrogates
   if (first == 0xf0 && byte(1) < 0x90) return 0;   // overlong
   if (first == 0xf4 && byte(1) >= 0x90) return 0;  // beyond Unicode
   if (first == 0xe2 && byte(1) == 0x80 && byte(2) >= 0xa8 && byte(2) <= 0xae)
-    return 0;  // new lines, turns of direction
+    return 0;  // line separators, bidirectional controls
   return length;
 }
 
@@ -50,7 +50,7 @@ std::string message_line(std::string_view text) {
   constexpr std::size_t kTail = 120;  // what to do
   std::string line = printable(text);
   if (line.size() > kHead + kTail) {
-    // Not inside a UTF-8 sequence: printable() again turns what is left of one into '?'.
+    // A cut inside a UTF-8 sequence is repaired by printable(), which turns the remaining bytes into '?'.
     line = printable(line.substr(0, kHead)) + " ... " + printable(line.substr(line.size() - kTail));
   }
   return line;

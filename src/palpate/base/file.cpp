@@ -18,7 +18,7 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxName = 255;  // bytes of a file name
 constexpr mode_t kMode = 0666;         // less the user's umask, as any program's output
 
-/// What a person can do about a failed system call.
+/// Advice to the user for a failed system call.
 std::string_view advice(int error_number) {
   switch (error_number) {
     case ENOENT: return "; check the path";
@@ -39,7 +39,7 @@ int retry_open(const char* path, int flags, mode_t mode = 0) {
   return descriptor;
 }
 
-/// `path` with symbolic links followed, also one that points to nothing yet.
+/// Returns `path` with symbolic links resolved, including a link whose target does not exist.
 std::string resolve_links(const std::string& path) {
   namespace fs = std::filesystem;
   constexpr int kMaxLinks = 40;  // as many as Linux follows
@@ -51,8 +51,8 @@ std::string resolve_links(const std::string& path) {
   return resolved.string();
 }
 
-/// Fills `out` from byte `offset` on. \returns the bytes read: fewer at the end of the file, and where errno
-/// says why; it is 0 otherwise.
+/// Fills `out` from byte `offset`. \returns the number of bytes read: fewer at the end of the file or on an
+/// error. Sets errno, to 0 if there was no error.
 std::size_t read_at(int descriptor, std::uint64_t offset, std::span<char> out) {
   std::size_t done = 0;
   errno = 0;
@@ -76,7 +76,7 @@ void throw_file_error(const std::string& path, std::string_view action, int erro
 }
 
 InputFile::InputFile(const std::string& path) : path_(path) {
-  // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
+  // O_NONBLOCK: opening a FIFO that has no writer must not block.
   descriptor_ = retry_open(path.c_str(), O_RDONLY | O_NONBLOCK);
   if (descriptor_ < 0) throw_file_error(path, "open", errno);
   struct stat status {};
@@ -208,7 +208,7 @@ void OutputFile::commit(Sync sync) {
 
 namespace {
 
-/// The folder that `path` is in, links to it resolved.
+/// Folder of the file `path`, with links to the file resolved.
 std::string folder_of(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(resolve_links(path)).parent_path();
   return folder.empty() ? "." : folder.string();

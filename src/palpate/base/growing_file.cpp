@@ -39,7 +39,7 @@ void GrowingFile::append(std::string_view lines) {
     if (n <= 0) {
       const int error_number = n < 0 ? errno : EIO;
       size_ += lines.substr(0, done).rfind('\n') + 1;  // npos + 1 is 0
-      // Where this fails too, the file ends with a cut line, which readers leave out.
+      // If this fails too, the file ends with a truncated line, which readers drop.
       [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(size_));
       throw_file_error(path_, "write", error_number);
     }

@@ -17,7 +17,7 @@ MappedFile::MappedFile(const std::string& path, FileMemory memory) : path_(path)
     bytes_ = copy_.emplace(path).bytes();
     return;
   }
-  // O_NONBLOCK: opening a FIFO that nobody writes must not hang.
+  // O_NONBLOCK: opening a FIFO that has no writer must not block.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) throw Error("{}: cannot open: {}", path, error_text(errno));
   struct stat status {};

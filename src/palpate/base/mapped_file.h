@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Where the bytes of a mapped file reside.
+/// Storage of the bytes of a mapped file.
 enum class FileMemory {
   /// Shared with every process that maps the file: pages are read on first access, and the system can reclaim
   /// their memory. The file must not be truncated or written to meanwhile: accessing a page that is gone

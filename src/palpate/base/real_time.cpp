@@ -15,8 +15,8 @@ namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-/// Of threads once memory is locked, stacks and all: the usual 8 MiB would be 24 MiB a hand that nobody uses.
-/// Unit: [byte].
+/// Stack size of threads started after memory is locked, stacks included: the default of 8 MiB would lock 24
+/// MiB per hand, unused. Unit: [byte].
 constexpr std::size_t kLockedStack = std::size_t{2} << 20;
 
 void limit_stacks() {
@@ -31,7 +31,7 @@ void limit_stacks() {
 std::optional<std::string> lock_memory() {
   limit_stacks();
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
-  // An index larger than the memory: what has been touched stays, at least.
+  // An index larger than the memory: pages are then locked once they are touched.
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return std::nullopt;
   return fmt::format(
       "memory is not locked ({}): a tick may wait for a page; raise 'ulimit -l', or give CAP_IPC_LOCK",

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
 
-/// Closes what it has.
+/// File descriptor that is closed on destruction.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -54,7 +54,8 @@ std::string path_of(const Descriptor& descriptor) {
   return fmt::format("/proc/{}/fd/{}", ::getpid(), descriptor.get());
 }
 
-/// Where the memory of that file is to be found: another place for whatever else the file becomes.
+/// Path of the link to the memory of `file`. It contains inode, size and timestamps, so that a changed file
+/// has another link.
 std::string link_of(const struct stat& file) {
   // Nothing here sets variables. NOLINTNEXTLINE(concurrency-mt-unsafe)
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
@@ -72,8 +73,8 @@ bool is_sealed(const Descriptor& memory) {
   return seals >= 0 && (seals & kSeals) == kSeals;
 }
 
-/// A link outlives a process that is killed, and its number may be another's then, with other memory. An
-/// index says in its last page what it is of.
+/// Returns true if the last 4 KiB of two files are equal. A link outlives a killed process, whose number may
+/// then belong to another process with other memory. The last page of an index identifies its source.
 bool end_alike(const Descriptor& a, const Descriptor& b, off_t size) {
   std::array<char, 4096> of_a, of_b;
   const off_t at = std::max<off_t>(0, size - static_cast<off_t>(of_a.size()));
@@ -82,7 +83,7 @@ bool end_alike(const Descriptor& a, const Descriptor& b, off_t size) {
          std::equal(of_a.begin(), of_a.begin() + length, of_b.begin());
 }
 
-/// The memory behind `link`, if it can be trusted to be that of `file` and to stay that.
+/// Opens the memory behind `link`, provided that it is verifiably an immutable copy of `file`.
 Descriptor find(const std::string& link, const Descriptor& file, const struct stat& of_file) {
   Descriptor found = open_to_read(link);
   struct stat status {};
@@ -92,7 +93,7 @@ Descriptor find(const std::string& link, const Descriptor& file, const struct st
   return is_it ? std::move(found) : Descriptor(-1);
 }
 
-/// Copies the file into memory and seals that. \throws Error
+/// Copies the file into sealed memory. \throws Error
 Descriptor make(const std::string& path) {
   const InputFile file(path);
   const Descriptor memory(::memfd_create("palpate", MFD_CLOEXEC | MFD_ALLOW_SEALING));
@@ -109,14 +110,14 @@ Descriptor make(const std::string& path) {
     }
     at += size;
   }
-  // Mapped through a descriptor that cannot write: the kernel maps sealed memory no other way.
+  // Sealed before it is reopened read-only: the kernel maps sealed memory through such a descriptor only.
   if (::fcntl(memory.get(), F_ADD_SEALS, kSeals | F_SEAL_SEAL) != 0)
     throw_file_error(path, "be taken into memory", errno);
   return open_to_read(path_of(memory));
 }
 
-/// So that of many that begin at once one copies, and the others wait for it; but not for ever for one that
-/// stands still.
+/// Locks a file, so that of several processes that start at once one copies it and the others wait. Gives up
+/// after kPatience, in case that process hangs.
 void lock(const Descriptor& file) {
   constexpr double kPatience = 30.0, kLook = 5e-3;  // s
   const double until = monotonic_now() + kPatience;
@@ -124,7 +125,7 @@ void lock(const Descriptor& file) {
     sleep_until(monotonic_now() + kLook);
 }
 
-/// \returns whether it could be.
+/// Creates `link` to `memory`. \returns false on failure.
 bool show(const Descriptor& memory, const std::string& link) {
   const std::string made = fmt::format("{}.{}", link, ::getpid());
   if (::symlink(path_of(memory).c_str(), made.c_str()) != 0) return false;
@@ -142,7 +143,7 @@ SharedCopy::SharedCopy(const std::string& path) {
   if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode))
     throw Error("{}: is not a regular file", path);
   if (status.st_size == 0) throw Error("{}: is empty", path);
-  lock(file);  // until `file` is closed
+  lock(file);  // held until `file` is closed
   const std::string link = link_of(status);
   Descriptor found = find(link, file, status);
   const bool is_new = !found;

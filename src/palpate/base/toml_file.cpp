@@ -12,15 +12,15 @@
 namespace palpate {
 namespace {
 
-/// The parser and its tables descend once a level, without a limit of their own for keys: deeper than any
-/// sensible file would end the stack.
+/// Largest nesting depth. The parser and its tables recurse once per level, without a limit of their own for
+/// keys: a deeper file could overflow the stack.
 constexpr std::size_t kMaxNesting = 100;
 
 const void* handle(const toml::node& node) { return &node; }
 const toml::node& node_of(const void* handle) { return *static_cast<const toml::node*>(handle); }
 
 std::size_t line_of(const toml::node& node) {
-  return std::max<std::size_t>(1, node.source().begin.line);  // that of an empty file has none
+  return std::max<std::size_t>(1, node.source().begin.line);  // an empty file has no line
 }
 
 toml::table parse(const std::string& path, std::string_view text) {
@@ -33,7 +33,7 @@ toml::table parse(const std::string& path, std::string_view text) {
   }
 }
 
-/// What a number must be, in messages.
+/// Describes the required number in messages.
 std::string number_in(double low, double high) {
   constexpr double kAny = std::numeric_limits<double>::max();
   if (low == -kAny && high == kAny) return "a finite number";

@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-/// Bytes of the string that `text` begins with, quotes included: 0 without one, all of `text` if it has no
-/// end.
+/// Length of the string at the start of `text`, quotes included: 0 if there is none, all of `text` if it is
+/// not terminated.
 std::size_t string_bytes(std::string_view text) {
   const char quote = text.front();
   if (quote != '"' && quote != '\'') return 0;
@@ -17,18 +17,18 @@ std::size_t string_bytes(std::string_view text) {
   while (end < text.size() && !text.substr(end).starts_with(mark))
     end += quote == '"' && text[end] == '\\' ? 2 : 1;
   end = std::min(end + mark.size(), text.size());
-  // A string in three quotes may end in some of its own.
+  // A triple-quoted string may end with quotes of its own, before the closing ones.
   while (mark == three && end < text.size() && text[end] == quote) ++end;
   return end;
 }
 
-/// Bytes that say nothing about nesting at the start of `text`: a string or a comment.
+/// Length of the string or comment at the start of `text`, which does not affect nesting; 0 if there is none.
 std::size_t opaque_bytes(std::string_view text) {
   if (text.front() == '#') return std::min(text.find('\n'), text.size());
   return string_bytes(text);
 }
 
-/// The depth of the place up to which a text was fed to it.
+/// Nesting depth at the end of the text fed so far.
 class Nesting {
  public:
   std::size_t depth() const { return depth_; }
@@ -67,8 +67,8 @@ class Nesting {
   }
 
   std::size_t depth_ = 0;
-  std::size_t dots_ = 0;                  ///< of the key where it is, or of the number
-  std::vector<std::size_t> dots_around_;  ///< of the keys of the brackets that are open
+  std::size_t dots_ = 0;                  ///< in the current key, or number
+  std::vector<std::size_t> dots_around_;  ///< dots_ around each open bracket
 };
 
 }  // namespace

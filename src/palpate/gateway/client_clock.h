@@ -41,7 +41,7 @@ class ClientClock {
     double round_trip = std::numeric_limits<double>::infinity();  ///< infinite until answered
   };
 
-  std::array<Echo, kKept> echoes_;  ///< by number
+  std::array<Echo, kKept> echoes_;  ///< indexed by number modulo kKept
   std::uint64_t count_ = 0;
   Echo best_;
 };

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// From just touching, K_min = 0, to 1: dark to bright at a lightness that grows evenly.
+/// Colour of a contact by K_min, from 0 (first touch) to 1: dark to bright, with evenly increasing lightness.
 Color color_of(double k_min) {
   constexpr std::array<std::array<double, 3>, 5> kSteps{
       {{0.35, 0.07, 0.43}, {0.63, 0.15, 0.42}, {0.87, 0.29, 0.29}, {0.97, 0.54, 0.14}, {0.96, 0.87, 0.40}}};
@@ -18,7 +18,7 @@ Color color_of(double k_min) {
   return {mix(0), mix(1), mix(2), 0.9};
 }
 
-/// Of hands, muted; of more of them again from the first.
+/// Muted colours of the hands, repeated for further hands.
 constexpr std::array<Color, 6> kHandColors{{{0.40, 0.52, 0.70, 0.35},
                                             {0.45, 0.62, 0.48, 0.35},
                                             {0.70, 0.55, 0.40, 0.35},
@@ -27,7 +27,7 @@ constexpr std::array<Color, 6> kHandColors{{{0.40, 0.52, 0.70, 0.35},
                                             {0.45, 0.60, 0.62, 0.35}}};
 constexpr Color kToolColor{0.04, 0.34, 0.77, 0.35};
 constexpr Color kNormalColor{0.1, 0.14, 0.19, 0.9};
-/// Of an arrow's shaft. Unit: [m].
+/// Shaft diameter of an arrow. Unit: [m].
 constexpr double kThickness = 5e-4;
 
 std::vector<Marker> part_markers(const std::string& ns, const Color& color, const Tool& tool,
@@ -38,7 +38,8 @@ std::vector<Marker> part_markers(const std::string& ns, const Color& color, cons
   return markers;
 }
 
-/// One of each id: the deepest of what several parts of the tool touch; at most `most`, the deepest.
+/// Keeps one contact per id, the deepest if several parts of the tool touch it; of these at most `most`, the
+/// deepest.
 void choose(std::vector<Contact>& contacts, std::size_t most) {
   std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
     return a.id != b.id ? a.id < b.id : a.depth > b.depth;

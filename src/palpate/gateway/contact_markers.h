@@ -41,7 +41,7 @@ std::vector<Marker> tool_markers(const Tool& tool, const Pose& pose);
 /// selects its colour
 std::vector<Marker> hand_markers(const std::string& name, std::size_t number, const Tool& tool,
                                  const TickRecord& tick);
-/// Unit: [m/N].
+/// Length of a force arrow per newton. Unit: [m/N].
 inline constexpr double kForceArrow = 0.02;
 
 }  // namespace palpate

@@ -13,15 +13,15 @@
 namespace palpate {
 namespace {
 
-/// Of a quaternion that a driver has rounded to single precision, and more.
+/// Largest deviation of a quaternion's norm from 1: more than drivers in single precision leave.
 constexpr double kNotUnit = 1e-2;
-/// What is farther is a mistake. Unit: [m].
+/// Largest distance of a pose from the origin; beyond it is an error. Unit: [m].
 constexpr double kFarthest = 1e6;
-/// Of echoes. Unit: [s].
+/// Interval of echo requests. Unit: [s].
 constexpr double kEchoPeriod = 0.1;
-/// In which velocities that come are used in place of those of poses. Unit: [s].
+/// Age up to which a received velocity is used instead of differences of poses. Unit: [s].
 constexpr double kVelocityAge = 0.02;
-/// Within which a stale pose's force has fallen (FaultTraits::fall_time). Unit: [s].
+/// Time within which the force ramps to zero after a stale pose (FaultTraits::fall_time). Unit: [s].
 constexpr double kFall = 0.03;
 
 bool is_finite(const Pose& pose) {
@@ -44,7 +44,7 @@ CrtkDevice::CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> trans
     throw Error("device '{}': extrapolation must be 0 to {} s", name, CrtkOptions::kMostExtrapolation);
   if (!(options_.one_way >= 0.0 && options_.one_way < age_limit_))
     throw Error("device '{}': the one-way delay must be 0 to {} s", name, age_limit_);
-  // What is carried on looks as new as it is carried.
+  // An extrapolated pose looks newer than its measurement by up to that time.
   options_.capabilities.delay += options_.extrapolation;
   if (!options_.frame.empty()) frame_ = options_.frame;
   said_at_.fill(-2.0 * kSilence);
@@ -83,10 +83,10 @@ void CrtkDevice::stop() noexcept {
   written_.set();
 }
 
-/// Every wrench that is written, or the newest where the transport is slower; none once it is stopped.
+/// Sends every written wrench, or only the newest if the transport is slower; once stopped, a zero wrench.
 void CrtkDevice::send_until_closed() {
   double echoed = 0.0;
-  bool off = true;  // that was sent
+  bool off = true;  // the stop was sent
   while (!ends_.load(std::memory_order_relaxed)) {
     written_.wait(kEchoPeriod);
     if (const double now = monotonic_now(); now - echoed >= kEchoPeriod) {
@@ -123,10 +123,10 @@ bool CrtkDevice::is_other_source(std::string_view source, double now) {
   return taken_ > 0 && source != source_ && now - heard_ < kSilence;
 }
 
-/// \param anew by another publisher than before, whose clock is another, too
+/// \param anew from another publisher than the last pose, and so on another clock
 CrtkDevice::Problem CrtkDevice::check_stamp(double stamp, bool anew, double now) {
   age_ = 0.0;
-  if (stamp == 0.0) return Problem::kNone;  // nothing is known but that it has come
+  if (stamp == 0.0) return Problem::kNone;  // without a stamp, the pose counts as new
   const std::scoped_lock lock(mutex_);
   if (anew || now - refused_since_ > kSilence) stamps_.reset();
   const std::optional<double> age = stamps_.age(stamp, now);
@@ -214,7 +214,8 @@ void CrtkDevice::take_echo(std::uint64_t number, const CrtkHeader& header) {
   stamps_.echoes().answer(number, header.stamp, monotonic_now());
 }
 
-/// Ticks begin a little before they are seen here: the least is the best.
+/// Returns monotonic_now() at the loop's time 0. A tick begins slightly before this call, so that the least
+/// difference is the best estimate.
 double CrtkDevice::loop_begin(double t) {
   begin_ = std::min(begin_, monotonic_now() - t);
   return begin_;
@@ -235,7 +236,7 @@ bool CrtkDevice::extrapolate(double t, DeviceReading& reading) {
 }
 
 bool CrtkDevice::read(double t, DeviceReading& reading) {
-  constexpr double kAfter = 1e-6;  // what was carried on past this one
+  constexpr double kAfter = 1e-6;  // s, step past an extrapolated reading that is later than this one
   const double begin = loop_begin(t);
   velocity_.update();
   if (reader_.read(t, last_)) {

@@ -70,7 +70,7 @@ struct CrtkOptions {
   /// The rate is the minimum rate of poses: the age limit is three periods, at least 20 ms. Without a pose
   /// for that long there is no force, and a pose that is older on arrival is dropped.
   DeviceCapabilities capabilities;
-  std::string frame;      ///< expected frame_id of poses; empty: that of the first pose
+  std::string frame;      ///< expected frame_id of poses; empty: that of the first accepted pose
   double one_way = 5e-4;  ///< as for StampClock, if echoes are not answered. Unit: [s].
   /// Maximum extrapolation of a pose by its velocity when the next is late; 0: none. Counted as delay. Unit:
   /// [s], at most kMostExtrapolation.
@@ -161,12 +161,12 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
       std::numeric_limits<double>::infinity();  ///< start of the period without valid poses. Unit: [s].
   std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< last occurrence of each
   std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
-  std::array<std::atomic<double>, 256> stamp_of_{};  ///< by number of the pose
+  std::array<std::atomic<double>, 256> stamp_of_{};  ///< indexed by the number of the pose, modulo 256
   TripleBuffer<Twist> velocity_;
   std::atomic<double> velocity_at_ = -kSilence;
   /// @}
 
-  std::mutex mutex_;  ///< of ClientClock: sender and transport
+  std::mutex mutex_;  ///< guards stamps_, shared by the sender and the transport
   /// \name The loop's thread
   /// @{
   ClientDevice reader_;

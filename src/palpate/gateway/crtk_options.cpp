@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kWeakest = 3.3;  // N, of a Touch
+constexpr double kWeakest = 3.3;  // N, of a Touch, the weakest commercial device
 
 struct NumberOption {
   std::string_view name;

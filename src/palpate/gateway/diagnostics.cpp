@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMilli = 1e3, kMicro = 1e6;
 
-/// diagnostic_msgs/DiagnosticStatus: what passes by itself is a warning.
+/// Level of diagnostic_msgs/DiagnosticStatus: a fault that clears by itself is a warning.
 int level_of(const TickRecord& tick) {
   if (tick.fault == Fault::kNone) return 0;
   return traits(tick.fault).latched ? 2 : 1;

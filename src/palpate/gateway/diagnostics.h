@@ -43,7 +43,7 @@ class RateWatch {
 
 /// State of the gateway's clients.
 struct DiagnosticContext {
-  bool held = false;  ///< by a client
+  bool held = false;  ///< a client holds the hand
   std::size_t clients = 0;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "FeltGaussian is sent as it is in memory");
 
-/// True if the two share their memory. Both must be alive: an address alone may be another's later.
+/// Returns whether both share their memory. Both must be alive: the address of a freed index may be reused.
 bool same_gaussians(const std::shared_ptr<const SceneIndex>& a, const std::shared_ptr<const SceneIndex>& b) {
   return a && b && a->view().nodes.data() == b->view().nodes.data();
 }
@@ -33,7 +33,7 @@ std::string felt_list(const SceneIndex& index) {
 
 void FeltListMaker::follow(const std::shared_ptr<const SceneIndex>& index) {
   if (same_gaussians(index, index_)) return;
-  // The last to hold an index gives its memory back, which may be gigabytes: that is slow work.
+  // Releasing the last reference to an index frees its memory, perhaps gigabytes, which is slow.
   elsewhere_([old = std::exchange(index_, index)] {}, [] {});
   if (!making_) make();
 }
@@ -45,7 +45,7 @@ void FeltListMaker::make() {
     try {
       list = std::make_shared<List>(List{felt_list(*index), number});
     } catch (const std::bad_alloc&) {
-      // an old list would be of another scene
+      // published as null: an old list would be of another scene
     }
     publish(std::move(list));
   };
@@ -56,7 +56,7 @@ void FeltListMaker::make() {
              });
 }
 
-/// Elsewhere: what was there before may be much to give back.
+/// Called on the Elsewhere thread: freeing the previous list may be slow.
 void FeltListMaker::publish(std::shared_ptr<const List> list) {
   const std::scoped_lock lock(mutex_);
   newest_.swap(list);

@@ -47,8 +47,8 @@ class FeltListMaker {
   Elsewhere elsewhere_;
   std::shared_ptr<const SceneIndex> index_, made_of_;
   bool making_ = false;
-  std::uint64_t count_ = 0;   ///< of lists
-  mutable std::mutex mutex_;  ///< of what follows
+  std::uint64_t count_ = 0;   ///< number of lists so far
+  mutable std::mutex mutex_;  ///< guards the members below
   std::shared_ptr<const List> newest_;
 };
 

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMilli = 1e3;
-constexpr double kMostEchoes = 1e15;  ///< whole in a double
+constexpr double kMostEchoes = 1e15;  ///< upper bound of an echo's number: exact in a double
 constexpr const char* kWorld = "world";
 
 }  // namespace
@@ -54,7 +54,7 @@ LiveTopics::LiveTopics(Hub& hub, TickFeed& feed, ClientHand& hand, const LoopClo
 }
 
 void LiveTopics::feel(std::shared_ptr<const SceneIndex> index, const Tool& tool) {
-  // What was felt before gives much memory back if nobody else has it: that takes long.
+  // Releasing the last reference to the previous index and lookup frees much memory, which is slow.
   if (index != index_)
     elsewhere([old = std::exchange(index_, std::move(index)), lookup = std::exchange(lookup_, nullptr)] {},
               [] {});
@@ -167,7 +167,7 @@ void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
     const Json message{{"header", header(stamp, frame, feed_.newest().answers)}, {"wrench", to_json(wrench)}};
     only != nullptr ? topic.publish_to(*only, message) : topic.publish(message, told_ ? holder_ : nullptr);
   };
-  // Torques as forces: what the device shows, along the axes of the world.
+  // Torques like forces: those of the device, along the axes of the world.
   send(spatial_, kWorld, tick.sent_world);
   const Eigen::Quaterniond back = tick.tool.orientation.conjugate();
   send(body_, "tool", {back * tick.sent_world.force, back * tick.sent_world.torque});
@@ -184,7 +184,7 @@ void LiveTopics::answer() {
   const bool another = feed_.newest().answers != answered_;
   answered_ = feed_.newest().answers;
   if (waits_since_) hand_over();
-  // What the hand before it is still sent is not for this one.
+  // The force that still ramps down for the previous hand is not sent to this one.
   const TickRecord& tick = feed_.newest().record;
   publish_device_wrench(waits_since_ ? Wrench{} : tick.sent);
   publish_local_model(waits_since_ ? 0.0 : tick.let_through);
@@ -224,7 +224,7 @@ void LiveTopics::publish_contacts(const Stamp& stamp) {
       marker_array(header(stamp, kWorld, count_), markers_.next(found_.contacts, *lookup_->ellipsoids)));
 }
 
-/// Sorts all Gaussians. Until that is done there are no contacts to be seen.
+/// Builds the lookup, which sorts all Gaussians. No contacts are published until it is ready.
 void LiveTopics::look_up_ellipsoids() {
   if (std::exchange(looking_up_, true)) return;
   auto made = std::make_shared<Lookup>();
@@ -233,7 +233,7 @@ void LiveTopics::look_up_ellipsoids() {
     try {
       made->ellipsoids = std::make_unique<EllipsoidLookup>(*made->index);
     } catch (const std::bad_alloc&) {
-      // tried again
+      // the next publish_contacts() tries again
     }
   };
   elsewhere(work, [this, made = std::move(made)]() mutable {

@@ -84,7 +84,7 @@ class LiveTopics {
   void look();
   bool force_has_fallen() const;
   void publish_device_wrench(const Wrench& wrench);
-  /// \param share share of the force that the governor passes, 0 without a force
+  /// \param share fraction of the force that the governor passes, 0 without a force
   void publish_local_model(double share);
   void publish_world_wrenches(const Stamp& stamp, Client* only);
   void publish_contacts(const Stamp& stamp);
@@ -119,7 +119,7 @@ class LiveTopics {
   double held_at_ = 0.0;      ///< time of its last message. Unit: [s].
   /// Start of waiting for the force of a previous hand to ramp to zero; unset: not waiting. Unit: [s].
   std::optional<double> waits_since_;
-  bool was_held_ = false;  ///< by any client
+  bool was_held_ = false;  ///< a client has held the hand before
   ClientClock holder_clock_;
   double told_late_ = -std::numeric_limits<double>::infinity();  ///< Unit: [s].
   struct Waiting {
@@ -127,11 +127,11 @@ class LiveTopics {
     double t = 0.0;  ///< Unit: [s].
     Stamp stamp;
   };
-  std::optional<Waiting> waiting_;  ///< its newest pose, while more of its messages may be pending
+  std::optional<Waiting> waiting_;  ///< newest pose of the holder, until all its messages are processed
   bool told_ = false;               ///< the force was sent to the holder since publish()
   /// Stamps of the holder's last poses, by number.
   std::array<Stamp, 256> stamps_;
-  std::uint64_t answered_ = 0;  ///< number of a pose
+  std::uint64_t answered_ = 0;  ///< number of the pose that the newest tick used
   std::uint64_t count_ = 0;     ///< calls of publish()
 };
 

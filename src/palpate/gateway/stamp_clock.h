@@ -43,7 +43,7 @@ class StampClock {
   ClientClock echoes_;
   /// Minimum of `arrival - stamp` in each of the last seconds; infinite without a message. Unit: [s].
   std::array<double, kSeconds> least_{};
-  std::int64_t second_ = 0;  ///< of the newest of them
+  std::int64_t second_ = 0;  ///< number of the newest of these seconds
 };
 
 }  // namespace palpate

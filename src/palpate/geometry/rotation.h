@@ -19,7 +19,7 @@ inline Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Ei
   q.w() = 1.0 + a.dot(b);
   q.vec() = a.cross(b);
   constexpr double kOpposite =
-      1e-8;  // root of the rounding: taking them as opposite, or not, then errs alike
+      1e-8;  // square root of the rounding error: either choice then has the same error
   if (q.norm() < kOpposite) {
     q.w() = 0.0;
     q.vec() = a.unitOrthogonal();

@@ -34,7 +34,7 @@ struct Similarity {
   Similarity inverse() const {
     Eigen::Quaterniond back = rotation.conjugate();
     Eigen::Vector3d origin = -(back * translation) / scale;
-    if (mirrored) {  // (R M)^-1 = (M R^-1 M) M, where M turns about y and z the other way round
+    if (mirrored) {  // (R M)^-1 = (M R^-1 M) M, where M R^-1 M negates y and z
       back.y() = -back.y();
       back.z() = -back.z();
       origin = mirror(origin);

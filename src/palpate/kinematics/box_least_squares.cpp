@@ -9,13 +9,13 @@ namespace palpate {
 namespace {
 
 constexpr int kMaxChanges = 8 * kMaxJoints;
-/// Of a multiplier, against the size of what it is the difference of.
+/// Rounding error of a multiplier, relative to the sum of the magnitudes of its terms.
 constexpr double kRounding = 1e-12;
 
 enum class Held : signed char { kNo, kLower, kUpper };
 using HeldVector = std::array<Held, kMaxJoints>;
 
-/// The least over the free variables, those that are held being where they are.
+/// Minimum over the free variables, with the held ones fixed at x.
 JointVector least_of_free(const BoxProblem& p, const JointVector& x, const HeldVector& held) {
   const auto n = static_cast<int>(x.size());
   std::array<int, kMaxJoints> index{};
@@ -37,7 +37,7 @@ JointVector least_of_free(const BoxProblem& p, const JointVector& x, const HeldV
   return whole;
 }
 
-/// Goes from x towards `to` as far as the first bound. \returns true if there was one, which then holds.
+/// Moves x towards `to`, up to the first bound. \returns true if a bound was met, which is then active.
 bool step_to_bound(const BoxProblem& p, JointVector& x, const JointVector& to, HeldVector& held) {
   double share = 1.0;
   int first = -1;
@@ -62,7 +62,8 @@ bool step_to_bound(const BoxProblem& p, JointVector& x, const JointVector& to, H
   return true;
 }
 
-/// Lets go of the bound whose multiplier has the wrong sign by most. \returns false if there is none.
+/// Releases the active bound whose multiplier has the wrong sign by the most. \returns false if there is
+/// none.
 bool release_one(const BoxProblem& p, const JointVector& x, HeldVector& held) {
   int worst = -1;
   double by = 0.0;
@@ -74,7 +75,7 @@ bool release_one(const BoxProblem& p, const JointVector& x, HeldVector& held) {
       slope += p.H(i, j) * x[j];
       size += std::abs(p.H(i, j) * x[j]);
     }
-    const double inward = at == Held::kLower ? -slope : slope;  // > 0: it goes down away from the bound
+    const double inward = at == Held::kLower ? -slope : slope;  // > 0: descends away from the bound
     if (inward > kRounding * size && inward > by) {
       by = inward;
       worst = i;

@@ -11,12 +11,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Of a point mass `mass` that is `away` from where it is asked about.
+/// Inertia of a point mass at the vector `away` from the reference point. Unit: [kg m^2].
 Matrix3d point_inertia(double mass, const Vector3d& away) {
   return mass * (away.squaredNorm() * Matrix3d::Identity() - away * away.transpose());
 }
 
-/// Two bodies that are fixed to each other. \param X of the frame of `b` in that of `a`
+/// Inertia of two bodies that are fixed to each other, in the frame of `a`. \param X pose of the frame of `b`
+/// in that of `a`
 LinkInertia joined(const LinkInertia& a, const Pose& X, const LinkInertia& b) {
   LinkInertia both;
   both.mass = a.mass + b.mass;
@@ -45,7 +46,7 @@ class Assembly {
     refuse_branches(way, base);
     SerialChain chain;
     chain.name = listing_.name;
-    Pose before;  // of what is next, in the frame of the last link that moves
+    Pose before;  // of the next joint's parent, in the frame of the last moving link
     for (const ListedJoint* listed : way) append(chain, before, *listed);
     chain.tip = before;
     check_chain(chain, listing_.where);
@@ -119,7 +120,7 @@ class Assembly {
     return way;
   }
 
-  /// A joint that hangs from itself.
+  /// Returns true if the joints above `joint` form a loop.
   bool goes_round(const ListedJoint& joint) const {
     std::string at = joint.parent;
     for (std::size_t k = 0; k <= listing_.joints.size(); ++k) {
@@ -143,13 +144,14 @@ class Assembly {
     }
   }
 
-  /// \param before of this joint's parent, in the frame of the last link that moves
+  /// Appends a joint, or merges a fixed one with the last link. \param before pose of this joint's parent, in
+  /// the frame of the last moving link; updated to that of its child
   void append(SerialChain& chain, Pose& before, const ListedJoint& listed) const {
     const Pose here = before * listed.joint.origin;
     const LinkInertia& inertia = links_.at(listed.child)->inertia;
     if (listed.fixed) {
       before = here;
-      if (chain.joints.empty()) return;  // what does not move needs no inertia
+      if (chain.joints.empty()) return;  // links fixed to the base need no inertia
       LinkInertia& carries = chain.joints.back().link;
       carries = joined(carries, here, inertia);
       return;
@@ -162,7 +164,7 @@ class Assembly {
 
   const ChainListing& listing_;
   std::map<std::string, const ListedLink*> links_;
-  std::map<std::string, const ListedJoint*> above_;  ///< of each link, the joint that it hangs from
+  std::map<std::string, const ListedJoint*> above_;  ///< joint of which each link is the child
 };
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 namespace palpate {
 
-// Vertical reach: the shoulder is 1.8 m up and the arm 1.05 m long, so the TCP goes from 0.8 m to above a
-// person's head. The wrist's axes are across each other at rest, as a gimbal's, and never in one plane within
-// the limits of the second; those limits keep the elbow from being straight.
+// Vertical reach: the shoulder is 1.8 m up and the arm 1.05 m long, so the TCP moves from 0.8 m to above a
+// person's head. The wrist's axes are perpendicular at rest, as in a gimbal, and the limits of the second
+// keep them from becoming coplanar; those of the elbow keep it from being straight.
 std::string_view giant_chain_text() {
   return R"(# A room-scale haptic device of HapticGiant's class. Its room is 4.7 m x 5.5 m; what else stands here is assumed.
 # Weights are taken to be held by springs and counterweights: effort is what motors have for motion.

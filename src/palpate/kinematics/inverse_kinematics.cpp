@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kFirstDamping = 1e-3, kLeastDamping = 1e-12, kMostDamping = 1e6;
-/// Of the error: less gain than that in this many steps is a minimum that is not the target.
+/// Least relative decrease of the error in kPatience steps; less means a local minimum off the target.
 constexpr double kLeastGain = 1e-3;
 constexpr int kPatience = 8;
 
@@ -63,7 +63,7 @@ class Search {
     return e.head<3>().norm() <= options_.position && e.tail<3>().norm() <= options_.angle;
   }
 
-  /// q after a step of J^T J + damping, within the limits.
+  /// Returns q after one damped step, (J^T J + damping) dq = J^T error, within the limits.
   JointVector improved(const Vector6d& error, double damping) {
     kinematics_.set(q_);
     const Jacobian J = kinematics_.jacobian();

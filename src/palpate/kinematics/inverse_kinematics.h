@@ -19,7 +19,7 @@ struct InverseOptions {
 /// Joint positions within the limits that place the TCP at `target`: damped Gauss-Newton (Levenberg 1944)
 /// with the limits as bounds of each step (least_in_box()), from `seed` and then from random postures within
 /// the limits, the same ones in every call. \param target base's frame \param seed Shape: [joints]. \returns
-/// nothing if no start converges: the target is out of reach, or nearly so. No heap allocation; takes up to
+/// nothing if no start converges: the target is out of reach, or nearly so. Allocates memory and takes up to
 /// some ms, hence not for a servo tick.
 std::optional<JointVector> inverse_kinematics(const SerialChain& chain, const Pose& target,
                                               const JointVector& seed, const InverseOptions& options = {});

@@ -9,12 +9,14 @@
 namespace palpate {
 namespace {
 
-/// Of a velocity limit: a joint that is at it.
+/// Tolerance within which a joint is at a bound, as a fraction of its velocity limit.
 constexpr double kAtLimit = 1e-6;
-/// Added to H, so that it is positive definite whatever the weights. Against joints of velocity 1.
+/// Regularization that keeps H positive definite whatever the weights, for joint velocities scaled to their
+/// limits.
 constexpr double kRegular = 1e-10;
 
-/// The fastest that can be braked within `d`. \param d Unit: [u]. \param a Unit: [u/s^2].
+/// Largest velocity from which a joint can brake within `d` at deceleration `a`; see JointMotion. \param d
+/// Unit: [u]. \param a Unit: [u/s^2].
 double brakeable(double d, double a, double dt) {
   return a * (std::sqrt(dt * dt + 2.0 * std::max(0.0, d) / a) - dt);
 }
@@ -87,7 +89,7 @@ Vector6d JointMotion::wanted_velocity(const Pose& target, double dt) const {
   return velocity + speed / way * behind;
 }
 
-/// U^2 of a joint.
+/// Square of the element of U of a joint; see JointMotion.
 double JointMotion::end_weight(Eigen::Index i) const {
   constexpr double kMost = 1e4;
   const double above = q_[i] - limits_.lower[i], below = limits_.upper[i] - q_[i], way = above + below;
@@ -129,11 +131,11 @@ void JointMotion::move(const JointVector& dq, double dt) {
   ddq_ = (dq - dq_) / dt;
   dq_ = dq;
   q_ =
-      (q_ + dt * dq).cwiseMax(limits_.lower).cwiseMin(limits_.upper);  // but for rounding it is there already
+      (q_ + dt * dq).cwiseMax(limits_.lower).cwiseMin(limits_.upper);  // in range already except for rounding
   kinematics_.set(q_);
 }
 
-/// Of the bounds that hold, the one that stops the joint which would otherwise do most for the TCP.
+/// Finds the active bound whose joint would otherwise contribute most to the motion towards the target.
 void JointMotion::explain() {
   lag_ = difference(kinematics_.tip(), target_);
   held_by_ = HeldBy::kNothing;

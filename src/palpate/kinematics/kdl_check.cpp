@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Of a chain of metres, far above rounding. Unit: [m], [rad].
+/// Tolerance for a chain of some metres: far above rounding. Unit: [m], [rad].
 constexpr double kAlike = 1e-9;
 
 KDL::Vector kdl_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }

@@ -11,9 +11,9 @@
 namespace palpate {
 namespace {
 
-/// Of unit vectors and quaternions, what files leave by rounding.
+/// Tolerance for rounding in files, of unit norms and of the symmetry of inertias.
 constexpr double kUnitTolerance = 1e-6;
-/// Beyond this a figure is a slip of units. Unit: [m], [kg] and so on.
+/// Largest plausible value: beyond it a unit is wrong. Unit: [m], [kg] and so on.
 constexpr double kAbsurd = 1e6;
 
 bool in(double v, double low, double high) { return v >= low && v <= high; }  // false for NaN
@@ -30,7 +30,7 @@ void check_link(const LinkInertia& link, const std::string& joint) {
   const double rounding = kUnitTolerance * principal.cwiseAbs().maxCoeff();
   if (principal.minCoeff() < -rounding)
     throw Error("{}: the inertia of its link is negative: {} about one axis", joint, principal.minCoeff());
-  // No mass is spread so that it has more inertia about one axis than about the two others together.
+  // Triangle inequality of the principal moments of inertia.
   if (principal[2] > principal[0] + principal[1] + rounding)
     throw Error(
         "{}: no body has the inertia of its link: about one axis more than about the two others together",
@@ -64,7 +64,8 @@ void check_joint(const ChainJoint& joint, const std::string& named) {
   check_link(joint.link, named);
 }
 
-/// The farthest that something at the end of joints i..k can be from the axis of joint i. Unit: [m].
+/// Upper bound of the distance from the axis of joint i to a point of link k, in every posture. \param beyond
+/// distance of the point from the frame of link k. Unit: [m].
 double reach(const SerialChain& chain, int i, int k, double beyond) {
   double farthest = beyond;
   for (int j = i; j <= k; ++j) {
@@ -76,7 +77,7 @@ double reach(const SerialChain& chain, int i, int k, double beyond) {
   return farthest;
 }
 
-/// Bounds of the joints' inertia in every posture.
+/// Upper bounds of the magnitudes of the joint-space inertia's elements, in every posture.
 JointMatrix largest_inertia(const SerialChain& chain, double payload) {
   const int n = chain.size();
   JointMatrix M = JointMatrix::Zero(n, n);
@@ -139,7 +140,7 @@ JointVector limit_by_effort(SerialChain& chain, double payload) {
     for (int j = 0; j < n; ++j) needed += M(i, j) * limits.acceleration[j];
     if (needed > limits.effort[i]) share = std::min(share, limits.effort[i] / needed);
   }
-  // All alike: a motor whose effort is short may be so because of what other joints do.
+  // The same factor for all joints: a motor may lack effort because of the motion of other joints.
   for (int i = 0; i < n; ++i) {
     chain.joints[static_cast<std::size_t>(i)].limits.acceleration *= share;
     kept[i] = share;

@@ -15,12 +15,12 @@
 namespace palpate {
 namespace {
 
-/// The parser calls itself for every element within another.
+/// Largest nesting depth of elements: the parser recurses once per level.
 constexpr int kDeepest = 64;
-/// Of a continuous joint, each way. Unit: [rad].
+/// Assumed limit of a continuous joint, in each direction. Unit: [rad].
 constexpr double kContinuous = 4.0 * std::numbers::pi;
 
-/// Keeps the first error that the parser logs, and all of its output off the terminal.
+/// Records the first error that the parser logs, and keeps its output off the terminal.
 class FirstError final : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
@@ -32,7 +32,7 @@ class FirstError final : public console_bridge::OutputHandler {
   std::string first_;
 };
 
-/// How deep elements are nested, at most; comments may count too much.
+/// Nesting depth of the elements, estimated without parsing: tags in comments count, too.
 int depth(std::string_view text) {
   int now = 0, deepest = 0;
   for (std::size_t k = 0; k + 1 < text.size(); ++k) {
@@ -51,7 +51,7 @@ int depth(std::string_view text) {
 
 urdf::ModelInterfaceSharedPtr parsed(const std::string& name, std::string_view text) {
   if (depth(text) > kDeepest) throw Error("{}: its elements are nested more than {} deep", name, kDeepest);
-  static std::mutex one_at_a_time;  // the handler is the process's
+  static std::mutex one_at_a_time;  // the output handler is global to the process
   const std::lock_guard lock(one_at_a_time);
   FirstError error;
   console_bridge::useOutputHandler(&error);
@@ -65,7 +65,7 @@ urdf::ModelInterfaceSharedPtr parsed(const std::string& name, std::string_view t
   console_bridge::restorePreviousOutputHandler();
   const std::string& why = error.first().empty() ? thrown : error.first();
   if (model == nullptr) throw Error("{}: is no URDF: {}", name, why.empty() ? "it cannot be parsed" : why);
-  // A loop of links would hold itself in memory; what is asked for is in the model's own lists.
+  // A loop of links would never be freed; callers use the model's own lists.
   for (const auto& [link, given] : model->links_) given->child_links.clear();
   return model;
 }
@@ -96,7 +96,7 @@ void set_limits(ChainJoint& joint, const urdf::Joint& given, const std::string& 
   JointLimits& limits = joint.limits;
   limits.lower = turns_on ? -kContinuous : given.limits->lower;
   limits.upper = turns_on ? kContinuous : given.limits->upper;
-  if (given.safety != nullptr && !turns_on) {  // where the maker wants it to be stopped
+  if (given.safety != nullptr && !turns_on) {  // the manufacturer's soft limits
     limits.lower = std::max(limits.lower, given.safety->soft_lower_limit);
     limits.upper = std::min(limits.upper, given.safety->soft_upper_limit);
   }

@@ -22,7 +22,7 @@ using enum ConfigGroup;
 /// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
 constexpr double kMinScale = 1e-9, kMaxScale = 1e9;
 constexpr double kFarthest = 1e9;  // m
-constexpr double kMostTurn = 1e6;  // of a quaternion's components, before it is normalised
+constexpr double kMostTurn = 1e6;  // largest component of a quaternion, before normalisation
 constexpr double kMostForce = 1e6;
 constexpr double kMostDetail = 10.0;  // m
 
@@ -30,7 +30,7 @@ std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.
 std::vector<double> numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-/// A field that is one of `names`, in the order of the values of its type.
+/// Field of an enumeration; `names` are in the order of its enumerators.
 template <class Field, std::size_t N>
 ChoiceField choice(const std::array<std::string_view, N>& names, Field) {
   return {{names.begin(), names.end()},
@@ -229,7 +229,7 @@ std::vector<ConfigField> make_fields() {
 }
 // clang-format on
 
-/// As --tool: semi-axes, the text of a file, or its name.
+/// Parses the value of --tool: semi-axes, the text of a tool file, or its name.
 Tool tool_from(const std::string& text) {
   if (text.starts_with("[[")) return parse_tool("--tool", text);
   if (text.ends_with(".toml")) return read_tool(text);
@@ -241,7 +241,7 @@ Tool tool_from(const std::string& text) {
   return Tool(vector_of(v));
 }
 
-/// What set_from_text() does, type by type.
+/// Implements set_from_text() for each field type.
 struct TextSetter {
   LiveConfig& config;
   const std::string& text;
@@ -292,7 +292,7 @@ struct TextSetter {
   void operator()(const ToolField& field) const { field.member(config) = tool_from(text); }
 };
 
-/// What default_text() does.
+/// Implements default_text() for each field type.
 struct DefaultText {
   const LiveConfig& config;
 

@@ -83,7 +83,7 @@ struct NumbersField {
   std::size_t count;
   std::vector<double> (*get)(const LiveConfig& config);  ///< empty: not set
   void (*set)(LiveConfig& config,
-              const std::vector<double>& all);  ///< \throws BadValue. \pre `count` of them
+              const std::vector<double>& all);  ///< \throws BadValue. \pre `all` has `count` numbers
   bool shows_default = false;
   double most_parameter = 0.0;  ///< limit of each magnitude, as a parameter
 };

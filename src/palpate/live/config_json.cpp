@@ -20,7 +20,7 @@ namespace {
 Json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Json numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
-/// Of the axes of the captured frame and the point between them, column by column.
+/// Homogeneous transformation from the captured frame to the world, in column-major order.
 Json matrix_of(const Similarity& s) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   m.topLeftCorner<3, 3>() = s.scale * s.orthogonal();
@@ -38,7 +38,7 @@ Json tool_json(const Tool& tool) {
   return json;
 }
 
-/// The value of a field.
+/// Returns the value of a field as JSON.
 struct JsonOf {
   const LiveConfig& config;
 
@@ -73,7 +73,7 @@ std::vector<double> numbers_of(const Json& value, std::string_view name, std::si
 }
 
 constexpr double kFarthest = 1e9;  // m
-constexpr double kMostTurn = 1e6;  // of a quaternion's components
+constexpr double kMostTurn = 1e6;  // largest component of a quaternion
 
 ToolPart part_of(const Json& value) {
   if (!value.is_object()) throw Refusal("'tool' must be ellipsoids, each with 'semi_axes'");
@@ -106,7 +106,7 @@ Tool tool_of(const Json& value) {
   return Tool(std::move(parts));
 }
 
-/// Sets a field from what a client sent.
+/// Sets a field from a value sent by a client.
 struct JsonSetter {
   LiveConfig& config;
   const Json& value;
@@ -145,7 +145,7 @@ struct JsonSetter {
   void operator()(const ToolField& field) const { field.member(config) = tool_of(value); }
 };
 
-/// Whatever replaces the field of this name does so no more.
+/// Unsets the fields that replace the field of this name.
 void unset_what_replaces(std::string_view name, LiveConfig& config) {
   for (const ConfigField& other : config_fields()) {
     const auto* optional = std::get_if<OptionalField>(&other.type);
@@ -154,12 +154,12 @@ void unset_what_replaces(std::string_view name, LiveConfig& config) {
   }
 }
 
-/// Fields below a level of names, "" or "filter.".
+/// Sets the fields below one level of parameter names: "", or for example "filter.".
 void change_level(LiveConfig& config, const Json& wanted, const std::string& where,
                   const std::string& level) {
   if (!wanted.is_object()) throw Refusal(fmt::format("'{}' must be an object", where));
   for (const auto& [name, value] : wanted.items()) {
-    // Levels are objects of their own.
+    // A name with a dot is unknown: levels are nested objects.
     const std::string full = name.find('.') == std::string::npos ? level + name : std::string();
     std::set<std::string_view> known;
     const ConfigField* found = nullptr;

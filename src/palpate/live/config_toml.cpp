@@ -20,7 +20,7 @@ constexpr const char* kScenePath = "scene";
 
 std::string array_of(const std::vector<double>& all) { return fmt::format("[{}]", fmt::join(all, ", ")); }
 
-/// The value of a field; nothing if it is not set.
+/// Returns the value of a field as TOML; nothing if it is not set.
 struct TomlText {
   using Text = std::optional<std::string>;
   const LiveConfig& config;
@@ -50,12 +50,12 @@ struct TomlText {
     const bool one = tool.parts().size() == 1 && part.pose.position.isZero(0.0) &&
                      part.pose.orientation.isApprox(Eigen::Quaterniond::Identity(), 0.0);
     const Eigen::Vector3d& a = part.semi_axes;
-    // A literal string, whose first line break is no part of it.
+    // Literal string; TOML drops its first line break.
     return one ? array_of({a.x(), a.y(), a.z()}) : fmt::format("'''\n{}'''", tool_text(tool));
   }
 };
 
-/// True if another field is set that replaces this one.
+/// Returns whether another field is set that replaces this one.
 bool is_replaced(const ConfigField& field, const LiveConfig& config) {
   const auto fields = config_fields();
   return std::any_of(fields.begin(), fields.end(), [&](const ConfigField& other) {
@@ -64,7 +64,7 @@ bool is_replaced(const ConfigField& field, const LiveConfig& config) {
   });
 }
 
-/// The value of a field that has a name, unless it is not set or another replaces it.
+/// Returns the value of a field that has a name; nothing if it is not set or another field replaces it.
 std::optional<std::string> value_of(const ConfigField& field, const LiveConfig& config) {
   if (field.name.empty() || is_replaced(field, config)) return std::nullopt;
   return std::visit(TomlText{config}, field.type);

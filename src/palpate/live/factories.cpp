@@ -83,12 +83,12 @@ std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loo
   DeviceCapabilities& capabilities = profile.capabilities;
   if (config.kind == DeviceKind::kClient) {
     capabilities.rate = config.client_rate;
-    // Of what a client holds, nobody knows.
+    // The mechanics of a client's device are unknown.
     capabilities.damping = capabilities.watchdog = 0.0;
     capabilities.damping_source = DampingSource::kUnknown;
     return std::make_unique<ClientDevice>(capabilities, *connections.client_hand);
   }
-  capabilities.rate = loop_rate;  // what is simulated answers whenever it is asked
+  capabilities.rate = loop_rate;  // a simulated device returns a new reading whenever it is read
   if (config.kind == DeviceKind::kPlayback)
     return std::make_unique<PlaybackDevice>(capabilities, std::move(connections.playback));
   return std::make_unique<SimulatedDevice>(capabilities, profile.plant, config.hand,

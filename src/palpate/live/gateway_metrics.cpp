@@ -41,7 +41,7 @@ std::string head(std::string_view name, std::string_view type, std::string_view 
   return fmt::format("# HELP palpate_{0} {2}\n# TYPE palpate_{0} {1}\n", name, type, help);
 }
 
-/// {hand="left",quantile="0.5"}, of what there is of both.
+/// Returns labels such as {hand="left",quantile="0.5"}; either may be missing.
 std::string labels(const std::string& hand, const std::string& more = {}) {
   const std::string of_hand = hand.empty() ? "" : fmt::format("hand=\"{}\"", hand);
   const std::string all = of_hand + (!of_hand.empty() && !more.empty() ? "," : "") + more;

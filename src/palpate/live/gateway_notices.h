@@ -36,7 +36,7 @@ class GatewayNotices {
 
  private:
   std::uint64_t version_ = 0;
-  std::mutex mutex_;  ///< of what follows
+  std::mutex mutex_;  ///< guards the members below
   std::vector<std::string> untold_;
 };
 

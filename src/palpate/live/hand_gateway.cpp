@@ -19,7 +19,7 @@ bool flag_of(const Json& arguments) {
   return data.get<bool>();
 }
 
-/// What of the registration nobody has said.
+/// Returns which registration parameters are assumed because nobody specified them.
 Json assumed(const SceneConfig& scene) {
   Json names = Json::array();
   if (!scene.scale_known) names.emplace_back("scale");
@@ -27,7 +27,7 @@ Json assumed(const SceneConfig& scene) {
   return names;
 }
 
-/// \param wanted parameters that somebody has set
+/// Marks the registration parameters in `wanted` as specified. \param wanted parameters set by a client
 void know_registration(SceneConfig& scene, const Json& wanted) {
   const auto at = wanted.find("registration");
   if (at == wanted.end()) return;
@@ -90,7 +90,7 @@ void HandGateway::beat(std::uint64_t shared) {
   told_ = shown;
 }
 
-/// A disk that is full ends a recording. All else goes on.
+/// Ends a recording that has failed, as on a full disk. Everything else continues.
 void HandGateway::look_at_recording() {
   if (recording_.failure()) end_recording([](const std::string&) {});
 }
@@ -105,7 +105,7 @@ void HandGateway::end_recording(RecordingSwitch::Done done) {
   });
 }
 
-/// What was refused last, and what still holds.
+/// Returns why the last change failed, and the notice about the recording.
 std::string HandGateway::message() const {
   std::string all = system_.message();
   if (!recording_notice_.empty()) all += (all.empty() ? "" : "; ") + recording_notice_;
@@ -168,7 +168,7 @@ void HandGateway::add_switches() {
       [this](const Json& arguments) { system_.tick().press_clutch(flag_of(arguments)); });
 }
 
-/// Answered once the file is there, or whole.
+/// Adds the recording service. It responds once the file has been created or completed.
 void HandGateway::add_recording() {
   around_.hub.add_slow_service(
       named("/record"), "std_srvs/SetBool", [this](const Json& arguments, const Reply& reply) {

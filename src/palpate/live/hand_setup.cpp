@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-/// After "/palpate/", of the first hand's topics, services and parameters. A test compares them with those
-/// that a gateway has.
+/// Names after "/palpate/" of the first hand's topics, services and parameters. A test compares them with
+/// those of a gateway.
 constexpr std::array<std::string_view, 45> kTaken{
     "measured_cp",    "measured_cv",    "spatial",    "body",         "proxy_cp",      "contacts",
     "tool",           "diagnostics",    "parameters", "messages",     "client",        "hands",
@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 45> kTaken{
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool may_follow(char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; }
 
-/// Those that the first hand alone has.
+/// Returns whether the hands share the settings of a group, which only the first hand may set.
 bool is_shared(ConfigGroup group) { return group == ConfigGroup::kScene || group == ConfigGroup::kGateway; }
 
 }  // namespace

@@ -138,7 +138,7 @@ struct GatewayConfig {
 
   bool off = false;                   ///< serve nothing
   int port = -1;                      ///< 0: any that is free; -1: kPort, or another if that is taken
-  std::string address = "127.0.0.1";  ///< of this machine
+  std::string address = "127.0.0.1";  ///< local address to listen on
   std::string token;  ///< that clients must present; empty: generated at random if `address` is not a
                       ///< loopback address
   /// Files in PEM, both or neither: everything is served over TLS.

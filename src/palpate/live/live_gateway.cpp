@@ -28,11 +28,12 @@
 namespace palpate {
 namespace {
 
-/// Of the viewer: its own files, workers that it makes itself, and connections to where it came from.
+/// Content-Security-Policy of the viewer: its own files, workers that it creates itself, and connections to
+/// its own origin.
 constexpr const char* kViewerPolicy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self'; worker-src "
     "blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// Of a report, which has its own policy in the page, and needs what that allows.
+/// Content-Security-Policy of a report, which permits what the policy in the page itself permits: both apply.
 constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'none'";
 
@@ -48,18 +49,18 @@ WebPage page_of(std::string_view type, std::string_view bytes, std::string tag,
   return page;
 }
 
-/// Of the names of ROS.
+/// Prefix of the ROS names.
 const std::string kFolder = "/palpate/";
-/// For a tick, until a loop is said to stand still. Unit: [s].
+/// Time without a tick after which a loop is reported to have stopped. Unit: [s].
 constexpr double kPatience = 0.5;
 
 }  // namespace
 
-/// The scene that is drawn: its file, or the bytes of the built-in one. Immutable.
+/// Scene served for drawing: its file, or the bytes of the built-in scene. Immutable.
 struct ServedScene {
   std::string path;                       ///< SceneConfig::path
   std::unique_ptr<const SceneFile> file;  ///< null: the built-in scene
-  std::string bytes;                      ///< that
+  std::string bytes;                      ///< of the built-in scene
 
   /// \throws Error if the file cannot be read.
   explicit ServedScene(const SceneConfig& scene) : path(scene.path) {
@@ -73,7 +74,8 @@ struct ServedScene {
   std::string tag() const { return file ? file->tag() : "built-in"; }
 };
 
-/// What says nothing else is done on the server's thread, which has poses to hand over and waits for nothing.
+/// After start(), private functions run on the server's thread unless marked otherwise. That thread passes
+/// on poses and must not block.
 class LiveGateway::Implementation {
  public:
   Implementation(LiveHands& hands, GatewayPages pages);
@@ -91,7 +93,7 @@ class LiveGateway::Implementation {
   void say(const std::string& line);
 
  private:
-  /// A hand's parameter, as rosapi names it.
+  /// A ROS parameter: the hand, and its name in the hand's parameters.
   struct Parameter {
     HandGateway& hand;
     std::string name;
@@ -122,7 +124,7 @@ class LiveGateway::Implementation {
     return fmt::format("{}-{}", run_tag_, list.number);
   }
 
-  /// \name On the thread of pages
+  /// \name On the page thread
   /// @{
   WebPage page(const std::string& path);
   std::optional<WebPage> recording_page(const std::string& path) const;
@@ -140,14 +142,14 @@ class LiveGateway::Implementation {
   Topic &lines_topic_, &hands_topic_;
   std::unique_ptr<WebServer> server_;
   SceneLibrary library_;
-  std::string run_tag_;                  ///< of what this run makes, unlike that of all other runs
-  std::weak_ptr<const FeltScene> felt_;  ///< what is served is of; not kept alive here
+  std::string run_tag_;                  ///< prefix of entity tags of this run's data; random
+  std::weak_ptr<const FeltScene> felt_;  ///< scene that was passed to serve() last; not kept alive here
   double looked_at_scene_ = 0.0;         ///< Unit: [s].
   std::string scene_notice_;
   std::uint64_t beats_ = 0;
-  mutable std::mutex mutex_;                   ///< of what follows
-  std::vector<std::string> said_;              ///< on the terminal; the newest kMostLines
-  bool said_more_ = false;                     ///< than clients know
+  mutable std::mutex mutex_;                   ///< guards the members below
+  std::vector<std::string> said_;              ///< lines on the terminal; the newest kMostLines
+  bool said_more_ = false;                     ///< said_ has unpublished lines
   std::shared_ptr<const ServedScene> served_;  ///< never null
 };
 
@@ -176,7 +178,7 @@ void LiveGateway::Implementation::add_hands() {
     around.describe = [this](Json& parameters) { describe(parameters); };
     around.stop = [this, &system] { system.stop_force(); };
     around.is_opening_scene = [this] { return live_.is_opening_scene(); };
-    if (hand.name.empty()) around.stop = [this] { live_.stop_force(); };  // whose stop is for all
+    if (hand.name.empty()) around.stop = [this] { live_.stop_force(); };  // stops all hands
     hands_.push_back(std::make_unique<HandGateway>(hand.name, system, std::move(around)));
   }
 }
@@ -200,7 +202,7 @@ void LiveGateway::Implementation::listen(const GatewayConfig& options) {
     listen_at(options.port >= 0 ? options.port : GatewayConfig::kPort);
   } catch (const Error&) {
     if (options.port >= 0) throw;
-    listen_at(0);  // somebody else has the usual one, another palpate perhaps
+    listen_at(0);  // the default port is in use, perhaps by another palpate
   }
 }
 
@@ -233,7 +235,7 @@ void LiveGateway::Implementation::beat() {
   publish_lines();
 }
 
-/// All tools at once, and what each is sent, for who looks on; where there are several.
+/// Publishes the tools of all hands and the forces sent to them, for observers, if there are several hands.
 void LiveGateway::Implementation::publish_hands() {
   if (hands_.size() < 2 || !hands_topic_.is_watched()) return;
   std::vector<Marker> markers;
@@ -264,7 +266,7 @@ void LiveGateway::Implementation::look_at_scene() {
   const double now = monotonic_now();
   const auto scene = served();
   if (!scene->file || now - looked_at_scene_ < kEvery) return;
-  looked_at_scene_ = std::numeric_limits<double>::infinity();  // not before it is known
+  looked_at_scene_ = std::numeric_limits<double>::infinity();  // no other check until this one has finished
   const auto change = std::make_shared<SceneFile::Change>();
   server_->elsewhere([change, scene] { *change = scene->file->change(); },
                      [this, change, now, scene] {
@@ -281,7 +283,7 @@ void LiveGateway::Implementation::say(const std::string& line) {
   said_more_ = true;
 }
 
-/// What parameters have of the scene, and who else there is.
+/// Adds the scene, its touchable Gaussians, the other hands, and the notice about the scene.
 void LiveGateway::Implementation::describe(Json& parameters) const {
   const auto scene = served();
   SceneConfig named;
@@ -304,7 +306,7 @@ void LiveGateway::Implementation::describe(Json& parameters) const {
   parameters["message"] = message;
 }
 
-/// Reads the whole scene again, which takes long.
+/// Adds the service that proposes a setup. It reads the whole scene again, which is slow.
 void LiveGateway::Implementation::add_setup() {
   const auto work = [](const LiveConfig& settings) {
     const std::string& path = settings.scene.path;
@@ -321,7 +323,7 @@ void LiveGateway::Implementation::add_setup() {
       });
 }
 
-/// Draws what is felt, once it is another scene.
+/// Serves the scene of `felt` for drawing, if it is another one.
 void LiveGateway::Implementation::serve(const FeltScene& felt) {
   if (felt.path() == served()->path) return;
   SceneConfig scene;
@@ -342,7 +344,7 @@ void LiveGateway::Implementation::serve(const FeltScene& felt) {
           served_ = *made;
         }
         notices_.tell(scene_notice_, *failure);
-        notices_.change();  // what the parameters say of it is another
+        notices_.change();  // describe() returns something else now
       });
 }
 
@@ -352,7 +354,7 @@ std::string LiveGateway::Implementation::open_from_library(const std::string& id
   return {};
 }
 
-/// Reading a folder may take long.
+/// Adds the services of the scene library. Reading a folder may be slow.
 void LiveGateway::Implementation::add_library() {
   const auto add = [this](const char* name, const char* type, std::function<std::string(const Json&)> work) {
     hub_.add_slow_service(name, type,
@@ -370,7 +372,7 @@ void LiveGateway::Implementation::add_library() {
   });
 }
 
-/// PUT /scenes/NAME: a scene that is handed over is felt once it is there.
+/// PUT /scenes/NAME: a scene is opened once its upload is complete.
 WebUploads LiveGateway::Implementation::uploads() {
   WebUploads uploads;
   uploads.folder = "/scenes/";
@@ -388,8 +390,8 @@ WebUploads LiveGateway::Implementation::uploads() {
   return uploads;
 }
 
-/// ROS parameters: /palpate/NAME, one for each name at the top of a hand's parameters; those of a hand that
-/// has a name after that.
+/// Adds rosapi's parameter services. /palpate/NAME is a top-level name in the first hand's parameters,
+/// /palpate/HAND/NAME one in those of a named hand.
 void LiveGateway::Implementation::add_parameters() {
   hub_.add_service("/rosapi/get_param_names", "rosapi/GetParamNames", [this](const Json&) {
     Json names = Json::array();
@@ -448,7 +450,7 @@ WebPage LiveGateway::Implementation::page(const std::string& path) {
   return text_page(404, "there is nothing here; the viewer is at /");
 }
 
-/// /recording and /recording.html, those of a hand that has a name under /hands/NAME.
+/// Returns /recording or /recording.html; for a named hand, they are under /hands/NAME.
 std::optional<WebPage> LiveGateway::Implementation::recording_page(const std::string& path) const {
   for (const auto& hand : hands_) {
     const std::string folder = hand->name().empty() ? "" : "/hands/" + hand->name();

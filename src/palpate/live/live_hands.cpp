@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// Does `work` for a hand, whose name is then in what it throws.
+/// Runs `work` for a hand; its errors get the name of the hand.
 template <class Work>
 void for_hand(const std::string& name, const Work& work) {
   try {
@@ -22,7 +22,7 @@ void for_hand(const std::string& name, const Work& work) {
   }
 }
 
-/// `notify` with the name of a hand in each line, after what kind of line it is.
+/// Returns `notify` with the name of a hand inserted into each line, after the kind of line.
 Notify notify_of(const std::string& name, const Notify& notify) {
   if (name.empty() || !notify) return notify;
   return [name, notify](const std::string& line) {
@@ -71,7 +71,7 @@ void LiveHands::start(const std::vector<std::vector<TickObserver*>>& observers) 
 
 void LiveHands::stop() {
   for (const Hand& hand : hands_) hand.system->begin_to_stop();
-  for (const Hand& hand : hands_) hand.system->stop();  // the first first: nobody follows it from then on
+  for (const Hand& hand : hands_) hand.system->stop();  // the first one first: none follows it any more
 }
 
 void LiveHands::stop_force(Fault why) {
@@ -83,7 +83,7 @@ void LiveHands::open_scene(const std::string& path) {
     if (const auto why = hand.system->needs_its_scene(); !why.empty())
       throw Error("{}{}: start again with another", said_of(hand.name), why);
   }
-  if (!path.empty()) palpate::open_scene(path);  // throws for what is no scene, before what is felt goes
+  if (!path.empty()) palpate::open_scene(path);  // throws for an invalid scene, keeping the present one
   first().open_scene(path);
 }
 

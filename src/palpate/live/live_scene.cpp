@@ -13,7 +13,7 @@ void say(const Notify& notify, const std::string& line) {
   if (notify) notify(line);
 }
 
-/// Says what the filter dropped that a person should know of.
+/// Reports what the filter dropped, if the user should know.
 void tell(const FilterReport& f, const std::string& path, const Notify& notify) {
   if (f.kept == 0) {
     say(notify,
@@ -62,7 +62,7 @@ SceneIndex open_index(const SceneConfig& config, IndexFiles files, const Notify&
     say(notify, fmt::format("warning: {}; the index is in memory, and made again by every command",
                             *opened.not_written));
   }
-  if (opened.origin == OpenedIndex::Origin::kNewFile && progress) {  // someone watches
+  if (opened.origin == OpenedIndex::Origin::kNewFile && progress) {  // only if a user is watching
     say(notify, fmt::format("note: wrote {}, which the next command starts from", index_path(config.path)));
   }
   tell(opened.report, config.path, notify);

@@ -25,16 +25,16 @@
 namespace palpate {
 namespace {
 
-/// What a force sensor says before that is taken for its bias: until then a hand stays where the handle
-/// rests. Unit: [s].
+/// Time for which a simulated hand stays at the rest position of the handle while the force sensor measures
+/// its bias. Unit: [s].
 constexpr double kTares = 1.5;
-/// What a simulated hand has for its way to another scene. Unit: [s].
+/// Time for a simulated hand to reach another scene. Unit: [s].
 constexpr double kMoves = 1.5;
 constexpr const char* kFollows = "the scene is that of the first hand: change it there";
-/// Gaussians across a tool from which on a search takes so long that another thread had better do it.
+/// Number of Gaussians across a tool above which a search is slow enough for a thread of its own.
 constexpr double kManyContacts = 200.0;
 
-/// As many as lie side by side under a tool that is pressed into a surface.
+/// Estimates how many Gaussians lie side by side under a tool that is pressed into a surface.
 double contacts_across(const Tool& tool, double extent) {
   double across = 0.0;
   for (const ToolPart& part : tool.parts()) {
@@ -44,7 +44,7 @@ double contacts_across(const Tool& tool, double extent) {
   return across;
 }
 
-/// Above everything that there is.
+/// Returns a pose above all Gaussians.
 Pose waiting_place(const SceneIndex& index, const Tool& tool) {
   Eigen::AlignedBox3d box;
   for (const Ellipsoid& ellipsoid : EllipsoidLookup(index).all().ellipsoids) box.extend(ellipsoid.center);
@@ -54,7 +54,7 @@ Pose waiting_place(const SceneIndex& index, const Tool& tool) {
   return pose;
 }
 
-/// The scene with the materials of `force`: those it has, or those of another file.
+/// Returns the scene with the materials of `force`: those it has, or those of another file.
 SharedScene with_materials(SharedScene scene, const ForceConfig& force) {
   if (force.materials == scene.materials_file) return scene;
   scene.materials = load_materials(force, scene.config.path);
@@ -76,7 +76,7 @@ LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene& scene,
                        std::unique_ptr<HapticDevice> device, const Notify& notify)
     : LiveSystem(config, &scene, std::move(device), notify, {}) {}
 
-/// \param scene that another has read; null: it is read here
+/// \param scene loaded by another system; null: it is loaded here
 LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene* scene,
                        std::unique_ptr<HapticDevice> device, const Notify& notify, const Progress& progress)
     : notify_([notify](const std::string& line) {
@@ -124,13 +124,13 @@ void LiveSystem::read_scene(const Progress& progress) {
   scene_.materials_file = force.materials;
 }
 
-/// What another has read.
+/// Uses a scene that another system has loaded.
 void LiveSystem::take(const SharedScene& scene) {
   settings_.scene = scene.config;
   scene_ = followed_ = with_materials(scene, settings_.force);
 }
 
-/// Where its handle rests, and the scene where that is in reach.
+/// Determines where the giant's handle rests, and by default places the scene below that, within reach.
 void LiveSystem::place_giant() {
   home_ = rest_of_handle(giant_setup(settings_.device, settings_.loop.rate, stiffness_).chain);
   WorkspaceMap& map = settings_.device.map;
@@ -141,7 +141,7 @@ void LiveSystem::place_giant() {
       map.offset.x(), map.offset.y(), map.offset.z()));
 }
 
-/// Of a hand that explores.
+/// Plans the path of an exploring hand.
 void LiveSystem::find_way() {
   const std::string name = settings_.scene.name();
   try {
@@ -155,13 +155,13 @@ void LiveSystem::find_way() {
 
 Trajectory LiveSystem::explore(const SceneIndex& index, const LiveConfig& config) const {
   if (home_) return explore_room(index, config);
-  TouchPathOptions options;  // of a hand, whose way is that much longer in the world
+  TouchPathOptions options;  // limits of the hand, whose path is longer in the world by the scale
   options.speed *= config.device.map.scale;
   options.acceleration *= config.device.map.scale;
   return touch_path(index, EllipsoidLookup(index).all(), config.tool, options);
 }
 
-/// As far as a giant reaches.
+/// Plans a path within the reach of a giant.
 Trajectory LiveSystem::explore_room(const SceneIndex& index, const LiveConfig& config) const {
   if (!config.device.chain.empty()) throw Error("nobody knows how far {} reaches", config.device.chain);
   const WorkspaceMap& map = config.device.map;
@@ -176,7 +176,7 @@ Trajectory LiveSystem::explore_room(const SceneIndex& index, const LiveConfig& c
   return room_path(index, EllipsoidLookup(index).all(), config.tool, options).path;
 }
 
-/// Opens `device`, or the one that the configuration asks for.
+/// Opens `device`; null: creates the one of the configuration.
 void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
   const DeviceConfig& config = settings_.device;
   if (device == nullptr) {
@@ -204,7 +204,7 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
   open_device(*device_, [this](const std::string& line) { notify_("note: " + line); });
 }
 
-/// From here on the simulated hand goes to and fro on `path`.
+/// Makes the simulated hand move back and forth along `path` from now on.
 void LiveSystem::go(const Trajectory& path) {
   way_.back() = std::make_shared<const HandPath>(to_and_fro(path));
   way_.publish();
@@ -214,7 +214,7 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
                                                  const LiveConfig& settings,
                                                  const Materials& materials) const {
   ForceConfig force = settings.force;
-  force.proxy.stiffness = stiffness_;  // the rest is gain
+  force.proxy.stiffness = stiffness_;  // at gain 1; set_stiffness() sets the gain
   force.proxy.hand_scale = settings.device.map.scale;
   MakeAround around;
   if (touch_ != nullptr)
@@ -231,7 +231,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   ticks.period = 1.0 / settings_.loop.rate;
   ticks.map = settings_.device.map;
   if (dynamic_cast<const SimulatedDevice*>(device_.get()) != nullptr || home_) {
-    // It cannot freeze, but a client that leads its hand may hold perfectly still.
+    // A simulated reading never freezes, but a client that leads the hand may hold it perfectly still.
     ticks.limits = SafetyLimits::of(device_->capabilities(), ticks.period);
     ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
   }
@@ -253,7 +253,7 @@ void LiveSystem::stop() {
     ends_ = true;
   }
   wanted_.notify_all();
-  // First of all the force: what is being made ready may take a while to end.
+  // The force is stopped first: the changer thread may need a while to finish.
   if (loop_) loop_->stop();
   device_->close();
   if (changer_.joinable()) changer_.join();
@@ -282,7 +282,7 @@ Provenance LiveSystem::provenance(std::string_view command) const {
   {
     const std::scoped_lock lock(mutex_);
     config = settings_;
-    if (felt_) config.scene.path = felt_->path();  // another may be in the making
+    if (felt_) config.scene.path = felt_->path();  // the scene in settings_ may still be loading
     scene = scene_.origin;
   }
   Provenance known = palpate::provenance(command, scene, config, {kScene, kTool, kForce, kDevice, kLoop});
@@ -340,7 +340,7 @@ void LiveSystem::open_scene(const std::string& path) {
       &path);
 }
 
-/// \param path of another scene; null: the same
+/// \param path another scene; null: the same
 void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std::string* path) {
   {
     const std::scoped_lock lock(mutex_);
@@ -388,7 +388,7 @@ void LiveSystem::say(const std::string& busy) {
   ++version_;
 }
 
-/// Tells how far the reading of a scene is, in steps that a person can follow.
+/// Returns a callback that reports the loading of a scene, in steps that a person can follow.
 Progress LiveSystem::progress_of(const std::string& name) {
   return [this, name, told = -1](std::string_view stage, double fraction) mutable {
     constexpr int kSteps = 50;
@@ -398,7 +398,7 @@ Progress LiveSystem::progress_of(const std::string& name) {
   };
 }
 
-/// \param done what is felt already
+/// \param done settings that are in effect
 void LiveSystem::change_until_stopped(LiveConfig done) {
   std::uint64_t seen = 0;
   for (;;) {
@@ -421,7 +421,7 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     }
     if (!failure.empty()) next_.reset();
     lock.lock();
-    // What has been asked for meanwhile is not lost: it is tried next.
+    // Settings requested meanwhile are kept and applied next.
     if (!failure.empty() && settings_version_ == seen) settings_ = done;
     if (!failure.empty()) set_stiffness(done);
     message_ = failure;
@@ -439,14 +439,14 @@ void LiveSystem::set_stiffness(const LiveConfig& settings) {
   if (stiffness_ > 0.0) tick_->set_gain(stiffness / stiffness_);
 }
 
-/// Has the simulated hand explore another scene, or with another tool. A scene that is another size may be so
-/// far from it that the way would take minutes: then the tool is brought there.
+/// Makes the simulated hand explore another scene, or the scene with another tool. A scene of another size
+/// may be so far away that the way would take minutes: then the tool is moved there by the workspace map.
 void LiveSystem::lead_hand(const SceneIndex& index, const LiveConfig& wanted) {
   Trajectory path;
   try {
     path = explore(index, wanted);
   } catch (const Error&) {
-    // There is no place to touch by itself. A client may lead it to one.
+    // No place to touch was found; a client may lead the hand to one.
     if (index.size() > 0 && !home_) path.emplace_back().pose = waiting_place(index, wanted.tool);
   }
   if (!path.empty()) {
@@ -456,8 +456,8 @@ void LiveSystem::lead_hand(const SceneIndex& index, const LiveConfig& wanted) {
   let_hand_move();
 }
 
-/// To the beginning of its new way, without a force: else it would come out of what was put around it through
-/// its walls.
+/// Withholds the force while the hand moves to the beginning of its new path: otherwise the tool would be
+/// pushed through the walls of objects that now surround it.
 void LiveSystem::let_hand_move() {
   constexpr double kAgain = 5e-3;  // s
   const double until = monotonic_now() + kMoves;
@@ -469,7 +469,7 @@ void LiveSystem::let_hand_move() {
   }
 }
 
-/// The scene of `wanted`, of which as much is made anew as is not that of `now`.
+/// Returns the scene of `wanted`. Only what differs from `now` is built anew.
 SharedScene LiveSystem::read_again(const LiveConfig& wanted, const LiveConfig& now) {
   const SceneFilter& filter = wanted.scene.filter;
   const bool other_file = wanted.scene.path != now.scene.path;
@@ -497,13 +497,14 @@ SharedScene LiveSystem::read_again(const LiveConfig& wanted, const LiveConfig& n
   return next;
 }
 
-/// The scene of the other, once that is another; until it could be felt here, the one before.
+/// Returns the scene of the followed system if it is a new one, and the one of `wanted`; otherwise the active
+/// scene.
 SharedScene LiveSystem::taken_over(const LiveConfig& wanted, const SharedScene& followed) const {
   const bool other = followed.index != scene_.index && followed.config == wanted.scene;
   return other ? with_materials(followed, wanted.force) : scene_;
 }
 
-/// Makes what is new in `wanted`, on `scene`, has the loop feel it, and waits until it does.
+/// Builds what `wanted` changes, on `scene`, passes it to the loop, and waits until the loop uses it.
 void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const SharedScene& scene) {
   const bool other_scene = scene.index != scene_.index;
   const bool other_tool = wanted.tool != now.tool;
@@ -524,14 +525,14 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const Sh
   while (!tick_->is_used()) {
     sleep_until(monotonic_now() + kLook);
     const std::scoped_lock lock(mutex_);
-    if (ends_) return;  // both stay until the loop has stopped
+    if (ends_) return;  // both scenes are kept until the loop has stopped
   }
   {
     const std::scoped_lock lock(mutex_);
     felt_.swap(next_);
     scene_ = scene;
   }
-  next_.reset();  // what was felt before, with its worker
+  next_.reset();  // the previous scene, with its worker
   if (other_scene && on_scene) on_scene(scene);
 }
 

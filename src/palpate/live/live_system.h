@@ -51,8 +51,9 @@ class LiveSystem {
   /// Loads the scene, or generates the built-in one if the path is empty, and opens the device; waits for its
   /// calibration if one is needed. Owner's thread. \param device the caller's device; null: creates one of
   /// DeviceConfig::kind. Only DeviceConfig::map applies to the caller's device. \param notify receives
-  /// notices for the user, on the owner's thread; may be empty \throws Error for a scene, trajectory, tool or
-  /// material that cannot be read, or a device that cannot be opened.
+  /// notices for the user, on the owner's thread or, when the scene changes later, on a separate thread; may
+  /// be empty \throws Error for a scene, trajectory, tool or material that cannot be read, or a device that
+  /// cannot be opened.
   explicit LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device = nullptr,
                       const Notify& notify = {}, const Progress& progress = {});
   /// The same on a scene that another system has loaded, without a second copy in memory. The other system
@@ -111,7 +112,7 @@ class LiveSystem {
   std::string busy() const;
   /// Returns why the last change failed; empty if it succeeded or is still in progress.
   std::string message() const;
-  /// Returns a version number that changes with any of these four.
+  /// Returns a version number that changes with settings(), busy(), message() and felt().
   std::uint64_t version() const;
   /// Returns the active scene, kept alive by the returned pointer.
   std::shared_ptr<const FeltScene> felt() const;
@@ -119,7 +120,7 @@ class LiveSystem {
   /// Stops the force. A device of the admittance type is also brought to rest if ending the fault takes
   /// resume(). May also be called from signal handlers.
   void stop_force(Fault why = Fault::kEmergencyStop);
-  /// Clears the stops of stop_force(), except pauses and latched faults.
+  /// Clears the stops of stop_force(), pauses, and all other latched faults.
   void resume();
   /// Returns the loop's tick, whose governor stops and resumes the force; see ServoTick for its thread rules.
   ServoTick& tick() { return *tick_; }
@@ -182,7 +183,7 @@ class LiveSystem {
   Notify notify_;
   LoopClock clock_;
   ContactSearch contacts_;
-  double stiffness_;  ///< of gain 1. Unit: [N/m].
+  double stiffness_;  ///< stiffness at gain 1. Unit: [N/m].
   bool explores_ = false;
   Trajectory path_;  ///< in the world frame; of a playback, in the device frame
   /// Path of the simulated hand, world frame; written by one thread at a time.
@@ -190,19 +191,19 @@ class LiveSystem {
   ClientHand client_hand_;
   std::atomic<bool> moves_itself_ = true;
   double length_ = 0.0;
-  std::optional<Pose> home_;  ///< of a giant's handle, device's frame
+  std::optional<Pose> home_;  ///< rest pose of a giant's handle, device's frame
   bool owns_device_;          ///< the device is not the caller's
   std::string_view device_kind_;
   bool follows_;  ///< follows another system, which owns the scene
   MutualTouch* touch_ = nullptr;
-  std::size_t number_ = 0;  ///< there
+  std::size_t number_ = 0;  ///< index of this hand in *touch_
   std::unique_ptr<HapticDevice> device_;
-  std::optional<GuardedDevice> guarded_;  ///< the same, as the loop sees it
+  std::optional<GuardedDevice> guarded_;  ///< device_ as the loop sees it
   AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
   std::unique_ptr<ServoTick> tick_;
   std::unique_ptr<ServoLoop> loop_;
 
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable wanted_;
   LiveConfig settings_;   ///< device, loop and gateway never change
   SharedScene scene_;     ///< active scene; changed by the changer thread only
@@ -210,8 +211,8 @@ class LiveSystem {
   std::string busy_, message_;
   std::uint64_t version_ = 0, settings_version_ = 0;
   bool ends_ = false;
-  std::shared_ptr<FeltScene> felt_;  ///< changed by the changer's thread only
-  std::shared_ptr<FeltScene> next_;  ///< that thread's
+  std::shared_ptr<FeltScene> felt_;  ///< changed by the changer thread only
+  std::shared_ptr<FeltScene> next_;  ///< used by the changer thread only
   std::thread changer_;
 };
 

@@ -16,7 +16,7 @@ bool may_meet(const Eigen::Vector3d& a, double radius_a, const Eigen::Vector3d& 
 
 }  // namespace
 
-/// A model with what is felt of the others.
+/// A force model with the forces from the other hands added.
 class MutualTouch::Touching final : public ForceModel {
  public:
   Touching(MutualTouch& all, std::size_t hand, ForceModel& model, const Tool& tool, double stiffness)
@@ -93,7 +93,7 @@ void MutualTouch::push(std::size_t hand, const Place& own, ForceOutput& felt) {
     if (theirs.presence != from.presence) from.were_apart = false;
     from.presence = theirs.presence;
     if (theirs.presence == 0) continue;
-    // In one order, so that both find the same contact to the last bit.
+    // In a fixed order, so that both hands find the same contact to the last bit.
     const bool is_low = hand < other;
     const bool meet = push_pair(is_low ? own : theirs, is_low ? theirs : own, is_low ? 1.0 : -1.0,
                                 from.were_apart, own.pose, felt);
@@ -101,8 +101,8 @@ void MutualTouch::push(std::size_t hand, const Place& own, ForceOutput& felt) {
   }
 }
 
-/// Adds what the tool at `handle` feels. \param sign 1: that is `low`; -1: it is `high` \param pushes false:
-/// only looks \returns true where they overlap.
+/// Adds the wrench on the tool at `handle`. \param sign 1: that tool is `low`; -1: it is `high` \param pushes
+/// false: only tests for overlap \returns true if the tools overlap.
 bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bool pushes, const Pose& handle,
                             ForceOutput& felt) {
   if (!may_meet(low.pose.position, low.radius, high.pose.position, high.radius)) return false;

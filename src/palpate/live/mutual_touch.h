@@ -48,7 +48,7 @@ class MutualTouch {
   struct Place {
     Pose pose;                   ///< X_WT
     const Tool* tool = nullptr;  ///< from kept_
-    double radius = 0.0;         ///< of it. Unit: [m].
+    double radius = 0.0;         ///< Tool::radius() of it. Unit: [m].
     double stiffness = 0.0;      ///< Unit: [N/m].
     std::uint64_t presence = 0;  ///< from 1, changes whenever the hand returns; 0: absent
   };
@@ -71,8 +71,8 @@ class MutualTouch {
   std::size_t hands_;
   std::unique_ptr<Link[]> links_;        ///< hands_ x hands_, the diagonal unused
   std::vector<std::uint64_t> presence_;  ///< used by each hand's thread: its last Place::presence
-  std::vector<std::uint8_t> is_there_;   ///< likewise
-  std::mutex mutex_;                     ///< of what follows
+  std::vector<std::uint8_t> is_there_;   ///< used by each hand's thread: whether the hand is present
+  std::mutex mutex_;                     ///< guards the members below
   std::deque<Tool> kept_;  ///< all tools so far: a hand may still read one that the other has replaced
 };
 

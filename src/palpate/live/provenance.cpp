@@ -24,7 +24,7 @@ std::string table(std::string_view name, const std::vector<SettingText>& items) 
   return text;
 }
 
-/// As it is where that is a number, true or false to TOML, too; else as text.
+/// Returns `text` unchanged if TOML also reads it as a number, true or false; otherwise as a TOML string.
 std::string toml_value(const std::string& text) {
   if (!nlohmann::json::accept(text)) return toml_quoted(text);
   const nlohmann::json value = nlohmann::json::parse(text);

@@ -18,7 +18,7 @@ J value_json(const std::string& value) {
   if (J::accept(value)) return J::parse(value);
   std::string_view text = value;
   if (text.starts_with(kLiteral)) {
-    text.remove_prefix(kLiteral.size() + 1);  // with its first line break, which is no part of it
+    text.remove_prefix(kLiteral.size() + 1);  // and the first line break, which TOML drops
     text.remove_suffix(kLiteral.size());
   }
   return text;

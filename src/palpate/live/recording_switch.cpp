@@ -40,7 +40,7 @@ void RecordingSwitch::begin(std::function<std::string()> made, Done done) {
              });
 }
 
-/// Elsewhere.
+/// Called on the Elsewhere thread.
 std::string RecordingSwitch::next_in_own_folder() {
   if (folder_.empty()) {
     std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
@@ -51,7 +51,7 @@ std::string RecordingSwitch::next_in_own_folder() {
   return fmt::format("{}/recording-{}.csv", folder_, ++count_);
 }
 
-/// Elsewhere: the recorder's own thread is then as ordinary as that one.
+/// Called on the Elsewhere thread: the recorder's thread inherits its normal priority.
 void RecordingSwitch::make(Job& job) {
   try {
     job.path = place_ ? place_() : next_in_own_folder();
@@ -60,7 +60,7 @@ void RecordingSwitch::make(Job& job) {
     job.recorder = std::make_unique<Recorder>(job.path, options);
   } catch (const Error& error) {
     job.failure = error.what();
-  } catch (const std::exception& error) {  // there is no such folder, no thread, or no memory
+  } catch (const std::exception& error) {  // no temporary folder, thread or memory
     job.failure = fmt::format("cannot record: {}", error.what());
   }
 }
@@ -80,10 +80,10 @@ void RecordingSwitch::end(Done done) {
              });
 }
 
-/// Elsewhere.
+/// Called on the Elsewhere thread.
 void RecordingSwitch::finish(Job& job) {
-  // A tick that is under way may still use it; one that begins now does not. If none ends in time, because
-  // the loop stands still, nobody knows, and it is kept.
+  // A tick in progress may still use the recorder; one that begins now does not. If no tick ends in time, as
+  // in a loop that hangs, the recorder may be in use and is kept.
   constexpr double kPatience = 0.1, kLook = 1e-3;  // s
   const std::uint64_t seen = ticks_.load(std::memory_order_acquire);
   const double until = monotonic_now() + kPatience;

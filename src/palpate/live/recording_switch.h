@@ -97,7 +97,7 @@ class RecordingSwitch final : public TickObserver {
   std::vector<std::unique_ptr<Recorder>> retired_;  ///< possibly still in use by a tick
   std::thread maker_;
 
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   Recorded recorded_;
 };
 

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-// What a handler may touch.
+// State that signal handlers access.
 std::atomic<bool> ends = false;
 std::atomic<const std::vector<LiveSystem*>*> stoppable = nullptr;
 static_assert(decltype(stoppable)::is_always_lock_free);
@@ -26,7 +26,7 @@ extern "C" void end_run(int) {
   stop_for(Fault::kPaused);
 }
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
-/// The last thing that is done.
+/// Stops the devices, then terminates the program by the same signal.
 extern "C" void die(int signal) {
   for_all([](LiveSystem& system) { system.tick().stall(); });
   std::signal(signal, SIG_DFL);

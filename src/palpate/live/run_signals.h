@@ -16,7 +16,8 @@ class RunSignals {
  public:
   /// `systems` must outlive it. \pre they have started
   explicit RunSignals(std::vector<LiveSystem*> systems);
-  /// Resets the handlers to the default: signals that ended the run now end the program.
+  /// Resets the handlers to the default, so that signals that ended the run now end the program; USR1, PIPE
+  /// and XFSZ are ignored from then on.
   ~RunSignals();
   RunSignals(const RunSignals&) = delete;
   RunSignals& operator=(const RunSignals&) = delete;

@@ -19,11 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 1;  // folders below one that was given
+constexpr int kDeepest = 1;  // levels of folders below a configured one
 constexpr const char* kBuiltIn = "built-in";
 constexpr const char* kFirst = "first";
 constexpr std::array<std::string_view, 2> kReadable{".ply", ".splat"};
-/// Of other scenes and models, which converters read.
+/// Extensions of other scene and model formats, which converters read.
 constexpr std::array<std::string_view, 8> kForeign{".spz",  ".sog", ".ksplat", ".glb",
                                                    ".gltf", ".lcc", ".usdz",   ".obj"};
 
@@ -38,7 +38,7 @@ bool is_one_of(std::string_view extension, const auto& all) {
   return std::find(all.begin(), all.end(), extension) != all.end();
 }
 
-/// A name that is safe in a folder, whatever a browser calls the file: its letters, digits, dots, dashes.
+/// Returns a safe file name: letters, digits, dots, dashes and underscores are kept, all else becomes '_'.
 std::string tame(std::string_view name) {
   constexpr std::size_t kLongest = 80;
   std::string result;
@@ -46,7 +46,7 @@ std::string tame(std::string_view name) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == '_';
     result.push_back(plain ? c : '_');
   }
-  if (result.size() > kLongest) result.erase(0, result.size() - kLongest);  // its extension stays
+  if (result.size() > kLongest) result.erase(0, result.size() - kLongest);  // keeps the extension
   return result;
 }
 
@@ -111,7 +111,7 @@ std::vector<SceneLibrary::Found> SceneLibrary::find() const {
       const std::string extension = lower_extension(at->path().filename().string());
       const bool readable = is_one_of(extension, kReadable);
       if (!readable && !is_one_of(extension, kForeign)) continue;
-      const fs::path whole = fs::canonical(at->path(), skipped);  // a link may lead elsewhere
+      const fs::path whole = fs::canonical(at->path(), skipped);  // a link may point to another folder
       if (skipped || !is_inside(folders_[k], whole) || !fs::is_regular_file(whole, skipped)) continue;
       const std::string name = at->path().lexically_relative(folders_[k]).string();
       found.push_back(
@@ -149,11 +149,11 @@ std::string SceneLibrary::place_for(std::string_view name, std::uint64_t bytes) 
     own_ = pattern;
   }
   const std::uint64_t free = fs::space(own_).available;
-  // The index beside it takes about as much again.
+  // The index file takes about as much again.
   if (free < kRoom || (free - kRoom) / 2 < bytes)
     throw Error("there is no room for {} ({} MB) in {}; open it from a folder of --scenes", tame(name),
                 bytes >> 20U, own_.parent_path().string());
-  // A folder of its own: the name stays, and two of one name do not meet.
+  // A folder per upload: the name is kept, and equal names do not collide.
   const fs::path folder = own_ / std::to_string(++count_);
   fs::create_directory(folder);
   return (folder / tame(name)).string();

@@ -56,11 +56,11 @@ class SceneLibrary {
   };
   std::vector<Found> find() const;
 
-  std::vector<std::filesystem::path> folders_;  ///< without links
+  std::vector<std::filesystem::path> folders_;  ///< canonical paths
   std::string first_;
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::filesystem::path own_;
-  std::size_t count_ = 0;            ///< of upload paths assigned so far
+  std::size_t count_ = 0;            ///< number of upload paths assigned so far
   std::vector<std::string> handed_;  ///< uploaded files, the newest last
 };
 

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// An option to paste, empty if nothing needs to be set, and why.
+/// A command-line option to paste (empty if nothing needs to be set), and the reason.
 struct Line {
   std::string option, reason;
 };

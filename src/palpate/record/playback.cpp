@@ -19,12 +19,13 @@ double microseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-/// Poses a thread whose contacts are held at once: as few as keep all threads busy. The contacts of a crowded
-/// pose take 270 KB, so that those of thousands would be in memory that nobody has touched before, which
-/// costs twice what finding them does; those of a few stay in the cache until the force model has seen them.
+/// Number of poses per thread whose contacts are in memory at once: just enough to keep all threads busy. The
+/// contacts of a crowded pose take 270 KB. Those of thousands of poses would be in memory not touched before,
+/// which costs twice as much as finding them; those of a few stay in the cache until the force model has read
+/// them.
 constexpr std::size_t kPosesPerThread = 4;
 
-/// Poses from one report of progress to the next.
+/// Number of poses between two progress reports.
 constexpr std::size_t kReportEvery = 4096;
 
 }  // namespace

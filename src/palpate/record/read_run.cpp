@@ -1,4 +1,4 @@
-// Runs from files: a day at 1 kHz is 86 million rows in 50 GB, of which somebody wants to see a minute.
+// Reading of runs. A day at 1 kHz is 86 million rows in 50 GB, of which often just a minute is wanted.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,17 +12,17 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint64_t kBlock = std::uint64_t{1} << 16;  // read through sooner than searched. Unit: [bytes].
+constexpr std::uint64_t kBlock = std::uint64_t{1} << 16;  // shorter ranges are not bisected. Unit: [bytes].
 
-constexpr std::size_t kSample = 1000;  // rows that tell how long a row is
+constexpr std::size_t kSample = 1000;  // number of rows from which the length of a row is estimated
 
-/// A column of a run, and which of the file's it is.
+/// A column of a run, and its index in the file.
 struct Source {
   RunColumn column;
   std::size_t index;
 };
 
-/// The groups that the file has something of.
+/// Returns the groups of which the file has a column.
 RunGroups groups_of(const CsvHeader& header) {
   RunGroups groups;
   for (const RunColumn& column : run_columns()) {
@@ -37,7 +37,7 @@ class RunReader {
  public:
   explicit RunReader(const std::string& path) : csv_(path, CsvReader::LastLine::kMaybeCut) {
     take_run_words(csv_);
-    next();  // what is no table at all is told by its first row rather than by a missing column
+    next();  // reports a file that is not a table by its first row rather than by a missing column
     const RunGroups groups = groups_of(csv_.header());
     live_ = groups.live;
     for (const RunColumn& column : run_columns(groups)) {
@@ -68,21 +68,21 @@ class RunReader {
   std::vector<Source> sources_;
   bool live_ = false;
   bool cut_ = false;
-  Values values_;  ///< of the row that is next
+  Values values_;  ///< next row; empty at the end
 };
 
-/// A recording has whole lines, so that one without an end is cut, though what is left of its last number is
-/// one.
+/// Drops a truncated last row. A recording is written in whole lines, so that a line without a terminator is
+/// truncated even if the rest of its last number is a number.
 void RunReader::drop_if_cut() {
   cut_ = csv_.cut() || (values_ && live_ && !csv_.terminated());
   if (cut_) values_.reset();
 }
 
-/// Goes to a row before which none is at `from` or later, by bisection. \pre the row that is next is before
+/// Moves by bisection to a row shortly before the first one at `from` or later. \pre the next row is before
 /// `from`
 void RunReader::find(double from) {
-  std::uint64_t low = csv_.row_start();  // where a row before `from` starts
-  std::uint64_t high = csv_.size();      // behind which no row is before `from`
+  std::uint64_t low = csv_.row_start();  // start of a row before `from`
+  std::uint64_t high = csv_.size();      // no row that begins after this is before `from`
   while (low + kBlock < high) {
     const std::uint64_t middle = low + (high - low) / 2;
     csv_.seek(middle);
@@ -93,7 +93,7 @@ void RunReader::find(double from) {
       high = middle;
     }
   }
-  csv_.seek(low - 1);  // the end of the line before it
+  csv_.seek(low - 1);  // terminator of the previous line
   next();
 }
 
@@ -110,8 +110,8 @@ RunRow RunReader::row() const {
   return made;
 }
 
-/// For the rest of the file, which begins with `rows` at byte `start`: growing step by step takes twice the
-/// memory.
+/// Reserves memory for the rest of the file, estimated from `rows`, which begin at byte `start`: growing
+/// stepwise takes twice the memory.
 void RunReader::make_room(std::vector<RunRow>& rows, std::uint64_t start, std::size_t most) const {
   const std::uint64_t row_bytes = (csv_.row_start() - start) / rows.size();
   rows.reserve(std::min<std::uint64_t>(most, (csv_.size() - start) / row_bytes + 1));
@@ -141,7 +141,7 @@ Run RunReader::read(const RunWindow& window, const Progress& progress) {
   return run;
 }
 
-/// \param first time in the window
+/// \param first time of the first row in the window
 void RunReader::refuse_many(const RunWindow& window, double first) {
   double last = time();
   csv_.seek(std::max(csv_.row_start(), csv_.size() - std::min(csv_.size(), kBlock)));

@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kTextBytes = std::size_t{1} << 16;  // at once to the system
-constexpr std::size_t kLineBytes = 2048;                  // above any line's
+constexpr std::size_t kTextBytes = std::size_t{1} << 16;  // size of a write to the file
+constexpr std::size_t kLineBytes = 2048;                  // upper bound of a line
 
-/// \param columns of the recording
+/// Returns the row with 0 in place of values that are not finite. \param columns of the recording
 RunRow finite(const RunRow& row, const std::vector<RunColumn>& columns) {
   RunRow made = row;
   for (const RunColumn& column : columns) {
@@ -41,7 +41,7 @@ Recorder::Recorder(const std::string& path, const RecorderOptions& options)
 Recorder::~Recorder() { close(); }
 
 bool Recorder::push(const RunRow& row) noexcept {
-  const bool follows = row.t > last_t_ && row.t <= std::numeric_limits<double>::max();  // NaN does not
+  const bool follows = row.t > last_t_ && row.t <= std::numeric_limits<double>::max();  // false for NaN
   if (!follows || !accepts_.load(std::memory_order_relaxed) || !ring_.push(row)) {
     refused_.fetch_add(1, std::memory_order_relaxed);
     return false;
@@ -67,7 +67,7 @@ std::optional<std::string> Recorder::failure() const {
 }
 
 void Recorder::write_until_closed() {
-  // Signals are for other threads; that of a file beyond its limit would kill the process before write()
+  // Other threads handle signals. SIGXFSZ, at the file size limit, would terminate the process before write()
   // fails.
   sigset_t all;
   ::sigfillset(&all);
@@ -119,7 +119,7 @@ void Recorder::flush() {
   text_.clear();
 }
 
-/// The first reason is the one to tell.
+/// Keeps the first reason, which is the one to report.
 void Recorder::fail(const std::string& why) {
   failed_ = true;
   accepts_.store(false, std::memory_order_relaxed);

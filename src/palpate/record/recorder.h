@@ -84,8 +84,8 @@ class Recorder {
   SpscRing<RunRow> ring_;
   double last_t_ = -std::numeric_limits<double>::infinity();  ///< time of the last row pushed. Unit: [s].
   std::atomic<bool> accepts_ = true;
-  std::atomic<std::uint64_t> refused_ = 0;    ///< by push()
-  std::atomic<std::uint64_t> unwritten_ = 0;  ///< by the writer
+  std::atomic<std::uint64_t> refused_ = 0;    ///< rows rejected by push()
+  std::atomic<std::uint64_t> unwritten_ = 0;  ///< rows that the writer could not write
   std::atomic<std::uint64_t> written_ = 0;
 
   std::string text_;     ///< lines not yet in the file; writer thread only

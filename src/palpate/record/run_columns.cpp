@@ -13,7 +13,7 @@ namespace {
 
 using enum ColumnGroup;
 
-/// \param field a lambda without captures that gives the place of the value in a row.
+/// \param field a captureless lambda that returns a reference to the value in a row.
 template <typename Field>
 constexpr RunColumn column(ColumnGroup group, std::string_view name, std::string_view unit,
                            std::string_view help, Field, int digits = 7) {
@@ -33,7 +33,7 @@ constexpr RunColumn count(std::string_view name, std::string_view unit, std::str
   return made;
 }
 
-/// One of `words`.
+/// Returns the column with integers that files write as one of `words`.
 RunColumn worded(RunColumn made, std::string_view what, std::span<const std::string_view> words) {
   made.whole_number = what;
   made.most = static_cast<double>(words.size() - 1);
@@ -41,7 +41,7 @@ RunColumn worded(RunColumn made, std::string_view what, std::span<const std::str
   return made;
 }
 
-/// Added once there were recordings.
+/// Marks a column that recordings of earlier versions lack.
 constexpr RunColumn later(RunColumn made) {
   made.may_lack = true;
   return made;
@@ -55,7 +55,7 @@ Eigen::Vector3d& user(RunRow& row) {
   return row.user_force ? *row.user_force : row.user_force.emplace(Eigen::Vector3d::Zero());
 }
 
-// A line a column.
+// One line per column.
 // clang-format off
 const LiveColumns& live(const RunRow& row) {
   static const LiveColumns none;
@@ -65,7 +65,7 @@ LiveColumns& live(RunRow& row) { return row.live ? *row.live : row.live.emplace(
 
 constexpr std::size_t kStateCount = static_cast<std::size_t>(GovernorState::kStopped) + 1;
 
-/// to_string() of a governor's states.
+/// Names of the governor's states, by to_string().
 std::span<const std::string_view> state_words() {
   static const auto words = [] {
     std::array<std::string_view, kStateCount> all;

@@ -14,10 +14,10 @@
 namespace palpate {
 namespace {
 
-// What no hand does, but a damaged file may; inside these bounds every velocity is a finite number.
+// Bounds that no hand exceeds, but a damaged file may; within them every velocity is finite.
 constexpr double kMaxTime = 1e12;      // s
 constexpr double kMinTimeStep = 1e-9;  // s
-constexpr double kMaxDeviation = 0.1;  // of a quaternion's norm from 1; more is not a rounding error
+constexpr double kMaxDeviation = 0.1;  // of a quaternion's norm from 1; more is no rounding error
 
 Eigen::Quaterniond orientation_of(const CsvTable& table, std::size_t row,
                                   const std::array<std::size_t, 4>& columns) {
@@ -46,7 +46,7 @@ Pose pose_at(const Trajectory& trajectory, double t) {
 
 Trajectory read_trajectory(const std::string& path) {
   CsvReader reader(path);
-  take_run_words(reader);  // of a recording, whose further columns are ignored
+  take_run_words(reader);  // a recording has words in further columns, which are ignored
   const CsvTable table = read_csv(reader);
   const std::array<std::size_t, 4> txyz{table.column("t"), table.column("x"), table.column("y"),
                                         table.column("z")};

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// A figure of every pose that touches something, or of those that do not.
+/// Collects a figure of the poses in contact, or of those without contact.
 template <typename T, typename U>
 std::vector<T> collect(const std::vector<PoseFigures>& poses, bool touching, U PoseFigures::*figure) {
   std::vector<T> values;
@@ -33,7 +33,7 @@ Spread spread_of(const BenchFigures& figures, std::size_t PoseFigures::*size) {
   return {static_cast<std::size_t>(quantile(values, 0.5)), static_cast<std::size_t>(quantile(values, 1.0))};
 }
 
-/// What a pose goes through, last stage first.
+/// A stage of a query, last stage first.
 struct Stage {
   const char* key;
   const char* name;

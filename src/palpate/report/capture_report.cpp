@@ -83,7 +83,8 @@ bool is_shown(const Column& column, const std::vector<CaptureRow>& rows) {
   return std::ranges::any_of(rows, [&](const CaptureRow& row) { return !std::isnan(column.value(row)); });
 }
 
-/// How wrong a push is: how far its force begins from the seen surface, or farther than any if it never does.
+/// Error of a push: distance from the seen surface to where its force begins; above all others if it never
+/// does.
 double error_of(const CapturePush& push) {
   return push.onset ? std::abs(*push.onset) : std::numeric_limits<double>::max();
 }
@@ -181,7 +182,7 @@ Plot capture_path_plot(const std::string& name, const CapturePush& push,
   constexpr int kCorners = 72;
   const Ellipsoid solid = tool.parts().front().at({touch, Eigen::Quaterniond::Identity()});
   for (int k = 0; k <= kCorners; ++k) {
-    // The silhouette from across the plane.
+    // Silhouette of the tool, viewed along the normal of the plane.
     const double angle = 2.0 * std::numbers::pi * k / kCorners;
     const Eigen::Vector3d out = std::cos(angle) * aside + std::sin(angle) * aim.along;
     const Eigen::Vector3d n = solid.axes.transpose() * out;

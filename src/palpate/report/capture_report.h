@@ -24,33 +24,33 @@ struct CaptureRow {
   std::vector<CapturePush> pushes;
 };
 
-/// Pushes along all aims, and slides along the first so many of them. \param model its name
+/// Runs a push along each aim, and a slide along each of the first `slides` of them. \param model its name
 CaptureRow capture_row(const std::string& model, CaptureEvaluation& evaluation,
                        const std::vector<CaptureAim>& aims, std::size_t slides,
                        const Progress& progress = {});
 
-/// The poses of a push, 1 ms each.
+/// Poses of the tool in a push, 1 ms apart.
 Trajectory capture_trajectory(const std::vector<CaptureTick>& ticks);
 
-/// The figures of a row, whose headings say what they are.
+/// Columns of a row; their headings define the figures.
 const std::vector<FigureColumn<CaptureRow>>& capture_columns();
 
 /// \name All rows
 /// @{
-std::string capture_text(const std::vector<CaptureRow>& rows);  ///< a table for a terminal, a column a row
+std::string capture_text(const std::vector<CaptureRow>& rows);  ///< a text table, one column per row
 OrderedJson capture_json(const std::vector<CaptureRow>& rows);
 std::string capture_csv(const std::vector<CaptureRow>& rows);
-std::string capture_html(const std::vector<CaptureRow>& rows);  ///< a table for page_document()
+std::string capture_html(const std::vector<CaptureRow>& rows);  ///< an HTML table for page_document()
 /// @}
 
-/// Numbers of the worst five pushes, the worst first: whose force begins farthest from the seen surface.
+/// Indices of the five worst pushes, worst first: those whose force begins farthest from the seen surface.
 std::vector<std::size_t> worst_pushes(const std::vector<CapturePush>& pushes);
 
-/// Seen surface, tool and proxy in the plane of the push that has most of what is aside in it.
+/// Plots seen surface, tool and proxy in a plane through the push.
 Plot capture_path_plot(const std::string& name, const CapturePush& push,
                        const std::vector<CaptureTick>& ticks, const SeenSurface& seen, const Tool& tool);
 
-/// Force over depth, in and back. \param stiffness Unit: [N/m].
+/// Plots force over depth, on the way in and back. \param stiffness Unit: [N/m].
 Plot capture_force_plot(const std::string& name, const std::vector<CaptureTick>& ticks, double stiffness);
 
 }  // namespace palpate

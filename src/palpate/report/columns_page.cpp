@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-/// A column or a field; `name` may stand for all below it.
+/// A column or a field; the `name` of an object may stand for all its fields.
 struct Named {
   std::string_view name, unit, help;
 };
@@ -342,7 +342,7 @@ std::string_view presence(const RunColumn& column) {
   }
 }
 
-/// The page, as it grows.
+/// Builds the page.
 class Page {
  public:
   void all() {
@@ -417,7 +417,7 @@ class Page {
     }
   }
 
-  /// Of a table for people, whose note says what its columns are.
+  /// Appends the columns of a printed table, whose note explains them.
   void section_rows(std::string_view prefix, const EvaluationSection& section) {
     for (const EvaluationColumn& column : section.columns)
       print("| `{}{}` | in the name | {}: {} |\n", prefix, column.name, section.title, column.heading);

@@ -17,7 +17,7 @@ using Style = PlotSeries::Style;
 
 constexpr double kToMm = 1e3;
 
-/// The values of `member` in the order in which they first occur.
+/// Returns the distinct values of `member`, in order of first occurrence.
 template <class Member>
 auto distinct(const Rows& rows, Member member) {
   std::vector<std::decay_t<decltype(rows.front().*member)>> values;
@@ -32,7 +32,7 @@ int index_of(const Values& values, const Value& value) {
   return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
 }
 
-/// Draws a row's figures: the same model in the same colour everywhere.
+/// Draws the figures; a model has the same colour in all of them.
 class Figures {
  public:
   Figures(const Rows& rows, double stiffness)
@@ -132,7 +132,7 @@ class Figures {
     double most = 0.0;
     for (const EvaluationRow& row : rows_) {
       if (row.spacing != spacings_.front() || row.friction_at.empty()) continue;
-      if (plot.series.size() == PlotSeries::kColors) break;  // more could not be told apart
+      if (plot.series.size() == PlotSeries::kColors) break;  // no further colours
       const int color = static_cast<int>(plot.series.size());
       PlotSeries dots{fmt::format("{}, {}", row.model, row.shape), Style::kDots, color, {}};
       for (const auto& [set, measured] : row.friction_at) {
@@ -183,10 +183,10 @@ class Figures {
 
   int color_of(const std::string& model) const { return index_of(models_, model) % PlotSeries::kColors; }
 
-  /// A line of its own for every model and spacing, of what is within `shown` mm.
+  /// Adds a line for the model and spacing of `row`, for positions within `shown` mm.
   void draw_crossing(Plot& plot, const EvaluationRow& row, const Curve& curve, double shown) const {
     if (curve.empty()) return;
-    // The first in its model's colour, the others in colours that no model has, as long as there are some.
+    // The first line has its model's colour; further ones take colours of no model as long as there are some.
     const int color = (PlotSeries::kColors + color_of(row.model) - static_cast<int>(plot.series.size())) %
                       PlotSeries::kColors;
     PlotSeries line{fmt::format("{}, {:.3g} mm", row.model, kToMm * row.spacing), Style::kLine, color, {}};
@@ -197,7 +197,7 @@ class Figures {
     plot.series.push_back(std::move(line));
   }
 
-  /// Calls `visit(row, series)` for each model on what is shown.
+  /// Calls `visit(row, series)` for each row of the shape and spacing that are shown.
   template <class Visit>
   void for_shown(const Visit& visit) const {
     for (const EvaluationRow& row : rows_) {
@@ -207,7 +207,7 @@ class Figures {
     }
   }
 
-  /// Dots at one place stand beside each other.
+  /// Shifts the series sideways, so that dots at one position are beside each other.
   static void set_apart(Plot& plot, double distance) {
     const double middle = 0.5 * (static_cast<double>(plot.series.size()) - 1.0);
     for (std::size_t i = 0; i < plot.series.size(); ++i) {

@@ -10,11 +10,11 @@
 
 namespace palpate {
 
-/// Shown are the first shape and spacing, where there is a choice. \pre rows is not empty.
-/// \param stiffness that proxy and field promise. Unit: [N/m].
+/// Figures of all rows or, where that is too many, of the first shape and spacing. \pre rows is not empty.
+/// \param stiffness nominal stiffness of the models proxy and field. Unit: [N/m].
 std::vector<Plot> evaluation_figures(const std::vector<EvaluationRow>& rows, double stiffness);
 
-/// A whole page that needs no network. `setup` says in a sentence what was done. \param made see
+/// Returns a self-contained HTML page. \param setup a sentence that describes the experiment \param made see
 /// page_document()
 std::string evaluation_page(const std::vector<EvaluationRow>& rows, const std::vector<Plot>& figures,
                             const std::string& setup, const std::string& made);

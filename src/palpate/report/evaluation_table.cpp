@@ -121,7 +121,7 @@ Section timed() {
            {"tick_p99.9_us", "p99.9", kUs, [](const Row& r) { return r.figures.tick.p999; }}}};
 }
 
-/// Of a column of the table, in characters.
+/// Width of a column of the printed table, in characters.
 std::size_t width_of(const Column& column) {
   constexpr std::size_t kNarrowest = 7;
   return std::max(kNarrowest, std::string_view(column.heading).size());

@@ -13,16 +13,16 @@
 
 namespace palpate {
 
-/// One model on one shape at one spacing.
+/// Results of one model on one shape at one spacing.
 struct EvaluationRow {
   std::string shape, model;
   double spacing;  ///< Unit: [m].
   Evaluation figures;
-  std::optional<StepResponse> step = {};        ///< where the shape is `step`
+  std::optional<StepResponse> step = {};        ///< if the shape is `step`
   std::optional<StepResponse> clean_step = {};  ///< the same without noise
-  std::optional<EdgeResponse> edge = {};        ///< where it is `box`
-  Curve friction_at = {};                       ///< over the coefficient; empty if the model has none
-  std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; not there itself
+  std::optional<EdgeResponse> edge = {};        ///< if the shape is `box`
+  Curve friction_at = {};                       ///< over the nominal coefficient; empty without friction
+  std::optional<Spread> denser = {};            ///< |F| over that at the first spacing; unset at the first
 };
 
 /// Runs all measurements for the shape of `setup`. \param model its name
@@ -34,10 +34,10 @@ void compare_densities(std::vector<EvaluationRow>& rows, double first_spacing);
 
 using EvaluationColumn = FigureColumn<EvaluationRow>;
 
-/// A table of some columns for people, with the rows that have something in it.
+/// A printed table of some columns, and of the rows that have values in them.
 struct EvaluationSection {
   const char* title;
-  const char* note;  ///< what the figures are, in a few lines
+  const char* note;  ///< explanation of the figures, in a few lines
   std::vector<EvaluationColumn> columns;
 
   bool has(const EvaluationRow& row) const;
@@ -48,10 +48,10 @@ const std::vector<EvaluationSection>& evaluation_sections();
 
 std::string evaluation_text(const std::vector<EvaluationRow>& rows);
 
-/// One object a row, with the columns, and the curves of what was measured along a way.
+/// Returns one object per row: all columns, and the curves measured along a path.
 OrderedJson evaluation_json(const std::vector<EvaluationRow>& rows);
 
-/// One line a row.
+/// Returns one line per row.
 std::string evaluation_csv(const std::vector<EvaluationRow>& rows);
 
 }  // namespace palpate

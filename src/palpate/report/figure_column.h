@@ -21,14 +21,14 @@ struct FigureColumn {
   double (*value)(const Row&);  ///< NaN if there is none
 };
 
-/// The text of a figure, or a dash where there is none.
+/// Formats a figure; a dash if there is none.
 template <class Row>
 std::string text_of(const FigureColumn<Row>& column, const Row& row) {
   const double value = column.value(row);
   return std::isnan(value) ? "-" : fmt::format(fmt::runtime(column.format), value);
 }
 
-/// Adds the row's figures to an object; null where there is none.
+/// Adds the row's figures to an object; null if there is none.
 template <class Row>
 void put_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row, OrderedJson& json) {
   for (const FigureColumn<Row>& column : columns) {
@@ -37,7 +37,7 @@ void put_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row, 
   }
 }
 
-/// The names for the first line of CSV, each after a comma.
+/// Returns the column names for the first line of CSV, each preceded by a comma.
 template <class Row>
 std::string csv_names(const std::vector<FigureColumn<Row>>& columns) {
   std::string text;
@@ -45,7 +45,7 @@ std::string csv_names(const std::vector<FigureColumn<Row>>& columns) {
   return text;
 }
 
-/// The row's figures for a line of CSV, each after a comma; nothing where there is none.
+/// Returns the row's figures for a line of CSV, each preceded by a comma; empty if there is none.
 template <class Row>
 std::string csv_figures(const std::vector<FigureColumn<Row>>& columns, const Row& row) {
   std::string text;

@@ -12,7 +12,7 @@ namespace palpate {
 
 LogHistogram::LogHistogram(const std::vector<double>& values, std::size_t bins)
     : total_(values.size()), counts_(bins) {
-  constexpr double kLeastRatio = 4.0;  // of the ends of the axis: some round number is always between
+  constexpr double kLeastRatio = 4.0;  // least ratio of the axis ends, so that a round number is between them
   const auto [least, largest] = std::minmax_element(values.begin(), values.end());
   const double widen = std::max(1.0, std::sqrt(kLeastRatio * *least / *largest));
   low_ = *least / widen;
@@ -36,7 +36,7 @@ std::string histogram_text(const std::vector<double>& times) {
   std::string text;
   for (std::size_t i = 0; i < kBins; ++i) {
     const std::size_t n = histogram.count(i);
-    const std::size_t bar = (n * kWidth + histogram.most() - 1) / histogram.most();  // what is there is seen
+    const std::size_t bar = (n * kWidth + histogram.most() - 1) / histogram.most();  // at least one '#'
     fmt::format_to(std::back_inserter(text), "{:>9.3g} to {:>8.3g} us {:>9}  {}\n", histogram.edge(i),
                    histogram.edge(i + 1), n, std::string(bar, '#'));
   }
@@ -45,11 +45,11 @@ std::string histogram_text(const std::vector<double>& times) {
 
 namespace {
 
-// The picture, in pixels.
+// Geometry of the picture, in pixels.
 constexpr double kWidth = 860, kHeight = 440;
-constexpr double kLeft = 70, kRight = 840, kTop = 132, kBottom = 380;  // of the plot
+constexpr double kLeft = 70, kRight = 840, kTop = 132, kBottom = 380;  // of the plot area
 constexpr std::size_t kBins = 77;                                      // ten pixels each
-constexpr double kMarkRow = 17;  // one mark's name above the other, so that close ones can be read
+constexpr double kMarkRow = 17;  // row height of mark names, one per row, so that close ones are legible
 
 constexpr const char* kStyle =
     "text{font:13px system-ui,'Segoe UI',Helvetica,Arial,sans-serif;fill:#333}"
@@ -57,7 +57,7 @@ constexpr const char* kStyle =
     ".bar{fill:#4c78a8}.mark{stroke:#b22222;stroke-dasharray:4 "
     "3}.name{fill:#b22222;stroke:#fff;stroke-width:5px;paint-order:stroke}";
 
-/// One plot: where values go, and what is drawn so far.
+/// Coordinate mapping of a plot, and the SVG drawn so far.
 class Plot {
  public:
   explicit Plot(const LogHistogram& histogram) : histogram_(histogram) {}
@@ -72,7 +72,7 @@ class Plot {
     for (std::size_t i = 0; i < histogram_.bins(); ++i) {
       if (histogram_.count(i) == 0) continue;
       const double left = x(histogram_.edge(i)), right = x(histogram_.edge(i + 1));
-      // A single slow query is what one looks for: it must not vanish.
+      // A single slow query matters most: its bar must be visible.
       const double height = std::max(1.5, kBottom - y(share(histogram_.count(i))));
       draw("<rect class='bar' x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}'/>", left + 0.5,
            kBottom - height, right - left - 1.0, height);
@@ -90,7 +90,7 @@ class Plot {
 
   void draw_times() {
     const double low = histogram_.edge(0), high = histogram_.edge(histogram_.bins());
-    const bool fine = high / low < 300.0;  // else the tens are enough
+    const bool fine = high / low < 300.0;  // otherwise decades suffice
     for (int decade = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, decade) <= high;
          ++decade) {
       for (int digit = 1; digit < 10; ++digit) {
@@ -114,7 +114,7 @@ class Plot {
     for (std::size_t i = 0; i < marks.size(); ++i) {
       draw("<path class='mark' d='M{:.1f} {}V{}'/>", x(marks[i].value), row(i) - 10, kBottom);
     }
-    for (std::size_t i = 0; i < marks.size(); ++i) {  // over all lines
+    for (std::size_t i = 0; i < marks.size(); ++i) {  // on top of all lines
       const double at = x(marks[i].value);
       const bool left = at > 0.75 * kRight;  // the name stays inside the picture
       draw("<text class='name' x='{:.1f}' y='{}' text-anchor='{}'>{} = {:.3g} \u00b5s</text>",
@@ -131,7 +131,7 @@ class Plot {
   }
   double most_share() const { return share(histogram_.most()); }
 
-  /// 1, 2 or 5 times a power of ten that makes three to seven lines.
+  /// Returns 1, 2 or 5 times a power of ten that gives five to ten grid lines.
   double share_step() const {
     const double rough = most_share() / 4.0;
     const double power = std::pow(10.0, std::floor(std::log10(rough)));

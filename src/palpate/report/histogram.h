@@ -8,8 +8,7 @@
 
 namespace palpate {
 
-/// Counts in bins that are equally wide on a logarithmic axis, from the least value to the largest or
-/// further.
+/// Counts in bins of equal width on a logarithmic axis, from the least value to the largest or beyond.
 class LogHistogram {
  public:
   /// \pre values are positive and not empty; bins > 0.
@@ -18,9 +17,9 @@ class LogHistogram {
   std::size_t bins() const { return counts_.size(); }
   std::size_t count(std::size_t bin) const { return counts_[bin]; }
   std::size_t total() const { return total_; }
-  /// Of the fullest bin.
+  /// Count of the fullest bin.
   std::size_t most() const;
-  /// Where bin `i` begins; edge(bins()) is where the last ends.
+  /// Lower edge of bin `i`; edge(bins()) is the upper edge of the last.
   double edge(std::size_t i) const;
 
  private:
@@ -29,16 +28,16 @@ class LogHistogram {
   std::vector<std::size_t> counts_;
 };
 
-/// One line a bin, with bars. Values are in microseconds.
+/// Returns one line per bin, with a bar. Values are in microseconds.
 std::string histogram_text(const std::vector<double>& times);
 
-/// A place on the axis that is marked.
+/// A marked value on the axis.
 struct Mark {
   std::string name;
   double value;  ///< Unit: [us].
 };
 
-/// A whole SVG document that needs nothing else. Values are in microseconds. \pre times is not empty.
+/// Returns a self-contained SVG document. Values are in microseconds. \pre times is not empty.
 std::string histogram_svg(const std::vector<double>& times, const std::vector<Mark>& marks,
                           const std::string& title, const std::string& subtitle);
 

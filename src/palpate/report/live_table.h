@@ -17,7 +17,7 @@ struct LiveOutcome {
   double seconds;
   std::uint64_t ticks;
   LiveTotals totals;
-  GovernorState state;              ///< before it was ended
+  GovernorState state;              ///< before shutdown
   std::vector<std::string> faults;  ///< all that occurred, once each, in order
 };
 

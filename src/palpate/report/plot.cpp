@@ -13,12 +13,12 @@
 namespace palpate {
 namespace {
 
-// The picture, in pixels: as wide as a phone shows without making the text too small.
+// Geometry of the picture, in pixels: at this width, text is legible on a phone.
 constexpr double kWidth = 480, kHeight = 340;
 constexpr double kLeft = 50, kRight = 466, kBottom = 290;
 constexpr double kTitle = 22, kSubtitle = 41, kLegend = 64, kLegendRow = 19;  // baselines
-constexpr double kCharacter = 7.2;                                            // mean width, as estimated
-constexpr double kInset = 0.5;  // free room before the first and after the last category
+constexpr double kCharacter = 7.2;                                            // mean width, estimated
+constexpr double kInset = 0.5;  // margin before the first and after the last category
 
 constexpr const char* kStyle = R"(
 .plot{--ink:#1b2430;--muted:#576373;--grid:#e4e8ed;--back:#fff;--c0:#2763cf;--c1:#c8451b;--c2:#0f7f5c;--c3:#8a3fb0}
@@ -38,7 +38,7 @@ struct Tick {
   std::string name;
 };
 
-/// Where values go on one side of the picture.
+/// Maps the values of one axis to pixels.
 class Scale {
  public:
   /// \param from,to in pixels.
@@ -66,7 +66,7 @@ class Scale {
     return ticks;
   }
 
-  /// A power of ten times a digit, in few characters: 20k, 0.05, 1e-5.
+  /// Label of a power of ten times a digit, in few characters: 20k, 0.05, 1e-5.
   static std::string decade_text(double value) {
     if (value >= 999.0) return fmt::format("{:.3g}k", value / 1000.0);
     if (value > 0.00099) return fmt::format("{:.3g}", value);
@@ -74,7 +74,7 @@ class Scale {
     return fmt::format("{:.3g}e{:.0f}", value / std::pow(10.0, power), power);
   }
 
-  /// 1, 2 and 5 times powers of ten; those alone where there are many.
+  /// Ticks at 1, 2 and 5 times powers of ten; at powers of ten only where there are many.
   std::vector<Tick> decades() const {
     std::vector<Tick> ticks;
     const bool few = high_ / low_ > 2000.0;
@@ -89,7 +89,7 @@ class Scale {
     return ticks;
   }
 
-  /// 1, 2 or 5 times a power of ten apart.
+  /// Ticks that are 1, 2 or 5 times a power of ten apart.
   std::vector<Tick> steps() const {
     constexpr double kWanted = 5.0;
     const double rough = (high_ - low_) / kWanted, power = std::pow(10.0, std::floor(std::log10(rough)));
@@ -108,7 +108,7 @@ class Scale {
   double from_, to_, low_, high_;
 };
 
-/// Of all that is drawn along one axis; a little more where it is not set.
+/// Ends of an axis; where it sets none, those of all that is drawn, with a margin.
 std::pair<double, double> ends_of(const PlotAxis& axis, const std::vector<double>& values) {
   if (!axis.categories.empty()) return {-kInset, static_cast<double>(axis.categories.size()) - 1.0 + kInset};
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -127,7 +127,7 @@ std::pair<double, double> ends_of(const PlotAxis& axis, const std::vector<double
   return {low, std::max(axis.high.value_or(high + room), low + 1e-12)};
 }
 
-/// One plot: where values go, and what is drawn so far.
+/// Coordinate mapping of a plot, and the SVG drawn so far.
 class Picture {
  public:
   explicit Picture(const Plot& plot)
@@ -188,7 +188,7 @@ class Picture {
     return 40.0 + kCharacter * static_cast<double>(s.name.size());
   }
 
-  /// Calls `visit(series, x, row)` for each that has a name.
+  /// Calls `visit(series, x, row)` for each series that has a name.
   template <class Visit>
   void lay_legend(const Visit& visit) const {
     double x = 12.0;

@@ -11,12 +11,12 @@ namespace palpate {
 struct PlotAxis {
   std::string title;  ///< with its unit
   bool logarithmic = false;
-  std::optional<double> low = {}, high = {};  ///< where it ends; what is drawn decides if unset
+  std::optional<double> low = {}, high = {};  ///< ends of the axis; if unset, those of the data
   std::vector<std::string> categories = {};   ///< names at 0, 1, 2 ...; empty for numbers
 };
 
-/// `low` to `high` is a band around a line, or a bar through a dot. Points that are not finite, or not
-/// positive on a logarithmic axis, are left out.
+/// A point of a series; `low` to `high` is a band around a line, or an error bar of a dot. Points that are
+/// not finite, or not positive on a logarithmic axis, are omitted.
 struct PlotPoint {
   PlotPoint(double x_, double y_) : PlotPoint(x_, y_, y_, y_) {}
   PlotPoint(double x_, double y_, double low_, double high_) : x(x_), y(y_), low(low_), high(high_) {}
@@ -28,9 +28,9 @@ struct PlotSeries {
   enum class Style {
     kLine,
     kDots,
-    kCloud,  ///< dots so small that thousands make a shape
+    kCloud,  ///< dots so small that thousands form a shape
   };
-  static constexpr int kTruth = -1;  ///< a colour: neutral, and dashed
+  static constexpr int kTruth = -1;  ///< colour of reference curves: neutral, and dashed
   static constexpr int kColors = 4;
 
   std::string name;  ///< in the legend
@@ -39,14 +39,14 @@ struct PlotSeries {
   std::vector<PlotPoint> points = {};
 };
 
-/// A line across the picture, with a name at its top.
+/// A vertical line through the plot, with a name at its top.
 struct PlotMark {
   double x;
   std::string name;
 };
 
 struct Plot {
-  std::string name;  ///< a word, unique in a page
+  std::string name;  ///< one word, unique in a page
   std::string title;
   std::string subtitle;
   PlotAxis x, y;
@@ -54,13 +54,14 @@ struct Plot {
   std::vector<PlotMark> marks = {};
 };
 
-/// Between the tags of <style>, once a page: plots are light or dark as the reader likes it.
+/// Returns the contents of a <style> element, needed once per page: plots follow the reader's light or dark
+/// scheme.
 std::string plot_style();
 
-/// An <svg> for a page that has plot_style().
+/// Returns an <svg> element for a page that has plot_style().
 std::string plot_in_page(const Plot& plot);
 
-/// A whole SVG document that needs nothing else.
+/// Returns a self-contained SVG document.
 std::string plot_document(const Plot& plot);
 
 }  // namespace palpate

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// The deepest contacts first, as many as fit a screen.
+/// Lists contacts in decreasing order of K_min, as many as fit a screen.
 std::string contacts_text(std::vector<PoseContact> rows) {
   constexpr std::size_t kShown = 20;
   std::sort(rows.begin(), rows.end(),
@@ -32,7 +32,7 @@ std::string contacts_text(std::vector<PoseContact> rows) {
 }  // namespace
 
 OrderedJson pose_json(PoseReport answer) {
-  // Of the file that they are from, whatever index found them.
+  // The order of the scene file, independent of the index that found them.
   std::stable_sort(answer.rows.begin(), answer.rows.end(),
                    [](const PoseContact& a, const PoseContact& b) { return a.contact.id < b.contact.id; });
   OrderedJson json{

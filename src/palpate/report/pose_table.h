@@ -13,11 +13,11 @@
 
 namespace palpate {
 
-/// One contact as it is shown.
+/// One contact for display.
 struct PoseContact {
   Contact contact;
-  const std::string* part;  ///< of the tool
-  double confidence;        ///< NaN where nobody asked
+  const std::string* part;  ///< name of the tool's part
+  double confidence;        ///< NaN if not computed
 };
 
 /// Contacts and force of a pose.
@@ -27,10 +27,10 @@ struct PoseReport {
   ForceOutput felt;
 };
 
-/// Contacts in the order of their file, whatever index found them.
+/// Lists contacts in the order of the scene file, independent of the index that found them.
 OrderedJson pose_json(PoseReport report);
 
-/// The deepest contacts first, as many as fit a screen. \param model that felt
+/// Lists contacts in decreasing order of K_min, as many as fit a screen. \param model name of the force model
 std::string pose_text(const PoseReport& report, std::string_view model);
 
 }  // namespace palpate

@@ -16,12 +16,12 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kMaxRows = 300'000;       // drawn; a browser stays fluent
-constexpr std::size_t kMaxContactRows = 3'000;  // queried again
+constexpr std::size_t kMaxRows = 300'000;       // rows drawn: a browser stays fluent
+constexpr std::size_t kMaxContactRows = 3'000;  // rows queried again
 constexpr std::size_t kMaxContactPoints = 30'000;
 constexpr std::size_t kMaxScenePoints = 60'000;
 
-/// The step that leaves at most `most` of `n` things.
+/// Returns the stride that keeps at most `most` of `n` items.
 std::size_t stride_for(std::size_t n, std::size_t most) {
   return std::max<std::size_t>(1, (n + most - 1) / most);
 }
@@ -38,14 +38,14 @@ void append_array(std::string& out, std::string_view name, const Values& values,
   out += ']';
 }
 
-/// What is drawn of a run over another.
+/// Returns true for a column that is drawn over those of another run.
 bool is_overlaid(std::string_view name) {
   constexpr std::array<std::string_view, 9> kThose{"t",   "colliding", "fx",  "fy",        "fz",
                                                    "sfx", "sfy",       "sfz", "compute_us"};
   return std::find(kThose.begin(), kThose.end(), name) != kThose.end();
 }
 
-/// `"columns":{...}` of every stride-th row. \param all else those that are drawn over another run
+/// Returns the object `columns` of every stride-th row. \param all false: only those drawn over another run
 std::string columns_json(const Run& run, std::size_t stride, bool all = true) {
   std::string out = "{";
   std::vector<double> values;
@@ -75,14 +75,14 @@ OrderedJson episodes_json(const Run& run, std::size_t stride) {
   return json;
 }
 
-/// What the safety governor did at times, for as long as it did nothing else.
+/// Periods in which state and fault of the safety governor did not change.
 struct GovernorStretches {
   std::vector<double> t;
-  std::vector<std::size_t> row;  ///< first of each
+  std::vector<std::size_t> row;  ///< first row of each
   std::vector<int> state, fault;
 };
 
-/// \pre the run is live
+/// Finds the periods in every step-th row. \pre the run is live
 GovernorStretches stretches_of(const Run& run, std::size_t step = 1) {
   GovernorStretches found;
   for (std::size_t i = 0; i < run.rows.size(); i += step) {
@@ -97,7 +97,7 @@ GovernorStretches stretches_of(const Run& run, std::size_t step = 1) {
   return found.t.size() <= kMaxRows ? found : stretches_of(run, stride_for(run.rows.size(), kMaxRows));
 }
 
-/// Where a fault begins that was not there just before.
+/// Number of times that a fault begins.
 std::size_t fault_count(const GovernorStretches& stretches) {
   std::size_t count = 0;
   int before = static_cast<int>(Fault::kNone);
@@ -194,7 +194,7 @@ std::string overlay_json(const Run& run) {
                      columns_json(run, stride, false));
 }
 
-/// `</script>` in a file name must not end the element that holds the document.
+/// Escapes '<': `</script>` in a file name must not end the element that holds the document.
 std::string escaped(const std::string& json) {
   std::string out;
   out.reserve(json.size());

@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-/// Contacts of a run, found again in its scene: an even selection that a page can draw.
+/// Contacts of a run, recomputed in its scene for evenly selected rows, so few that a page can draw them.
 struct RunContacts {
   struct Point {
     std::size_t row;  ///< of the run
@@ -24,15 +24,15 @@ struct RunContacts {
   };
   std::vector<Point> points;
   std::size_t rows_checked = 0;
-  std::size_t rows_differing = 0;  ///< where the number of contacts is not the run's
+  std::size_t rows_differing = 0;  ///< whose number of contacts is not that of the run
 };
 
-/// Queries the poses of `run` that are in contact, at most some thousands of them, evenly.
+/// Queries the poses of `run` in contact; an even selection of a few thousand if there are more.
 RunContacts find_contacts(const Run& run, const SceneIndex& index, const Tool& tool);
 
-/// The document of the report page (web/report/src/data.js reads it). `index`, `tool` and `contacts` may be
-/// null where the run's scene is not at hand. Long runs are thinned; the text says so. \param version of the
-/// program, which the page names \param others runs that are drawn over it
+/// Returns the document of the report page (read by web/report/src/data.js). `scene`, `tool` and `contacts`
+/// may be null if the run's scene is not available. Long runs are thinned, which the summary states. \param
+/// version of the program, which the page names \param others runs that are drawn over it
 std::string report_json(const Run& run, const EllipsoidScene* scene, const Tool* tool,
                         const RunContacts* contacts, const std::string& version,
                         std::span<const Run> others = {});

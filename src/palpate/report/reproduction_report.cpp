@@ -19,10 +19,10 @@ namespace {
 using Style = PlotSeries::Style;
 using TickValue = std::function<double(const ReproductionTick&)>;
 
-constexpr std::size_t kColumns = 400;       // of a line of ticks
-constexpr std::size_t kCloudDots = 1500;    // of a scene
-constexpr double kLeastCount = 0.5;         // on a logarithmic axis, in place of none
-constexpr double kWide = 4.4, kHigh = 2.2;  // of Fig. 4, to one scale. [m]
+constexpr std::size_t kColumns = 400;       // intervals of a line
+constexpr std::size_t kCloudDots = 1500;    // dots of a scene
+constexpr double kLeastCount = 0.5;         // shown for 0 on a logarithmic axis
+constexpr double kWide = 4.4, kHigh = 2.2;  // extent of Fig. 4, to about one scale. [m]
 
 std::string figure_text(double value) {
   if (std::isnan(value)) return "-";
@@ -44,7 +44,7 @@ std::string run_name(const ReproductionRun& run) {
   return fmt::format("{}, {}{}", run.model, to_string(run.device), held);
 }
 
-/// A run in a few figures, the worst of its contacts.
+/// Summary of a run: the worst of its contacts.
 struct RunFigures {
   int felt = 0, bounces = 0;
   double force = 0.0, user_off = 0.0, swing = 0.0, overshoot = 0.0, off = 0.0, per_depth_low = 1e300,
@@ -84,7 +84,7 @@ std::vector<PlotMark> marks_of(const ReproductionRun& run) {
   return marks;
 }
 
-/// The largest and the least of each column of ticks, so that no spike is lost.
+/// Line of the largest and the least value of each interval of ticks, so that no spike is lost.
 PlotSeries line_of(const ReproductionRun& run, const std::string& name, int color, const TickValue& value) {
   PlotSeries line{name, Style::kLine, color, {}};
   const std::size_t count = run.ticks.size(), each = std::max<std::size_t>(1, count / kColumns);

@@ -11,22 +11,23 @@
 
 namespace palpate {
 
-/// All that was measured.
+/// All results of a reproduction.
 struct ReproductionResult {
-  std::string setup;  ///< what was done, in a few sentences
+  std::string setup;  ///< description of the experiment, in a few sentences
   std::vector<Claim> claims;
   RoomPath path;
-  /// The paper's pipeline and force, and the project's defaults, on the admittance device; then all others.
+  /// First the paper's pipeline and force, then the project's defaults, both on the admittance device; then
+  /// all others.
   std::vector<ReproductionRun> runs;
 };
 
 std::string reproduction_text(const ReproductionResult& result);
 OrderedJson reproduction_json(const ReproductionResult& result);
-/// Every tick of the first two runs.
+/// Returns every tick of the first two runs.
 std::string reproduction_csv(const ReproductionResult& result);
 
-/// The paper's Fig. 4, from above and from the side, and the four rows of its Fig. 5 for the first two runs.
-/// \param scene of which some centres are drawn
+/// Plots the paper's Fig. 4, from above and from the side, and the four rows of its Fig. 5 for the first two
+/// runs. \param scene of which some centres are drawn
 std::vector<Plot> reproduction_figures(const ReproductionResult& result, const EllipsoidScene& scene);
 
 /// \param made see page_document()

@@ -11,14 +11,13 @@
 
 namespace palpate {
 
-/// An output file that is opened before a long computation, so that errors show early, and written after it;
-/// or none.
+/// An output file, opened before a long computation so that errors show early, and written after it; or none.
 class ResultFile {
  public:
   /// \param path empty: none. \throws Error if it cannot be written.
   explicit ResultFile(const std::string& path);
 
-  /// Writes all of it, and adds its name to `written`. \throws Error.
+  /// Writes the whole file, and appends its name to `written`. \throws Error.
   void write(const std::string& bytes, std::vector<std::string>& written);
 
  private:
@@ -29,8 +28,8 @@ class ResultFile {
 /// \throws Error if `folder`, the value of --svg, is neither empty nor a folder.
 void check_figure_folder(const std::string& folder);
 
-/// Every figure as FOLDER/COMMAND-NAME.svg, whose names are added to `written`; nothing if `folder` is empty.
-/// \throws Error.
+/// Writes every figure as FOLDER/COMMAND-NAME.svg, and appends the names to `written`; nothing if `folder` is
+/// empty. \throws Error.
 void write_figures(const std::vector<Plot>& figures, const std::string& folder, const std::string& command,
                    std::vector<std::string>& written);
 

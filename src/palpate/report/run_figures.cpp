@@ -12,8 +12,8 @@ namespace {
 
 using Value = std::function<double(const RunRow&)>;
 
-constexpr std::size_t kColumns = 600;  // of a line of rows
-constexpr double kLeastCount = 0.5;    // on a logarithmic axis, in place of none
+constexpr std::size_t kColumns = 600;  // intervals of a line
+constexpr double kLeastCount = 0.5;    // shown for 0 on a logarithmic axis
 constexpr double kLeastTime = 0.1;     // likewise. Unit: [us].
 constexpr std::array kAxes{"x", "y", "z"};
 
@@ -26,7 +26,7 @@ Eigen::Vector3d sent(const RunRow& row) { return row.live ? row.live->sent.force
 
 std::string name_of(const Run& run) { return std::filesystem::path(run.source).filename().string(); }
 
-/// The largest and the least of each stretch of rows, so that no spike is lost.
+/// Line of the largest and the least value of each interval of rows, so that no spike is lost.
 PlotSeries line(const Run& run, const std::string& name, int color, const Value& value) {
   PlotSeries drawn{name, PlotSeries::Style::kLine, color % PlotSeries::kColors, {}};
   const std::size_t size = run.rows.size(), each = std::max<std::size_t>(1, size / kColumns);

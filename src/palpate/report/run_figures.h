@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// The rows of the paper's Fig. 5: collision count, force, user force and force sent where they are recorded,
-/// and computing time. Of one run all counts and components; of several the contacts and magnitudes, a line a
-/// run. \pre runs is not empty, nor any of them
+/// Plots the rows of the paper's Fig. 5: collision count, force, user force and sent force if they are
+/// recorded, and computation time. One run shows all counts and components; several show contacts and
+/// magnitudes, one line per run. \pre neither `runs` nor any of them is empty
 std::vector<Plot> run_figures(const std::vector<Run>& runs);
 
 }  // namespace palpate

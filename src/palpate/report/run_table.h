@@ -12,7 +12,7 @@ namespace palpate {
 
 OrderedJson run_json(const std::vector<RunRow>& rows);
 
-/// Its contacts, as many as fit a screen, and figures of all.
+/// Lists the contact episodes, as many as fit a screen, and summarizes the run.
 std::string run_text(const std::vector<RunRow>& rows);
 
 }  // namespace palpate

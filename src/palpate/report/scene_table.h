@@ -14,11 +14,11 @@ namespace palpate {
 /// A scene with its filter and lint reports.
 struct SceneReport {
   const GaussianScene& scene;
-  const EllipsoidScene& kept;  ///< in the world
+  const EllipsoidScene& kept;  ///< in the world frame
   const FilterReport& filtered;
   const LintReport& lint;
   double opacity_min;  ///< of the filter
-  std::string frame;   ///< what is assumed about the captured frame
+  std::string frame;   ///< assumptions about the captured frame
   double scale;        ///< of the registration. Unit: [m/unit].
 };
 

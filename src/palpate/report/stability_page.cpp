@@ -12,7 +12,7 @@ namespace {
 
 using Style = PlotSeries::Style;
 
-/// What a logarithmic axis shows in place of nothing at all: a tenth of a micrometre, a nanojoule.
+/// Values shown for 0 on a logarithmic axis: a tenth of a micrometre, and a nanojoule. Unit: [mm], [mJ].
 constexpr double kLeastCycle = 1e-4, kLeastEnergy = 1e-6;
 
 std::vector<std::string> profiles_of(const StabilityTables& tables) {
@@ -28,13 +28,14 @@ std::string series_name(const StabilityRow& row) {
   return fmt::format("{}, {} {:g} ms", row.model, to_string(row.source), kMilli * row.delay);
 }
 
-/// What the figures show: every model with its contacts looked for in the loop, and one whose force is held.
+/// Returns true for rows in the figures: every model with contact search in the loop, and one with a held
+/// force.
 bool is_shown(const StabilityTables& tables, const StabilityRow& row) {
   if (row.source == ContactSource::kLoop) return true;
   return row.source == ContactSource::kHold && row.model == tables.rows.front().model;
 }
 
-/// A dot for every profile; one series for each of at most kColors of what is shown.
+/// Adds a dot for every profile, in at most kColors series, one per model and source.
 template <class Value>
 void add_dots(Plot& plot, const StabilityTables& tables, const Value& value) {
   const std::vector<std::string>& profiles = plot.x.categories;

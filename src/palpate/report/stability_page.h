@@ -10,17 +10,17 @@
 
 namespace palpate {
 
-/// A hand that rests and slides, felt through one of the sources.
+/// Trial in which a hand rests and slides, with one source of contacts.
 struct StabilityTrace {
   std::string name;
   std::vector<StabilityTick> ticks;
 };
 
-/// \param traces of one device, hand and model, told by `trace_subtitle`
+/// \param traces of one device, hand and model, which `trace_subtitle` names
 std::vector<Plot> stability_figures(const StabilityTables& tables, const std::vector<StabilityTrace>& traces,
                                     const std::string& trace_subtitle);
 
-/// A whole page that needs no network. `setup` says in a sentence what was done. \param made see
+/// Returns a self-contained HTML page. \param setup a sentence that describes the experiment \param made see
 /// page_document()
 std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
                            const std::string& setup, const std::string& made);

@@ -11,15 +11,15 @@
 
 namespace palpate {
 
-/// From SI units to those of the tables: ms, mm, mJ.
+/// Factor from SI units to those of the tables: ms, mm, mJ.
 inline constexpr double kMilli = 1e3;
 
 /// "0.1 kg, 3 N s/m, 300 N/m"
 std::string hand_text(const HandProperties& hand);
 
-/// The worst of all hands, a row for each profile, model and source.
+/// Worst results over all hands, for one profile, model and source.
 struct StabilitySummary {
-  const StabilityRow* any;  ///< for its names
+  const StabilityRow* any;  ///< one of its rows, for the names
   double limit_cycle = 0.0, port_energy = 0.0, force_off = 0.0;
   int contact_changes = 0;
   std::optional<double> z_low, z_high;

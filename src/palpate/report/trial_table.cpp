@@ -20,7 +20,7 @@ using Column = FigureColumn<TrialFigures>;
 
 double number(std::size_t n) { return static_cast<double>(n); }
 
-/// NaN of none.
+/// Number of the first stroke; NaN if there is none.
 double first_of(const std::vector<std::size_t>& strokes) {
   return strokes.empty() ? std::numeric_limits<double>::quiet_NaN() : number(strokes.front());
 }

@@ -11,10 +11,10 @@
 
 namespace palpate {
 
-/// A tool at a place of a scene.
+/// Trials of a tool at a place of a scene.
 struct TrialRow {
   std::string tool, place;
-  std::string like;  ///< defects of the scene
+  std::string like;  ///< capture defects of the scene
   TrialSetup setup;
   TrialFigures figures;
 };
@@ -24,13 +24,13 @@ void measure_trials(std::vector<TrialRow>& rows, const Progress& progress);
 
 std::string trial_text(const std::vector<TrialRow>& rows);
 
-/// One object a row, with all figures and which strokes failed.
+/// Returns one object per row, with all figures and the numbers of the failed strokes.
 OrderedJson trial_json(const std::vector<TrialRow>& rows);
 
-/// One line a row.
+/// Returns one line per row.
 std::string trial_csv(const std::vector<TrialRow>& rows);
 
-/// One line a tick of a stroke, 1 ms each.
+/// Returns one line per tick of a stroke, 1 ms apart.
 std::string trial_ticks_csv(const std::vector<TrialTick>& ticks);
 
 }  // namespace palpate

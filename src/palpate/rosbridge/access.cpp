@@ -21,7 +21,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// In a time that does not tell how much of it is right, but for its length.
+/// Compares in constant time, so that the time reveals only the length.
 bool same_secret(std::string_view a, std::string_view b) {
   if (a.size() != b.size() || b.empty()) return false;
   unsigned char difference = 0;
@@ -29,14 +29,14 @@ bool same_secret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-/// A name that no server far away can claim: an address, or this machine's own name.
+/// Returns whether `name` is an address or "localhost", which no remote server can claim as its name.
 bool is_address(std::string_view name) {
   if (name == "localhost" || name.starts_with('[')) return true;
   return !name.empty() && std::all_of(name.begin(), name.end(),
                                       [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; });
 }
 
-/// Of "a=1; b=2".
+/// Returns the value of `name` in a Cookie header such as "a=1; b=2"; empty if absent.
 std::string_view cookie_value(std::string_view cookies, std::string_view name) {
   while (!cookies.empty()) {
     const std::size_t end = std::min(cookies.find(';'), cookies.size());
@@ -80,17 +80,18 @@ std::optional<std::uint64_t> number(std::string_view text) {
 
 }  // namespace
 
-/// Names are refused but for "localhost": a page of anyone may have its name resolve to this machine, but not
-/// make a browser send an address as Host. With a token nobody gets in by a name alone.
+/// Without a token, names other than "localhost" are refused: any web page can let its own name resolve to
+/// this machine (DNS rebinding), but cannot make a browser send an address as Host. With a token, a name
+/// alone grants no access.
 bool Access::is_own_host(std::string_view host) const {
   const std::string whole = lower(host);
   const std::size_t colon = whole.rfind(':');
   const bool has_port = colon != std::string::npos && (whole.front() != '[' || colon > whole.find(']'));
   const std::string name = whole.substr(0, has_port ? colon : std::string::npos);
-  constexpr unsigned kHttp = 80, kHttps = 443;  // which a browser leaves out
+  constexpr unsigned kHttp = 80, kHttps = 443;  // omitted by browsers
   const std::optional<std::uint64_t> port =
       has_port ? number(std::string_view(whole).substr(colon + 1)) : (port_ == kHttps ? kHttps : kHttp);
-  if (port != port_) return !token_.empty() && !name.empty();  // behind a proxy, say
+  if (port != port_) return !token_.empty() && !name.empty();  // for example behind a proxy
   return is_address(name) || name == lower(address_) || !token_.empty();
 }
 
@@ -115,7 +116,7 @@ std::optional<Access::Refused> Access::refusal_of_token(const RequestHead& head,
                                       : std::string_view{};
   for (const std::string_view given : {std::string_view(asked), bearer}) {
     if (given.empty()) continue;
-    // Nothing is compared any more, else the right one would be told apart all the same.
+    // The token is not even compared: otherwise the right one could still be recognised.
     if (!head.logged_in && !guesses_.permits(head.address, now))
       return Refused{429, "too many wrong tokens; wait a minute"};
     if (same_secret(given, token_)) {
@@ -145,7 +146,7 @@ bool GuessLimit::permits(std::string_view address, double now) const {
 }
 
 void GuessLimit::count_wrong(std::string_view address, double now) {
-  // What is left are as many addresses as wrong tokens are permitted in the time that one is kept.
+  // The entries left are at most as many as wrong tokens are permitted while an entry is kept.
   std::erase_if(of_, [now](const auto& one) { return one.second.level(now, kOneAgain) == 0.0; });
   Bucket& one = of_[std::string(address)];
   one = {one.level(now, kOneAgain) + 1.0, now};
@@ -224,7 +225,7 @@ RangeRequest parse_range(std::string_view value, std::uint64_t size) {
   const std::size_t dash = value.find('-');
   if (dash == std::string_view::npos || value.find(',') != std::string_view::npos) return {};
   const std::string_view before = value.substr(0, dash), after = value.substr(dash + 1);
-  if (before.empty()) {  // the last so many
+  if (before.empty()) {  // suffix of `after` bytes
     const auto count = number(after);
     if (!count) return {};
     if (*count == 0 || size == 0) return {Kind::kUnsatisfiable, {}};

@@ -38,7 +38,7 @@ class GuessLimit {
  private:
   /// Leaky bucket that drains by one in `again` seconds.
   struct Bucket {
-    double filled = 0.0, at = 0.0;  ///< then. Unit of `at`: [s].
+    double filled = 0.0, at = 0.0;  ///< level at time `at`. Unit of `at`: [s].
     double level(double now, double again) const;
   };
   Bucket all_;

@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMilli = 1e-3;
-/// By which a message may come before its throttle lets it: what is sent at 60 Hz is 16.67 ms apart only on
+/// Time by which a message may precede its throttle interval: messages at 60 Hz are 16.67 ms apart only on
 /// average. Unit: [s].
 constexpr double kEarly = 2e-3;
 
@@ -22,7 +22,7 @@ std::string full_name(const std::string& name) {
   return name.starts_with('/') ? name : fmt::format("/{}", name);
 }
 
-/// As in a message to people; what a client sent may be anything.
+/// Returns `text` in quotes for an error message, shortened: a client may have sent anything.
 std::string quoted(const std::string& text) {
   constexpr std::size_t kShown = 80;
   return fmt::format("'{}{}'", text.substr(0, kShown), text.size() > kShown ? "..." : "");
@@ -81,7 +81,7 @@ std::string Publication::encode(Encoding encoding) const {
 
 void Topic::publish(Json message, const Client* but) {
   newest_ = std::make_shared<Publication>(name_, type_, std::move(message), ++count_);
-  // A client that is woken may unsubscribe itself or another, or take them away.
+  // A client that is woken may unsubscribe or remove itself or others.
   const std::vector<Client*> watchers = watchers_;
   for (Client* client : watchers) {
     const bool still = std::find(watchers_.begin(), watchers_.end(), client) != watchers_.end();
@@ -163,7 +163,7 @@ bool Client::admit(std::size_t bytes) {
   return fault_.empty();
 }
 
-/// So short that a string of it takes none.
+/// Short enough for a std::string that does not allocate.
 constexpr const char* kNoMemory = "no memory";
 
 Client::Decoded Client::decode(std::string_view frame, bool binary) {
@@ -330,7 +330,7 @@ std::optional<Client::Outgoing> Client::next() {
   const Topic& topic = *subscription.topic;
   std::shared_ptr<const Publication> sent = subscription.waiting.front();
   if (topic.reset_ && (subscription.last == 0 || sent->number() > subscription.last + topic.reach_)) {
-    subscription.last = sent->number();  // the reset goes first, and `sent` stays
+    subscription.last = sent->number();  // the reset is sent first; the message stays in the queue
     sent = topic.reset_;
   } else {
     subscription.last = sent->number();

@@ -194,17 +194,18 @@ class Client {
 
   static constexpr std::size_t kMostSubscriptions = 64;
   static constexpr std::size_t kMostQueued = 100;    ///< messages of a topic
-  static constexpr std::size_t kMostAnswers = 1024;  ///< not yet read by the client
+  static constexpr std::size_t kMostAnswers = 1024;  ///< answers not yet read by the client
   static constexpr std::size_t kMostAnswerBytes = 1 << 22;
-  static constexpr double kMostMessages = 5000.0;  ///< a second
-  /// Bytes a second: poses as JSON at kMostMessages are 1.5 MB. A second's worth may come at once.
+  static constexpr double kMostMessages = 5000.0;  ///< per second
+  /// Bytes per second: poses as JSON at kMostMessages are 1.5 MB. A second's worth may come at once.
   static constexpr double kMostBytes = 2 << 20;
 
  private:
   friend class Topic;
   friend class Reply;
   struct Subscription {
-    /// A topic may be subscribed several times, under several ids; the messages sent satisfy all.
+    /// A topic may be subscribed several times, under several ids: the messages sent satisfy the rates and
+    /// queues of all, in the encoding of the newest.
     struct Wish {
       double throttle = 0.0;  ///< Unit: [s].
       std::size_t queue = 1;
@@ -212,7 +213,7 @@ class Client {
     Topic* topic = nullptr;
     std::map<std::string, Wish> wishes;
     Encoding encoding = Encoding::kText;
-    double taken_at = -1e300;  ///< the last message, for sending. Unit: [s].
+    double taken_at = -1e300;  ///< time when a message was last queued. Unit: [s].
     std::uint64_t last = 0;    ///< number of the publication that was sent last
     std::deque<std::shared_ptr<const Publication>> waiting;
 

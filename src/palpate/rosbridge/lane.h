@@ -34,8 +34,8 @@ class Lane {
   void start(const char* name, const std::optional<ThreadPriority>& real_time = {}) {
     thread_ = std::thread([this, name, real_time] {
       name_thread(name);
-      if (real_time) make_real_time(*real_time);  // the loop has told why not, if not
-      // What has found no memory is dropped, its connection with it.
+      if (real_time) make_real_time(*real_time);  // the servo loop reports why it is not permitted
+      // Work that runs out of memory is dropped, together with its connection.
       while (!context_.stopped()) do_if_there_is_memory([this] { context_.run(); });
     });
   }

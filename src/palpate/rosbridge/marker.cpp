@@ -8,7 +8,7 @@ namespace palpate {
 Marker ellipsoid_marker(const std::string& ns, std::uint32_t id, const Ellipsoid& ellipsoid,
                         const Color& color) {
   const Eigen::Vector3d lengths = ellipsoid.axes.colwise().norm();
-  // Axes of no length point where they must for a rotation.
+  // Axes of zero length get directions that complete a rotation.
   Eigen::Matrix3d directions = Eigen::Matrix3d::Identity();
   int known = 0;
   std::array<int, 3> order{0, 1, 2};
@@ -21,7 +21,7 @@ Marker ellipsoid_marker(const std::string& ns, std::uint32_t id, const Ellipsoid
   second = (second - second.dot(first) * first).normalized();
   directions.col(order[0]) = first;
   directions.col(order[1]) = second;
-  // Right-handed whatever the order; the sign of an axis of an ellipsoid is free.
+  // Right-handed in every order; the sign of an ellipsoid's axis is arbitrary.
   directions.col(order[2]) = first.cross(second);
   if (directions.determinant() < 0.0) directions.col(order[2]) *= -1.0;
 

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kLongestText = 1 << 16;
 
-/// Walks through CBOR without calling itself, and refuses what it does not know: afterwards the parser, which
-/// does call itself, may have it.
+/// Checks CBOR without recursion, and rejects what it does not support: the recursive parser may then read
+/// it.
 class CborWalk {
  public:
   explicit CborWalk(std::string_view bytes) : rest_(bytes) {}
@@ -34,7 +34,7 @@ class CborWalk {
   void item() {
     const auto head = static_cast<unsigned char>(take(1)[0]);
     const unsigned major = head >> 5U, minor = head & 31U;
-    if (major == 7) {  // simple values and floats; without break
+    if (major == 7) {  // simple values and floats; no break
       if (minor > 27) throw Refusal("CBOR: of indefinite length, or not well-formed");
       if (minor >= 24) take(std::size_t{1} << (minor - 24));
       return;
@@ -47,7 +47,7 @@ class CborWalk {
       case 3: take(n); return;
       case 4: open(n); return;
       case 5:
-        if (n > rest_.size()) throw Refusal("CBOR: ends too early");  // and twice as many is no overflow
+        if (n > rest_.size()) throw Refusal("CBOR: ends too early");  // so that 2 * n does not overflow
         open(2 * n);
         return;
       default: throw Refusal("CBOR: has a tag");
@@ -78,7 +78,7 @@ class CborWalk {
   }
 
   std::string_view rest_;
-  std::vector<std::uint64_t> open_;  ///< how many items each level still has
+  std::vector<std::uint64_t> open_;  ///< remaining items of each level
 };
 
 }  // namespace
@@ -89,14 +89,14 @@ std::string encode_json(const Json& json) {
 
 Json decode_json(std::string_view text) {
   const auto levels = [](int depth, Json::parse_event_t event, Json&) {
-    // Where something begins, the depth is still that of what it is in.
+    // At the beginning of an array or object, the depth is still that of the enclosing one.
     const bool begins =
         event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
     if (depth + (begins ? 1 : 0) > static_cast<int>(kMostLevels))
       throw Refusal(fmt::format("JSON: nested in more than {} levels", kMostLevels));
     return true;
   };
-  if (text.find('\0') != std::string_view::npos) throw Refusal("this is not JSON");  // the parser's end
+  if (text.find('\0') != std::string_view::npos) throw Refusal("this is not JSON");  // the parser stops there
   try {
     return Json::parse(text.begin(), text.end(), levels);
   } catch (const Json::exception&) {

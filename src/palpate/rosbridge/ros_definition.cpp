@@ -27,7 +27,7 @@ void put(std::string& out, Number number) {
   out.append(bytes.data(), bytes.size());
 }
 
-/// JSON has no NaN.
+/// Returns a number; NaN for anything else.
 double real(const Json& value) {
   return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
 }

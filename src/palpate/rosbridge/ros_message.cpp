@@ -9,7 +9,7 @@ namespace {
 
 Json to_json(const Color& c) { return {{"r", c.r}, {"g", c.g}, {"b", c.b}, {"a", c.a}}; }
 
-/// What must be there.
+/// Returns a required number.
 double number_at(const Json& message, const char* name) {
   field(message, name);
   return number_field(message, name, 0.0);
@@ -58,7 +58,7 @@ Json to_json(const Wrench& wrench) {
 }
 
 Json to_json(const Json& header, const Marker& marker) {
-  // The id as a number of 32 bits with a sign, which is what a Marker has.
+  // A Marker has a signed id of 32 bits.
   Json result{{"header", header},
               {"ns", marker.ns},
               {"id", static_cast<std::int32_t>(marker.id)},
@@ -102,7 +102,7 @@ StampedPose pose_stamped(const Json& message) {
   constexpr double kNotUnit = 0.01;
   const double norm = result.pose.orientation.norm();
   if (!(std::abs(norm - 1.0) <= kNotUnit)) throw Refusal("'orientation' must be a unit quaternion");
-  constexpr double kFarthest = 1e6;  // m; what is farther is a mistake
+  constexpr double kFarthest = 1e6;  // m; beyond it is an error
   if (!(result.pose.position.norm() <= kFarthest)) throw Refusal("'position' is more than 1000 km away");
   result.pose.orientation.normalize();
   return result;

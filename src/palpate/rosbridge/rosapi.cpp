@@ -1,4 +1,4 @@
-// What rosbridge's companion node answers: which topics, services and types there are.
+// Services of rosapi, the companion node of rosbridge: existing topics, services and types.
 #include <chrono>
 #include <map>
 #include <string>
@@ -39,13 +39,13 @@ std::map<std::string, std::string> all_services(const Hub& hub) {
   return types;
 }
 
-/// Empty if it is not there, as rosapi has it.
+/// Returns the type of a topic or service; empty if there is none, as in rosapi.
 std::string type_of(const std::map<std::string, std::string>& types, const std::string& name) {
   const auto at = types.find(name);
   return at == types.end() ? "" : at->second;
 }
 
-/// The one node there is, where it has that topic.
+/// Returns the only node, if it has that topic.
 Json nodes_of(const auto& topics, const std::string& topic) {
   return topics.contains(topic) ? Json::array({"/palpate"}) : Json::array();
 }

@@ -28,19 +28,19 @@ using boost::system::error_code;
 using net::ip::tcp;
 using Near = net::local::stream_protocol;
 
-/// How long a peer may take to say that it has seen the end.
+/// Time for a peer to confirm the end of the connection.
 constexpr auto kGoodbye = std::chrono::seconds(1);
-constexpr std::size_t kPiece = 16 << 10;  // a record of TLS. Unit: [bytes].
+constexpr std::size_t kPiece = 16 << 10;  // a TLS record. Unit: [bytes].
 
 class Connection;
 
-/// On the relay's thread.
+/// Open connections. Used on the relay's thread.
 struct Connections {
   std::set<Connection*> all;
   std::list<Connection*> handshakes;  ///< oldest first
 };
 
-/// One peer, and the pair of sockets behind it.
+/// A connection to a peer, and the socket pair to the server.
 class Connection final : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Connections& others, net::io_context& context, net::ssl::context& tls, tcp::socket&& socket)
@@ -96,7 +96,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// From the peer to the server, which sees its end as it is.
+  /// Forwards from the peer to the server, including the end of the stream.
   void decrypt() {
     far_.async_read_some(net::buffer(plain_), [self = shared_from_this()](error_code error,
                                                                           std::size_t count) {
@@ -110,7 +110,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// From the server to the peer. Where the server ends, all ends.
+  /// Forwards from the server to the peer. The end of the server's stream closes the connection.
   void encrypt() {
     near_.async_read_some(net::buffer(sent_), [self = shared_from_this()](error_code error,
                                                                           std::size_t count) {
@@ -135,9 +135,9 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 /// \throws Error
 void load(net::ssl::context& tls, const std::string& certificate, const std::string& key) {
   for (const std::string& path : {certificate, key})
-    (void)InputFile(path);  // says what is wrong with the file
+    (void)InputFile(path);  // reports why the file cannot be read
   error_code error;
-  // Without this OpenSSL asks at the terminal.
+  // Without this, OpenSSL asks for a password on the terminal.
   tls.set_password_callback([](std::size_t, net::ssl::context::password_purpose) { return std::string(); },
                             error);
   tls.use_certificate_chain_file(certificate, error);
@@ -182,7 +182,7 @@ class TlsRelay::Implementation {
   }
 
  private:
-  // These outlive what is still to be called in the lane.
+  // Used by pending work of the lane, which they must outlive.
   Connections connections_;
   net::ssl::context tls_{net::ssl::context::tls_server};
   bool ends_ = false;

@@ -24,7 +24,7 @@ bool is_basic(std::string_view type) {
 
 bool is_time(std::string_view type) { return type == "time" || type == "duration"; }
 
-/// Of a field that nobody has set, as Python's str() has it.
+/// Returns the default value of a field, as Python's str() prints it.
 std::string example_of(const RosField& field) {
   if (field.is_array) return "[]";
   if (!is_basic(field.type)) return "{}";
@@ -33,7 +33,7 @@ std::string example_of(const RosField& field) {
   return field.type.starts_with("float") ? "0.0" : "0";
 }
 
-/// rosapi has none of its definitions, and calls the parts of a time so.
+/// Returns the TypeDef of a time or duration, which have no definition; field names as in rosapi.
 Json time_def(const std::string& type) {
   return {{"type", type},
           {"fieldnames", {"secs", "nsecs"}},
@@ -70,7 +70,7 @@ Json type_def(const RosType& type) {
   throw Refusal(fmt::format("there is no {} '{}' here", what, printable(type.substr(0, kShown))));
 }
 
-/// `type`, and what it is made of that is not in `seen`.
+/// Adds `type`, and its nested types that are not in `seen`.
 void add(const RosType& type, std::set<std::string>& seen, Json& defs) {
   defs.push_back(type_def(type));
   for (const RosField& field : type.fields) {

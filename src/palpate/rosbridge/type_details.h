@@ -12,7 +12,7 @@ namespace palpate {
 /// Each field has its array length (-1: no array, 0: variable) and its default value as Python prints it.
 /// Constants are sorted by name. \throws Refusal for an unknown type.
 /// @{
-/// Of a message; empty for a built-in ROS type ("float64").
+/// Returns an empty list for a built-in ROS type ("float64").
 Json message_details(const std::string& type);
 Json service_request_details(const std::string& service);
 Json service_response_details(const std::string& service);

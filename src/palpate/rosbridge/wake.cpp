@@ -22,7 +22,7 @@ Wake::~Wake() { ::close(descriptor_); }
 
 void Wake::set() {
   const std::uint64_t one = 1;
-  // Fails only where it is set already, 2^64 - 2 times.
+  // Fails only at the maximum count, 2^64 - 2: the event is then set already.
   [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof one);
 }
 

@@ -1,5 +1,5 @@
-// GCC 12 needs <utility> before Asio. All of Beast is in this one source: it takes the compiler half a
-// minute.
+// GCC 12 needs <utility> before Asio. All uses of Beast are in this source, since it takes half a minute to
+// compile.
 #include <utility>
 
 #include <palpate/rosbridge/web_server.h>
@@ -48,9 +48,9 @@ using Request = http::request<http::string_body>;
 
 constexpr auto kHttpTimeout = std::chrono::seconds(30);
 constexpr std::size_t kMostHeader = 16 << 10, kMostBody = 4 << 10;
-/// How long a peer may still send what is not read.
+/// Time for which data of a refused upload is read and discarded.
 constexpr auto kDrain = std::chrono::seconds(5);
-/// A peer that does not answer a ping for so long is gone.
+/// Time without an answer to a ping after which a peer is disconnected.
 constexpr auto kIdle = std::chrono::seconds(30);
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -66,13 +66,13 @@ RequestHead head_of(const http::request<Body>& request) {
   return head;
 }
 
-/// Of a peer, for GuessLimit.
+/// Returns the address of a peer, for GuessLimit.
 std::string address_of(const tcp::socket& socket) {
   error_code ignored;
   return guesser_at(socket.remote_endpoint(ignored).address().to_string());
 }
 
-/// One of so many at most, until it goes.
+/// Occupies one of a limited number of places during its lifetime.
 class Place {
  public:
   explicit Place(std::atomic<std::size_t>& taken) : taken_(taken) { ++taken_; }
@@ -84,23 +84,24 @@ class Place {
   std::atomic<std::size_t>& taken_;
 };
 
-/// What all WebSockets share. On the server's thread.
+/// State shared by all WebSockets. Used on the server's thread.
 struct Shared {
   Hub& hub;
-  /// Has `work` done on the thread that decodes, and then `then` on the server's. Keeps neither from its end.
+  /// Runs `work` on the decoder thread, and then `then` on the server's. Neither thread waits for it when it
+  /// ends.
   Elsewhere decode;
-  /// To close whatever is open.
+  /// Open sessions, to close them at the end.
   std::set<class SocketSession*> sessions;
-  /// With a frame that waits, in the order in which they came.
+  /// Sessions with a frame to be processed, in order of arrival.
   std::deque<std::shared_ptr<class SocketSession>> turn;
 };
 
-/// A frame that is longer is decoded on the other thread: what this takes is a fraction of a millisecond.
+/// Longest frame that is decoded on the server's thread, in a fraction of a millisecond. Unit: [bytes].
 constexpr std::size_t kShort = 4 << 10;
-/// How long frames of those who hold no hand may take between two looks at the sockets. Unit: [s].
+/// Time spent on frames of clients without a hand before the sockets are polled again. Unit: [s].
 constexpr double kTurnTime = 3e-4;
 
-/// One WebSocket and its Client.
+/// A WebSocket and its Client.
 class SocketSession final : public std::enable_shared_from_this<SocketSession> {
  public:
   SocketSession(Shared& shared, tcp::socket&& socket, std::unique_ptr<Place> place)
@@ -133,7 +134,7 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
 
   void close() { beast::get_lowest_layer(socket_).close(); }
 
-  /// Takes the frame that was read, and reads on.
+  /// Processes the frame that was read, and reads the next.
   void take_frame() { take(Client::decode(frame(), socket_.got_binary())); }
 
  private:
@@ -142,7 +143,7 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
     return {static_cast<const char*>(bytes.data()), bytes.size()};
   }
 
-  /// Nothing more is read before this frame is taken: what a client sends faster waits at its end.
+  /// Reads the next frame. No other is read until it is processed: a client that sends faster must wait.
   void read() {
     socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
       ++self->frames_;
@@ -154,7 +155,7 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
     });
   }
 
-  /// One at a time of each client; the message ends there, too, since that takes as long.
+  /// Decodes one frame per client at a time. The message is also destroyed there, which takes as long.
   void decode_elsewhere() {
     const auto decoded = std::make_shared<Client::Decoded>();
     shared_.decode([self = shared_from_this(), decoded,
@@ -171,14 +172,14 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
       net::post(socket_.get_executor(), [self = shared_from_this()] { self->take_turns(); });
   }
 
-  /// As many frames as there is time for; those of whom is urgent come in between.
+  /// Processes as many frames as time permits; urgent ones are processed in between.
   void take_turns() {
     const double until = monotonic_now() + kTurnTime;
     std::shared_ptr<SocketSession> last;
     do {
       last = shared_.turn.front();
       last->take_frame();
-      shared_.turn.pop_front();  // only now: what comes meanwhile finds that turns are being taken
+      shared_.turn.pop_front();  // only now: until then, wait_for_turn() starts no other take_turns()
     } while (!shared_.turn.empty() && monotonic_now() < until);
     if (!shared_.turn.empty())
       net::post(socket_.get_executor(), [self = shared_.turn.front()] { self->take_turns(); });
@@ -189,13 +190,13 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
     buffer_.consume(buffer_.size());
     if (!client_.fault().empty()) return say_goodbye();
     read();
-    // Where another frame is here already, that was posted before this, and counts.
+    // The read of a frame that has arrived already was posted before this, and has been counted.
     net::post(socket_.get_executor(), [self = shared_from_this(), seen = frames_] {
       if (seen == self->frames_) self->client_.caught_up();
     });
   }
 
-  /// The client has something to send: once whoever gave it that is done.
+  /// Called when the client has something to send; sends it once the caller has returned.
   void wake() {
     if (woken_) return;
     woken_ = true;
@@ -221,12 +222,12 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
       if (error) return self->close();
       self->write();
     });
-    // What fits is with the kernel by now.
+    // As much as fits is in the kernel's buffer by now.
     if (!client_.has_next()) hold_back(false);
   }
 
-  /// While there is more to send, what has been is held back: all that waits goes out as one packet and wakes
-  /// its reader once. With many clients on one machine that is time that the servo loop's processors have.
+  /// Corks the socket while there is more to send: all pending messages then go out in one packet and wake
+  /// the reader once. With many clients on one machine, this leaves processor time to the servo loop.
   void hold_back(bool on) {
     if (held_back_ == on) return;
     held_back_ = on;
@@ -235,44 +236,44 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
                  sizeof value);
   }
 
-  /// Closes with the reason, if the client still reads that.
+  /// Closes with the reason, if the client still reads.
   void say_goodbye() {
     if (!open_) return;
     open_ = false;
     hold_back(false);
-    if (writing_) return close();  // it does not even take what is under way
+    if (writing_) return close();  // the client does not even read the message being written
     const websocket::close_reason reason(websocket::close_code::policy_error, client_.fault());
     socket_.async_close(reason, [self = shared_from_this()](error_code) { self->close(); });
   }
 
   Shared& shared_;
   std::unique_ptr<Place> place_;
-  /// Without compression: messages are small and must be quick.
+  /// Without compression: messages are small and latency matters.
   websocket::stream<beast::tcp_stream, false> socket_;
   beast::flat_buffer buffer_;
   Client client_;
   std::shared_ptr<const std::string> sent_;
-  std::uint64_t frames_ = 0;  ///< that were read
+  std::uint64_t frames_ = 0;  ///< number of frames read
   bool open_ = false, writing_ = false, woken_ = false, held_back_ = false;
 };
 
-/// Open connections, those that have been silent for longest first.
+/// Open connections, longest idle first.
 using Crowd = std::list<class HttpSession*>;
 
-/// What all connections that are no WebSockets share. On the thread of pages.
+/// State shared by all connections that are not WebSockets. Used on the page thread.
 struct Pages {
   WebServer::Site site;
   Access access;
-  /// Makes a WebSocket of a connection.
+  /// Turns a connection into a WebSocket.
   std::function<void(tcp::socket&& socket, const Request& request)> upgrade;
-  const std::atomic<std::size_t>& sockets;  ///< that there are
+  const std::atomic<std::size_t>& sockets;  ///< number of WebSockets
   WebUploads uploads;
-  bool secure;  ///< over TLS
+  bool secure;  ///< connections use TLS
   Crowd strangers, guests;
-  bool receives = false;  ///< a file
+  bool receives = false;  ///< an upload is in progress
 };
 
-/// One connection of HTTP, which may become a WebSocket.
+/// An HTTP connection, which may become a WebSocket.
 class HttpSession final : public std::enable_shared_from_this<HttpSession> {
  public:
   /// \param address of the peer, see address_of()
@@ -310,7 +311,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
   }
   bool is_stranger() const { return crowd_ == &pages_.strangers; }
 
-  /// It has said or taken something. A stranger gains nothing by that.
+  /// Restarts the timeout when the peer has sent or received something. A stranger keeps its deadline.
   void progress() {
     if (is_stranger()) {
       stream_.expires_at(until_);
@@ -344,7 +345,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     });
   }
 
-  /// \name A file that is handed over: nothing of it is read before it is clear that it may be
+  /// \name Upload of a file: nothing of it is read before it is accepted
   /// @{
   void begin_upload() {
     RequestHead head = head_of(head_->get());
@@ -352,7 +353,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     head.logged_in = !is_stranger();
     request_ = {};
     request_.version(head_->get().version());
-    request_.keep_alive(false);  // of what is refused, the rest is not read
+    request_.keep_alive(false);  // the rest of a refused upload is not read
     if (const auto refused = pages_.access.refusal(head, monotonic_now()))
       return send(request_, text_page(refused->status, refused->why));
     if (is_stranger()) enter(pages_.guests, WebServer::kMostConnections);
@@ -376,7 +377,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     receive();
   }
 
-  /// What is still to come: nothing, of an empty file.
+  /// Receives the rest of the file: nothing, if it is empty.
   void receive() {
     if (upload_->is_done()) return end_upload();
     progress();
@@ -431,10 +432,11 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     pages_.upgrade(stream_.release_socket(), request);
   }
 
-  /// What a browser shows leaves no token in its address bar, its history, and what is copied from there.
+  /// Returns the page. An HTML page requested with the token is redirected to the URL without it, so that the
+  /// token stays out of the address bar, the history, and copied links.
   WebPage page_at(const std::string& path, std::string_view target) const {
     WebPage page = pages_.site(path);
-    const bool elsewhere_by_slashes = target.starts_with("//");  // as an address: of another host
+    const bool elsewhere_by_slashes = target.starts_with("//");  // would redirect to another host
     if (!brings_token_ || !page.type.starts_with("text/html") || elsewhere_by_slashes) return page;
     WebPage moved = text_page(303, "the same without the token");
     moved.location = without_query_value(target, "token");
@@ -462,7 +464,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     if (!page_.tag.empty()) {
       const std::string tag = '"' + page_.tag + '"';
       answer_.set(http::field::etag, tag);
-      answer_.set(http::field::cache_control, "no-cache");  // kept, and asked for again
+      answer_.set(http::field::cache_control, "no-cache");  // stored, and validated before each use
       answer_.set(http::field::accept_ranges, "bytes");
       rest_ = part(request, tag);
     } else {
@@ -479,7 +481,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
                              });
   }
 
-  /// In pieces, so that only a peer that takes nothing at all runs out of time, and not one that is slow.
+  /// Writes in pieces, so that only a peer that reads nothing at all times out, and not a slow one.
   void write_some() {
     if (piece_.empty() && rest_.count == 0) return done();
     if (piece_.empty() && !take_piece()) return close();
@@ -492,7 +494,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     stream_.async_write_some(net::buffer(piece_.data(), piece_.size()), written);
   }
 
-  /// False where a file has been cut or cannot be read.
+  /// Takes the next piece of the page. \returns false if a file is truncated or cannot be read.
   bool take_piece() {
     constexpr std::size_t kPiece = 1 << 18;
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPiece, rest_.count));
@@ -521,7 +523,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     goes_on ? read() : close();
   }
 
-  /// A peer that still sends a file which is refused would lose the answer if the connection were closed at
+  /// A peer that is still sending a refused file would lose the response if the connection were closed at
   /// once.
   void drain() {
     error_code ignored;
@@ -540,7 +542,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
 
   std::uint64_t size() const { return page_.file ? page_.file->size() : page_.bytes.size(); }
 
-  /// What the request wants of the page, and the status for that.
+  /// Returns the part of the page that is requested, and sets the status.
   ByteRange part(const Request& request, const std::string& tag) {
     const std::string_view known = view(request[http::field::if_none_match]);
     if (known == "*" || known.find(tag) != std::string_view::npos) {
@@ -564,8 +566,8 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     return asked.range;
   }
 
-  /// Whoever came with the token need not bring it again: a page cannot add it to all that it loads. Lax:
-  /// also to who followed a link to here.
+  /// Sets the session cookie for a client that presented the token: a page cannot add the token to all that
+  /// it loads. SameSite=Lax: also after following a link to here.
   void give_cookie() {
     if (brings_token_)
       answer_.set(http::field::set_cookie, pages_.access.cookie() + "; Path=/; HttpOnly; SameSite=Lax" +
@@ -577,26 +579,26 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
 
   Pages& pages_;
   std::string address_;
-  Crowd* crowd_ = nullptr;  ///< that it is in; null: it is closed, or somebody else's
+  Crowd* crowd_ = nullptr;  ///< list that contains it; null: closed, or upgraded
   Crowd::iterator at_;
-  /// A stranger is closed then.
+  /// Deadline of a stranger.
   std::chrono::steady_clock::time_point until_ =
       std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                              std::chrono::duration<double>(WebServer::kStrangerTime));
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>>
-      head_;  ///< of a request, until it is clear what follows
+      head_;  ///< header of a request, until its body is read
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<http::request_parser<http::file_body>> upload_;
-  Request request_;   ///< what the answer to an upload needs of it
-  std::string file_;  ///< that is being received
+  Request request_;   ///< what the response to an upload needs of its request
+  std::string file_;  ///< being received
   bool brings_token_ = false;
   WebPage page_;
   Answer answer_;
   std::optional<http::response_serializer<http::empty_body>> serializer_;
-  ByteRange rest_;          ///< of the page, still to be taken
-  std::string_view piece_;  ///< of what was taken, still to be written
+  ByteRange rest_;          ///< part of the page not yet taken
+  std::string_view piece_;  ///< part taken but not yet written
   std::vector<char> file_bytes_;
 };
 
@@ -669,7 +671,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
       worker_.stop();
       shared_.turn.clear();
     }
-    for (Watch& watch : watches_) watch.descriptor.release();  // its owner closes it
+    for (Watch& watch : watches_) watch.descriptor.release();  // owned by the Wake
     watches_.clear();
   }
 
@@ -740,7 +742,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (ends_ || error == net::error::operation_aborted) return;
-      if (error) {  // no more descriptors, say: later there may be
+      if (error) {  // for example no free descriptors: retried later
         retry_.expires_after(std::chrono::milliseconds(100));
         retry_.async_wait([this](error_code cancelled) {
           if (!cancelled) accept();
@@ -769,7 +771,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     std::make_shared<HttpSession>(*pages_, std::move(socket), std::move(address))->begin();
   }
 
-  /// From the thread of pages to the server's own.
+  /// Moves a connection from the page thread to the server's.
   void upgrade(tcp::socket&& socket, const Request& request) {
     tcp::socket moved(own_.context(), protocol_, socket.release());
     auto work = [this, moved = std::move(moved), request,
@@ -783,7 +785,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     timer.timer.async_wait([this, &timer](error_code error) {
       if (error || stops_) return;
       do_if_there_is_memory(timer.work);
-      // From when it was due, so that the rate is kept; what was missed is not made up for.
+      // Relative to the due time, to keep the rate; missed calls are skipped.
       const auto next = timer.timer.expiry() + timer.period;
       timer.timer.expires_at(std::max(next, std::chrono::steady_clock::now()));
       wait(timer);
@@ -798,8 +800,8 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     });
   }
 
-  // These outlive what is still to be called in the lanes.
-  std::atomic<std::size_t> sockets_ = 0;  ///< counted up on the thread of pages alone
+  // Used by pending work of the lanes, which they must outlive.
+  std::atomic<std::size_t> sockets_ = 0;  ///< incremented on the page thread only
   Shared shared_;
   std::optional<Pages> pages_;
   Lane own_, web_, decoder_, worker_;
@@ -812,8 +814,8 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   net::steady_timer retry_;
   std::list<Timer> timers_;
   std::list<Watch> watches_;
-  bool ends_ = false;   ///< of the thread of pages
-  bool stops_ = false;  ///< of the server's own
+  bool ends_ = false;   ///< used on the page thread
+  bool stops_ = false;  ///< used on the server's thread
 };
 
 WebServer::WebServer(Hub& hub, Site site, const WebServerOptions& options)

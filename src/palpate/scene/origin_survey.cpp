@@ -18,7 +18,7 @@ OriginSurvey::OriginSurvey(std::uint64_t count)
     : every_(ratio_up(count, kMaxSample)), sample_(ratio_up(count, every_)) {}
 
 void OriginSurvey::add(std::uint64_t row, const Eigen::Vector3d& position) {
-  // Looked at before it is written: threads that all write would fight for it in every row.
+  // Read before it is written: threads that all write would contend for it in every row.
   if (exact_.load(std::memory_order_relaxed) && !is_exact(position))
     exact_.store(false, std::memory_order_relaxed);
   if (row % every_ == 0) sample_[row / every_] = position;

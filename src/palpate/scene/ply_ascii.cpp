@@ -18,7 +18,7 @@ constexpr std::string_view kBlanks = " \t\r";
 constexpr ByteOrder kNativeOrder =
     std::endian::native == std::endian::little ? ByteOrder::kLittle : ByteOrder::kBig;
 
-/// Takes the next number off `line`; nothing if there is none or it is not a number.
+/// Removes the next number from `line`; nothing if there is none or it is not a number.
 std::optional<double> take_number(std::string_view& line) {
   const std::size_t start = line.find_first_not_of(kBlanks);
   if (start == std::string_view::npos) return std::nullopt;
@@ -34,14 +34,14 @@ std::optional<double> take_number(std::string_view& line) {
   return value;
 }
 
-/// Gives rows of doubles, one by one.
+/// Reads the rows as doubles, one at a time.
 class AsciiRows final : public PlyRows {
  public:
   explicit AsciiRows(const PlyScene& ply)
       : ply_(ply), lines_(ply.file, ply.header.data_offset), values_(ply.vertex().properties.size()) {
     skip(0, ply.vertex_index);
-    // A number and its separator take two bytes or more: a count beyond that is a lie, and must not
-    // become an allocation.
+    // A number and its separator take at least two bytes: a larger count is wrong, and must not cause an
+    // allocation.
     if (ply.vertex().count > (lines_.bytes_left() + 1) / (2 * values_.size())) {
       throw Error("{}: byte {}: is too short for {} Gaussians; the file is cut or its header is wrong",
                   ply.file.path(), ply.file.size(), ply.vertex().count);
@@ -64,7 +64,7 @@ class AsciiRows final : public PlyRows {
   }
 
  private:
-  /// Valid until the next call.
+  /// Reads the next row, which is valid until the next call.
   RowBlock next_row() {
     const PlyElement& vertex = ply_.vertex();
     std::string_view line = need_line(vertex, row_);

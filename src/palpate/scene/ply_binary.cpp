@@ -11,13 +11,13 @@ ByteOrder byte_order(const PlyHeader& header) {
   return header.encoding == PlyEncoding::kBinaryBigEndian ? ByteOrder::kBig : ByteOrder::kLittle;
 }
 
-/// Walks over the elements of a binary file without keeping anything of them.
+/// Skips elements of a binary file.
 class ElementSkipper {
  public:
   ElementSkipper(const InputFile& file, const PlyHeader& header)
       : file_(file), header_(header), order_(byte_order(header)) {}
 
-  /// Byte after the elements begin ... end-1, whose data begin at `offset`.
+  /// Returns the byte offset after the elements begin ... end-1, whose data begin at `offset`.
   std::uint64_t skip(std::size_t begin, std::size_t end, std::uint64_t offset) const {
     for (std::size_t i = begin; i < end; ++i) offset = skip(header_.elements[i], offset);
     return offset;
@@ -68,7 +68,7 @@ class ElementSkipper {
   ByteOrder order_;
 };
 
-/// Where the rows of `vertex` begin, having checked that they are all there.
+/// Returns the byte offset of the rows of `vertex`. \throws Error if the file does not contain them all.
 std::uint64_t find_rows(const PlyScene& ply) {
   const InputFile& file = ply.file;
   const PlyElement& vertex = ply.vertex();
@@ -107,7 +107,7 @@ class BinaryRows final : public PlyRows {
   const PlyScene& ply_;
   std::uint64_t offset_;  ///< of the first row
   RowReader reader_;
-  std::uint64_t done_ = 0;  ///< rows
+  std::uint64_t done_ = 0;  ///< rows read
 };
 
 }  // namespace

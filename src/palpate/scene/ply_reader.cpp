@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// The origin of wide positions, for which all rows are read.
+/// Finds the origin of wide positions, in a pass over all rows.
 Eigen::Vector3d find_origin(const PlyScene& ply, const Progress& progress) {
   const std::uint64_t count = ply.vertex().count;
   const auto rows = open_rows(ply);

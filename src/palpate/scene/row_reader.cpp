@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// A quarter of the second-level cache of common processors.
+/// Size of a block: a quarter of the second-level cache of common processors. Unit: [byte].
 constexpr std::size_t kBlockBytes = std::size_t{256} << 10;
 
 }  // namespace

@@ -15,9 +15,9 @@
 namespace palpate {
 namespace {
 
-/// Gaussians that one thread filters in one go.
+/// Number of Gaussians in a block, which one thread filters at a time.
 constexpr std::size_t kBlock = std::size_t{1} << 12;
-/// Blocks that are filtered before what they keep is collected: bounds what is held twice to 30 MB.
+/// Number of blocks that are filtered before their results are collected: limits duplicated data to 30 MB.
 constexpr std::size_t kBlocksPerRound = 64;
 
 bool beyond_extent(const Ellipsoid& e) {
@@ -29,7 +29,7 @@ bool outside_crop(const Eigen::Vector3d& center, const SceneFilter& filter) {
   return filter.crop_sphere && (center - filter.crop_sphere->center).norm() > filter.crop_sphere->radius;
 }
 
-/// keeps(), with the ellipsoid of a Gaussian that is kept.
+/// As keeps(), but returns the ellipsoid of a Gaussian that is kept.
 std::optional<Ellipsoid> kept_ellipsoid(const GaussianScene& scene, std::size_t i, const Gaussian& activated,
                                         const SceneFilter& filter, const Similarity& world_from_scene,
                                         FilterReport& report) {
@@ -56,7 +56,7 @@ struct FilteredBlock {
   FilterReport report;
 };
 
-/// Memory that is not used in the end is never touched, so it costs nothing; growing would copy.
+/// Reserves memory for all at once: growing would copy, and pages that stay unused are never touched.
 void reserve(EllipsoidScene& scene, std::size_t n) {
   scene.ellipsoids.reserve(n);
   scene.opacity.reserve(n);
@@ -78,10 +78,10 @@ void clear(EllipsoidScene& scene) {
   scene.color.clear();
 }
 
-/// Replaces `block` by what becomes of the Gaussians begin ... end-1.
+/// Filters the Gaussians begin ... end-1 into `block`.
 void filter_block(const GaussianScene& scene, std::size_t begin, std::size_t end, const SceneFilter& filter,
                   const Similarity& world_from_scene, FilteredBlock& block) {
-  clear(block.kept);  // keeps its memory
+  clear(block.kept);  // retains the capacity
   block.report = {};
   for (std::size_t i = begin; i < end; ++i) {
     const Gaussian gaussian = scene.gaussian(i);
@@ -97,7 +97,7 @@ void filter_block(const GaussianScene& scene, std::size_t begin, std::size_t end
 }  // namespace
 
 bool SceneFilter::operator==(const SceneFilter& other) const {
-  // A box has no operator of its own.
+  // Eigen::AlignedBox has no operator==.
   const auto corners = [](const SceneFilter& f) {
     using Corners = std::pair<Eigen::Vector3d, Eigen::Vector3d>;
     return f.crop_box ? std::optional(Corners(f.crop_box->min(), f.crop_box->max())) : std::nullopt;
@@ -138,7 +138,7 @@ bool keeps(const GaussianScene& scene, std::size_t i, const Gaussian& activated,
 }
 
 Eigen::AlignedBox3d central_box(const EllipsoidScene& scene) {
-  constexpr double kTail = 0.01;  // of the centres, on each side
+  constexpr double kTail = 0.01;  // fraction of the centres on each side
   Eigen::Vector3d low, high;
   std::vector<double> values(scene.size());
   for (int axis = 0; axis < 3; ++axis) {

@@ -22,7 +22,7 @@ struct ForeignFormat {
   std::string_view name;
 };
 
-/// Formats that carry splats but are not read; told apart so that the message can say so.
+/// Splat formats that are not supported, detected for the error message.
 constexpr std::array kForeignFormats{
     ForeignFormat{"\x1f\x8b", "a gzip file (SPZ up to version 3)"},
     ForeignFormat{"NGSP", "an SPZ file"},

@@ -26,11 +26,11 @@ struct Piece {
   double longest;  ///< standard deviation
   double opacity;
   double seen;  ///< opacity times area
-  bool flat;    ///< so that its normal means something
+  bool flat;    ///< enough for a meaningful normal
 };
 
 std::vector<Piece> pieces_of(const GaussianScene& scene) {
-  constexpr double kFlat = 0.5;  // shortest to middle axis
+  constexpr double kFlat = 0.5;  // largest ratio of the shortest to the middle axis
   std::vector<Piece> pieces;
   pieces.reserve(scene.size());
   for (std::size_t i = 0; i < scene.size(); ++i) {
@@ -53,7 +53,7 @@ double quantile_of(const std::vector<Piece>& pieces, double share, const auto& v
 }
 
 Eigen::AlignedBox3d central_box(const std::vector<Piece>& pieces) {
-  constexpr double kOutside = 0.01;  // on each side
+  constexpr double kOutside = 0.01;  // fraction on each side
   Vector3d low, high;
   for (int axis = 0; axis < 3; ++axis) {
     const auto coordinate = [axis](const Piece& piece) { return piece.position[axis]; };
@@ -63,18 +63,18 @@ Eigen::AlignedBox3d central_box(const std::vector<Piece>& pieces) {
   return {low, high};
 }
 
-/// The level along `axis` at which most surface faces along it, and which of its sides is upward.
+/// Plane across `axis` that has the most surface parallel to it, and its upward side.
 struct Level {
   double at;
-  int upward;  ///< along the axis: 1, -1, or 0 where nothing tells
+  int upward;  ///< along the axis: 1, -1, or 0 if undecided
 };
 
-/// Which side of the levels from `low` to `high` has more of what is seen in `box`: 1, -1, or 0 where neither
-/// has. There a Gaussian counts for no more than nine in ten do: where a camera hardly looked, as beneath a
-/// ground, a few that are large stand for everything.
+/// Returns the side of the levels from `low` to `high` that has more of the visible amount in `box`: 1, -1,
+/// or 0 for neither. The amount of a Gaussian is limited to the 90th percentile: in regions that a camera
+/// hardly saw, as beneath the ground, a few large Gaussians stand for everything.
 int fuller_side(const std::vector<Piece>& pieces, int axis, const Eigen::AlignedBox3d& box, double low,
                 double high) {
-  constexpr double kUsual = 0.9, kTells = 0.02;  // the latter of all that is seen
+  constexpr double kUsual = 0.9, kTells = 0.02;  // quantile; fraction of the whole visible amount
   const double most_seen = quantile_of(pieces, kUsual, [](const Piece& piece) { return piece.seen; });
   double above = 0.0, below = 0.0, all = 0.0;
   for (const Piece& piece : pieces) {
@@ -88,8 +88,8 @@ int fuller_side(const std::vector<Piece>& pieces, int axis, const Eigen::Aligned
   return above > below ? 1 : -1;
 }
 
-/// Levels that have nearly as much surface as the largest count as one: both faces of a table top, floor and
-/// ceiling.
+/// Finds the level with the most surface along `axis`. Levels with nearly as much count as one with it: both
+/// faces of a table top, floor and ceiling.
 Level largest_level(const std::vector<Piece>& pieces, int axis, const Eigen::AlignedBox3d& box,
                     const auto& faces) {
   constexpr std::size_t kBins = 64;
@@ -112,7 +112,7 @@ Level largest_level(const std::vector<Piece>& pieces, int axis, const Eigen::Ali
 }
 
 Proposal<UpAxis> propose_frame(const std::vector<Piece>& pieces, const Eigen::AlignedBox3d& box) {
-  // Within 15 degrees; of surfaces that face anywhere, 3.4 % face along one axis.
+  // Normals within 15 degrees of an axis, as have 3.4 % of surfaces with random orientations.
   constexpr double kCosine = 0.966, kStandsOut = 0.1, kAhead = 1.5;
   const auto faces = [](const Piece& piece, int axis) {
     return piece.flat && std::abs(piece.normal[axis]) > kCosine;
@@ -160,11 +160,11 @@ Proposal<double> propose_opacity(const std::vector<Piece>& pieces) {
   return {best, fmt::format("keeps {:.0f} % of what is seen (opacity times area)", 100.0 * kept)};
 }
 
-/// Tukey's far fence, of logarithms, since sizes are spread over decades; or what is giant in a scene of this
-/// size, if that is less.
+/// Proposes Tukey's far fence of the logarithms, since sizes span decades; or the limit of giant Gaussians in
+/// a scene of this size, if that is less.
 Proposal<std::optional<double>> propose_max_scale(const std::vector<Piece>& pieces,
                                                   const Eigen::AlignedBox3d& box, double scale) {
-  constexpr double kFar = 3.0, kLeast = 4.0;  // the latter of where all are alike
+  constexpr double kFar = 3.0, kLeast = 4.0;  // interquartile ranges; least factor, for sizes all alike
   const auto longest = [](const Piece& piece) { return piece.longest; };
   const double low = quantile_of(pieces, 0.25, longest), high = quantile_of(pieces, 0.75, longest);
   const double far = high * std::max(kLeast, std::pow(high / low, kFar));
@@ -177,7 +177,7 @@ Proposal<std::optional<double>> propose_max_scale(const std::vector<Piece>& piec
 Proposal<std::optional<Eigen::AlignedBox3d>> propose_crop(const std::vector<Piece>& pieces,
                                                           const Eigen::AlignedBox3d& box,
                                                           const Eigen::Quaterniond& rotation, double scale) {
-  constexpr double kGrown = 0.25;  // of its size, on each side
+  constexpr double kGrown = 0.25;  // fraction of its size on each side
   const Vector3d margin = kGrown * box.sizes();
   const Eigen::AlignedBox3d larger(box.min() - margin, box.max() + margin);
   const auto outside =
@@ -189,7 +189,8 @@ Proposal<std::optional<Eigen::AlignedBox3d>> propose_crop(const std::vector<Piec
   return {world, fmt::format("{} Gaussians are far from the others", outside)};
 }
 
-/// To two digits, which are as much as a scale is worth, and no others when it is printed.
+/// Rounds to two significant digits, the accuracy of a proposed scale, and to a double that prints with no
+/// more.
 double rounded(double scale) {
   const double digits = 1.0 - std::floor(std::log10(scale));
   const double unit = std::pow(10.0, std::abs(digits));

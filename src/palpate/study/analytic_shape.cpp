@@ -13,8 +13,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// A sample stays within this share of its cell, from the middle, along each side of the cell: far
-/// enough to break the lattice, near enough that a corner of the cell is within 1.06 cell sides.
+/// Largest offset of a sample from the middle of its cell, as a fraction of each side: large enough to break
+/// the lattice, small enough that a corner of the cell is within 1.06 cell sides.
 constexpr double kJitter = 0.25;
 
 double jitter(Random& random) { return random.uniform(-kJitter, kJitter); }
@@ -23,7 +23,7 @@ std::size_t cells_along(double length, double spacing) {
   return static_cast<std::size_t>(std::max(1.0, std::round(length / spacing)));
 }
 
-/// The rectangle about `center` spanned by the unit vectors u and v with sides a and b.
+/// Rectangle about `center`, spanned by the unit vectors u and v with sides a and b.
 struct Face {
   Vector3d center, u, v;
   double a, b;
@@ -49,7 +49,7 @@ struct ProfilePoint {
   double r, z, normal_r, normal_z;
 };
 
-/// A profile by its arc length in [0, length].
+/// A profile as a function of its arc length in [0, length].
 struct Profile {
   double length;
   std::function<ProfilePoint(double)> at;
@@ -64,7 +64,7 @@ Profile line_profile(const Vector2d& from, const Vector2d& to, const Vector2d& n
           }};
 }
 
-/// Around (center_r, 0), from the angle `begin` to `end`, outward away from its centre.
+/// Arc around (center_r, 0) from the angle `begin` to `end`, with normals away from its centre.
 Profile arc_profile(double center_r, double radius, double begin, double end) {
   return {radius * (end - begin), [=](double l) {
             const double angle = begin + l / radius;
@@ -74,15 +74,15 @@ Profile arc_profile(double center_r, double radius, double begin, double end) {
           }};
 }
 
-/// Where in [0, 1] the ring between the radii r0 and r1 has `share` of its area below, for a radius
-/// linear in between.
+/// Position in [0, 1] across the ring between the radii r0 and r1 below which `share` of its area is, for a
+/// radius linear in between.
 double area_quantile(double r0, double r1, double share) {
   const double root = std::sqrt(r0 * r0 + share * (r1 * r1 - r0 * r0));
   return share * (r0 + r1) / (r0 + root);
 }
 
-/// Rings of equal width, each with as many samples as its area asks for; what rounding leaves over
-/// is carried to the next ring.
+/// Samples rings of equal width in proportion to their areas; the rounding error of the count is carried to
+/// the next ring.
 void sample_revolution(const Profile& profile, double spacing, Random& random,
                        std::vector<SurfaceSample>& out) {
   const double h = std::min(spacing, profile.length);
@@ -115,7 +115,7 @@ struct NearestInBox {
   double distance;
 };
 
-/// The nearest boundary point of the box |x_k| <= half_k.
+/// Finds the nearest boundary point of the box |x_k| <= half_k.
 template <int N>
 NearestInBox<N> nearest_of_box(const Eigen::Vector<double, N>& p, const Eigen::Vector<double, N>& half) {
   using Vector = Eigen::Vector<double, N>;

@@ -26,8 +26,7 @@ struct SurfaceSample {
   Eigen::Vector3d point;    ///< Unit: [m].
   Eigen::Vector3d normal;   ///< outward, unit
   Eigen::Vector3d tangent;  ///< unit, orthogonal to `normal`; normal x tangent completes the frame
-  /// Distance to its neighbours: the spacing asked for, or less on a face narrower than that.
-  /// Unit: [m].
+  /// Distance to its neighbours: the requested spacing, or less on a face narrower than that. Unit: [m].
   double spacing;
 };
 
@@ -42,7 +41,7 @@ class AnalyticShape {
   /// Unit: [m^2].
   virtual double area() const = 0;
 
-  /// Exact up to rounding. Where several points are nearest, one of them.
+  /// Exact up to rounding. If several points are nearest, one of them.
   virtual NearestPoint nearest(const Eigen::Vector3d& p) const = 0;
 
   /// Appends about area() / spacing^2 points of equal density. The surface is divided into cells of

@@ -23,23 +23,23 @@ constexpr std::array<std::string_view, 7> kNames{"tails", "floaters", "double", 
                                                  "holes", "density",  "faint"};
 
 constexpr double kTailSd = 0.7, kLargeShare = 0.01, kLarge = 5.0, kNeedleShare = 0.02, kNeedle = 10.0;
-constexpr double kAir = 0.1;  // that floaters and haze are in. [m]
-constexpr double kFloaterShare = 0.02, kFloaterLeast = 0.3, kFloaterMost = 3.0;  // of all; in spacings
+constexpr double kAir = 0.1;  // thickness of the air with floaters and haze. [m]
+constexpr double kFloaterShare = 0.02, kFloaterLeast = 0.3, kFloaterMost = 3.0;  // share of all; in spacings
 constexpr double kFloaterFaint = 0.05, kFloaterOpaque = 0.4;
 constexpr double kLayerNear = 0.002, kLayerFar = 0.004, kLayerOpacity = 0.5;  // [m]
 constexpr double kHazeSmall = 0.005, kHazeLarge = 0.03;                       // [m]
 constexpr double kHazeFaint = 0.02, kHazeOpaque = 0.12;
-constexpr double kHazeTakes = 0.2, kHazeOver = 0.05;    // of the light; [m]
-constexpr double kFaintShare = 1.5, kFaintOff = 0.02;   // of all others; [m]
+constexpr double kHazeTakes = 0.2, kHazeOver = 0.05;    // fraction of the light; [m]
+constexpr double kFaintShare = 1.5, kFaintOff = 0.02;   // relative to all others; [m]
 constexpr double kFaintSmall = 0.5, kFaintLarge = 2.0;  // in spacings
 constexpr double kFaintest = 0.005, kLeastFaint = 0.1;
 constexpr double kHoleShare = 0.1, kHoleLeast = 1.0, kHoleMost = 2.0;
 constexpr double kSparsest = 10.0;  // in spacings
-constexpr int kDensities = 8;       // from the densest to the sparsest
-constexpr double kWave = 0.15;      // over which what varies smoothly does. [m]
+constexpr int kDensities = 8;       // bands from the densest to the sparsest
+constexpr double kWave = 0.15;      // wavelength of smooth variations. [m]
 constexpr std::array<std::uint8_t, 3> kGrey{176, 176, 184};
 
-/// A number in [0, 1] at every place, as smooth as waves of kWave and all values about as frequent.
+/// A random field with values in [0, 1], about uniformly distributed, as smooth as waves of kWave.
 class SmoothField {
  public:
   explicit SmoothField(Random& random) {
@@ -53,7 +53,7 @@ class SmoothField {
   double at(const Vector3d& p) const {
     double sum = 0.0;
     for (const Wave& wave : waves_) sum += std::sin(wave.k.dot(p) + wave.phase);
-    // The sum of waves is about normal.
+    // The sum of waves is about normal; its distribution function makes it uniform.
     return 0.5 * std::erfc(-sum / std::sqrt(static_cast<double>(waves_.size())));
   }
 
@@ -82,7 +82,7 @@ void append(const GaussianScene& from, std::size_t i, GaussianScene& to) {
   to.color.push_back(from.color[i]);
 }
 
-/// Those that `keep(i)` says.
+/// Returns the Gaussians for which `keep(i)` is true.
 template <class Keep>
 GaussianScene kept(const GaussianScene& scene, const Keep& keep) {
   GaussianScene result;
@@ -94,7 +94,7 @@ GaussianScene kept(const GaussianScene& scene, const Keep& keep) {
   return result;
 }
 
-/// Bands of the field, each sampled evenly at a spacing of its own.
+/// Samples each band of the field evenly, at a spacing of its own.
 GaussianScene make_uneven(const AnalyticSurface& surface, ProceduralOptions options, double spacing,
                           const SmoothField& field) {
   GaussianScene scene;
@@ -146,7 +146,7 @@ GaussianScene with_holes(const AnalyticSurface& surface, const GaussianScene& sc
     Vector3d center;
     double radius;
   };
-  // Discs that fall anywhere cover 1 - exp(-their area over all).
+  // Discs at random positions cover a fraction 1 - exp(-sum of their areas / area).
   const std::vector<PartSample> places = surface.samples(spacing, random);
   const double area = static_cast<double>(places.size()) * spacing * spacing;
   std::vector<Disc> discs;
@@ -207,7 +207,7 @@ void add_floaters(const AnalyticSurface& surface, const Eigen::AlignedBox3d& box
 
 void add_haze(const AnalyticSurface& surface, const Eigen::AlignedBox3d& box, Random& random,
               GaussianScene& scene) {
-  // A ray that crosses n of them a volume loses n opacity 2 pi a b of -ln(light) a length, in the mean.
+  // With n Gaussians per volume, a ray loses n opacity 2 pi a b of -ln(light) per length, on average.
   const double size = (kHazeLarge - kHazeSmall) / std::log(kHazeLarge / kHazeSmall);
   const double each = 0.5 * (kHazeFaint + kHazeOpaque) * 2.0 * pi * size * size;
   const double wanted = -std::log(1.0 - kHazeTakes) / kHazeOver / each * box.volume();

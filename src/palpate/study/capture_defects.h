@@ -12,23 +12,24 @@ namespace palpate {
 
 /// Defects of a capture. h is the spacing of its Gaussians; sizes are standard deviations.
 struct CaptureDefects {
-  /// Extents in the surface vary by a log-normal factor, sd 0.7 of ln; one Gaussian in 100 is five times as
-  /// large besides, one in 50 a needle of 10:1.
+  /// Extents in the surface vary by a log-normal factor (standard deviation 0.7 of ln); in addition, one
+  /// Gaussian in 100 is five times as large, and one in 50 a needle of 10:1.
   bool tails = false;
-  /// As many as 2 % of all besides, anywhere in the air within 0.1 m of the surface: of 0.3 to 3 h and
+  /// Additional Gaussians, 2 % of all, anywhere in the air within 0.1 m of the surface: of 0.3 to 3 h and
   /// opacity 0.05 to 0.4.
   bool floaters = false;
-  /// A second sheet, as dense and half as opaque, 2 to 4 mm behind the first or before it, varying smoothly.
+  /// A second sheet, as dense and half as opaque, 2 to 4 mm behind or in front of the first, smoothly
+  /// varying.
   bool double_layers = false;
-  /// In the air within 0.1 m of the surface a cloud of Gaussians of 5 to 30 mm and opacity 0.02 to 0.12, as
-  /// many as take a fifth of the light over 50 mm.
+  /// A cloud of Gaussians of 5 to 30 mm and opacity 0.02 to 0.12 in the air within 0.1 m of the surface,
+  /// dense enough to absorb a fifth of the light over 50 mm.
   bool haze = false;
   /// No Gaussians on a tenth of the surface, in discs of radius h to 2 h.
   bool holes = false;
   /// The spacing varies smoothly over the surface, from h to 10 h, and with it the sizes.
   bool density = false;
-  /// Three Gaussians for every two others besides, within 20 mm of the surface, of 0.5 to 2 h and opacity
-  /// 0.005 to 0.1: what training leaves behind, and opacity filters are for.
+  /// Additional Gaussians, three for every two others, within 20 mm of the surface, of 0.5 to 2 h and opacity
+  /// 0.005 to 0.1: remnants of training, for which opacity filters exist.
   bool faint = false;
 };
 

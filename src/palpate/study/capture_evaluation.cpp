@@ -15,11 +15,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNear = 0.005;                   // what counts as in place. [m]
-constexpr double kShallow = 0.005, kDeep = 0.01;  // where a push should be felt. [m]
-constexpr double kPush = 3.0;                     // how deep it goes, in the tool's radius
+constexpr double kNear = 0.005;                   // tolerance of the onset of force. [m]
+constexpr double kShallow = 0.005, kDeep = 0.01;  // depths at which silence is judged. [m]
+constexpr double kPush = 3.0;                     // largest depth, in tool radii
 constexpr double kSlide = 0.1, kSample = 1e-3;    // [m]
-constexpr double kSilent = 0.1, kStrong = 3.0;    // of stiffness times depth
+constexpr double kSilent = 0.1, kStrong = 3.0;    // fractions of stiffness times depth
 constexpr double kUntouched = 1.0;                // [N]
 
 }  // namespace
@@ -215,7 +215,8 @@ CaptureLikeness capture_likeness(CaptureEvaluation& first, CaptureEvaluation& se
   for (const CaptureAim& aim : aims) {
     std::vector<CaptureTick> one, other;
     silent += first.push(aim, &one).silent_5mm != second.push(aim, &other).silent_5mm ? 1 : 0;
-    // Each begins where it touches nothing; both end in the same way, and come back.
+    // Both start without contact, but at different distances; ticks are matched backwards from the deepest
+    // one.
     const std::size_t count = std::min(one.size(), other.size()) / 2;
     for (std::size_t i = 0; i < count; ++i) {
       const CaptureTick &a = one[one.size() / 2 - 1 - i], &b = other[other.size() / 2 - 1 - i];

@@ -11,14 +11,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHalfWay = 0.04;  // of a crossing. [m]
+constexpr double kHalfWay = 0.04;  // half the length of a crossing. [m]
 constexpr std::size_t kBins = 160;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Centres of the proxy, tick by tick; empty if the model has none.
+/// Centres of the proxy, tick by tick; empty for a model without a proxy.
 using Path = std::vector<Vector3d>;
 
-/// Crosses each of the setup's scenes in turn; `cross(hand, random)` does it once and gives back the path.
+/// Crosses each of the setup's scenes in turn; `cross(hand, random)` crosses once and returns the path.
 template <class Cross, class Judge>
 void cross_all(const AnalyticSurface& surface, const EvaluationSetup& setup, const Tool& tool,
                const Cross& cross, const Judge& judge) {
@@ -33,7 +33,7 @@ void cross_all(const AnalyticSurface& surface, const EvaluationSetup& setup, con
   }
 }
 
-/// Moves the tool along `centres`; a model whose proxy is the tool has none.
+/// Moves the tool along `centres`; returns an empty path for a model whose proxy is the tool.
 Path follow(Hand& hand, const Path& centres) {
   Path path;
   bool has_proxy = false;
@@ -44,7 +44,7 @@ Path follow(Hand& hand, const Path& centres) {
   return has_proxy ? path : Path{};
 }
 
-/// Way from where the height has risen by a tenth of all to where by nine tenths. Unit: [m].
+/// Distance over which the height rises from a tenth to nine tenths of its total rise. Unit: [m].
 double rise_over(const Path& path) {
   const double low = path.front().z(), rise = path.back().z() - low;
   const auto first_above = [&](double part) {
@@ -97,7 +97,7 @@ class Edge {
  public:
   explicit Edge(double radius) : radius_(radius) {}
 
-  /// Centres of a ball that goes around it, `depth` deep all the way.
+  /// Centres of a ball that moves around it at constant `depth`.
   Path around(double y, double depth) const {
     const double r = radius_ - depth, turn = 0.5 * std::numbers::pi * r;
     Path centres;
@@ -110,7 +110,7 @@ class Edge {
     return centres;
   }
 
-  /// How far `centre` is along the way that a ball's centre rolls, from the middle of its turn.
+  /// Position of `centre` along the path of a rolling ball's centre, from the middle of its turn.
   double way(const Vector3d& centre) const {
     const double half = 0.25 * std::numbers::pi * radius_, x = centre.x() - kX, z = centre.z() - kZ;
     if (x <= 0.0 && x <= z) return -half + x;

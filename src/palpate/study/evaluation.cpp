@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Where the surface is smooth enough, in its sampling of this seed. \throws Error if that is nowhere.
+/// Samples the surface for places where it is smooth enough. \throws Error if there are none.
 std::vector<SurfaceSample> smooth_places(const AnalyticSurface& surface, const Tool& tool, Random& random) {
   constexpr double kSpacing = 0.01;
   const double radius = tool.radius();
@@ -28,7 +28,7 @@ std::vector<SurfaceSample> choose(const std::vector<SurfaceSample>& places, std:
   return chosen;
 }
 
-/// Everything that is measured on one surface.
+/// All measurements on one surface.
 class Measurements {
  public:
   Measurements(const AnalyticSurface& surface, const EvaluationSetup& setup)
@@ -42,7 +42,7 @@ class Measurements {
         pushes_(surface, setup.seed + 1),
         rubs_(surface, setup.friction) {}
 
-  /// The share of scene `k`. `done(n)` is told how much of `work()` has been done.
+  /// Runs the measurements in scene `k`; calls `done()` after each of its places and pushes.
   template <class Done>
   void in_scene(const SceneIndex& index, const SeenSurface& seen, std::size_t k, const Done& done) {
     Hand hand(index, setup_.tool, setup_.model);
@@ -57,7 +57,7 @@ class Measurements {
     ticks_.insert(ticks_.end(), hand.ticks().begin(), hand.ticks().end());
   }
 
-  /// Calls of `done` in all.
+  /// Total number of calls of `done`.
   std::size_t work() const { return places_.size() + setup_.pushes; }
 
   Evaluation result() const {
@@ -75,7 +75,7 @@ class Measurements {
   const EvaluationSetup& setup_;
   Random random_;
   std::vector<SurfaceSample> smooth_;
-  std::vector<SurfaceSample> places_;  ///< of them; the same ones whatever scene is made of the surface
+  std::vector<SurfaceSample> places_;  ///< chosen from smooth_, the same ones for every scene of the surface
   Presses presses_;
   Slides slides_;
   Loops loops_;

@@ -28,59 +28,58 @@ using ForceModelMaker =
 /// Parameters of an evaluation.
 struct EvaluationSetup {
   std::string shape;                           ///< of procedural_shapes()
-  ProceduralOptions scene;                     ///< its noise disturbs the model
+  ProceduralOptions scene;                     ///< options of the scene; its noise disturbs the model
   Tool tool{Eigen::Vector3d::Constant(0.02)};  ///< one ellipsoid
   ForceModelMaker model;
-  double stiffness = 0.0;    ///< that the model promises; 0 if none. Unit: [N/m].
-  double friction = 0.0;     ///< Coulomb's coefficient where friction is measured; 0 if the model has none
-  std::size_t scenes = 1;    ///< that are made of the shape, with one seed after the other; > 0
-  std::size_t places = 100;  ///< where the surface is pressed and slid along, in all; > 0
-  std::size_t pushes = 100;  ///< to the other side of the surface, in all
-  std::uint64_t seed = 1;    ///< of the places
+  double stiffness = 0.0;    ///< nominal, of the model; 0 if it has none. Unit: [N/m].
+  double friction = 0.0;     ///< nominal coefficient where friction is measured; 0 if the model has none
+  std::size_t scenes = 1;    ///< number of scenes of the shape, with consecutive seeds; > 0
+  std::size_t places = 100;  ///< number of places to press and slide at, in all scenes; > 0
+  std::size_t pushes = 100;  ///< number of pushes to the other side of the surface, in all scenes
+  std::uint64_t seed = 1;    ///< of the choice of places
 };
 
-/// What was measured, at a tick of 1 ms and without friction unless it says otherwise. Places are those of
-/// the surface where it is smooth for a tool's radius around and the tool fits; how deep the tool is in the
-/// surface is told by its point that is first to touch.
+/// Results, for ticks of 1 ms and without friction unless stated. Places are points of the surface where it
+/// is smooth within 1.5 tool radii and the tool fits; depth is that of the tool's point that touches first.
 struct Evaluation {
-  /// Of presses straight in at 0.1 m/s, from outside to 1.5 tool radii, where they are deeper than 4 mm:
-  Spread direction;       ///< angle of the force from the true normal. Unit: [deg].
-  Spread magnitude;       ///< |F| / (stiffness depth); NaN if no stiffness was promised
-  Spread magnitude_seen;  ///< the same, of the depth below where the tool first meets the seen surface
-                          ///< (SeenSurface)
-  Spread seen;  ///< how deep the tool is where it does; negative: above the true surface. Unit: [m].
-  std::size_t silent = 0;   ///< ticks without force
+  /// Straight presses at 0.1 m/s, from outside to a depth of 1.5 tool radii, where deeper than 4 mm:
+  Spread direction;        ///< angle of the force from the true normal. Unit: [deg].
+  Spread magnitude;        ///< |F| / (stiffness depth); NaN without a nominal stiffness
+  Spread magnitude_seen;   ///< the same, by the depth below first contact with the seen surface (SeenSurface)
+  Spread seen;             ///< depth of that contact; negative: above the true surface. Unit: [m].
+  std::size_t silent = 0;  ///< ticks without force
   std::size_t flipped = 0;  ///< ticks with a force that pulls in
-  Spread onset;             ///< how deep the first force is felt; negative: above the surface. Unit: [m].
+  Spread onset;             ///< depth of the first force; negative: above the surface. Unit: [m].
   /// Over depth [m], from 0:
   Curve direction_at;  ///< where there is a force. Unit: [deg].
   Curve force_at;      ///< |F|. Unit: [N].
 
-  /// Of slides at 0.1 m/s over 30 mm, half a tool radius deep:
-  Spread ripple;                       ///< standard deviation of |F| over its mean, a slide
-  Spread jump;                         ///< largest change of the force from tick to tick, a slide. Unit: [N].
-  std::vector<Eigen::Vector2d> slide;  ///< the first of them: way [m] and |F| [N]
-  double slide_depth = 0.0;            ///< of that one. Unit: [m].
+  /// Slides at 0.1 m/s over 30 mm, at a depth of half a tool radius:
+  Spread ripple;                       ///< standard deviation of |F| over its mean, per slide
+  Spread jump;                         ///< largest change of the force in a tick, per slide. Unit: [N].
+  std::vector<Eigen::Vector2d> slide;  ///< the first of them: distance [m] and |F| [N]
+  double slide_depth = 0.0;            ///< of the first. Unit: [m].
 
-  /// |F| at each place with the tool at rest, half a tool radius deep: the same poses for every scene of a
-  /// shape and every model. Unit: [N].
+  /// |F| at each place with the tool at rest, at a depth of half a tool radius: the same poses for every
+  /// scene of a shape and every model. Unit: [N].
   std::vector<double> held;
 
   /// Pushes tilted by up to 30 degrees, to three tool radii beyond the surface, at 0.1 to 1 m/s and every
   /// tenth at 2 m/s, and the number of them that pass through. A model with a proxy passes through if the
   /// proxy gets inside or behind; another if its force pulls along, or is zero behind the surface. On a
-  /// sheet, pushes keep so far from its border that the shortest way out is never around it.
+  /// sheet, pushes stay so far from its border that the shortest way out is never around it.
   std::size_t pushes = 0, through = 0;
-  std::size_t fast = 0, fast_through = 0;  ///< of them at 2 m/s
+  std::size_t fast = 0, fast_through = 0;  ///< those at 2 m/s
 
-  /// Of circles of a quarter of the tool's radius in the surface, as deep as that: |work done on the hand
-  /// around| over the largest (stiffness depth^2 / 2); NaN if no stiffness was promised.
+  /// Circles of a quarter of the tool's radius parallel to the surface, at a depth of the same: |work done on
+  /// the hand in a turn| over the energy of the spring (stiffness depth^2 / 2); NaN without a nominal
+  /// stiffness.
   Spread loop;
 
-  /// With EvaluationSetup::friction; NaN without:
-  Spread friction;  ///< of slides as above, drag along over force against the true normal, means of a slide
-  Spread creep;  ///< how far the proxy goes in 10 s where the tool, aside by half of what would make it slip,
-                 ///< rests. Unit: [m].
+  /// With EvaluationSetup::friction; NaN without it:
+  Spread friction;  ///< drag over force along the true normal, means of a slide, as above
+  Spread creep;  ///< displacement of the proxy in 10 s while the tool rests, displaced by half of what would
+                 ///< make it slip. Unit: [m].
 
   Spread tick;  ///< time of contacts and force, in contact. Unit: [us].
 };

@@ -7,8 +7,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSlide = 0.03;                     // that counts. [m]
-constexpr std::size_t kRests = 4;                   // of ten seconds each, since they take long
+constexpr double kSlide = 0.03;                     // length of the evaluated part. [m]
+constexpr std::size_t kRests = 4;                   // rests of ten seconds each: few, since they take long
 constexpr int kSettle = 200, kTenSeconds = 10'000;  // ticks
 
 }  // namespace

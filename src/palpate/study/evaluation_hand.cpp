@@ -80,7 +80,7 @@ void Hand::come_down(const SurfaceSample& place, double depth) {
 }
 
 SurfaceSample next_place(const AnalyticSurface& surface, const SurfaceSample& place, double step) {
-  constexpr double kAbove = 10.0;  // steps, so that the side of the surface is told
+  constexpr double kAbove = 10.0;  // in steps, so that the side of the surface is unambiguous
   const NearestPoint there = surface.project(place.point + step * (place.tangent + kAbove * place.normal));
   const Vector3d tangent = place.tangent - there.normal.dot(place.tangent) * there.normal;
   return {there.point, there.normal, tangent.normalized(), place.spacing};
@@ -94,8 +94,8 @@ bool tool_fits(const AnalyticSurface& surface, const SurfaceSample& place, const
 
 namespace {
 
-/// What is nearest to points above a circle about `place`, as `accept(probe, nearest)` likes it or not. From
-/// above, so that an edge is seen from both of its sides.
+/// Returns true if `accept(probe, nearest)` holds for all probes, points `above` a circle about `place`, and
+/// none is beyond a border. From above, an edge is seen from both of its sides.
 template <class Accept>
 bool all_around(const AnalyticSurface& surface, const SurfaceSample& place, double radius, double above,
                 const Accept& accept) {
@@ -106,13 +106,13 @@ bool all_around(const AnalyticSurface& surface, const SurfaceSample& place, doub
     const Vector3d probe = place.point + above * place.normal +
                            radius * (std::cos(angle) * place.tangent + std::sin(angle) * other);
     const NearestPoint there = surface.project(probe);
-    // Beyond a border, the border is nearest.
+    // Beyond a border, the nearest point is on the border.
     if ((there.point - place.point).norm() < 0.7 * radius || !accept(probe, there)) return false;
   }
   return true;
 }
 
-constexpr double kAbove = 0.1;  // of the margin
+constexpr double kAbove = 0.1;  // as a fraction of the margin
 
 }  // namespace
 
@@ -124,7 +124,7 @@ bool is_inland(const AnalyticSurface& surface, const SurfaceSample& place, doubl
 bool is_smooth(const AnalyticSurface& surface, const SurfaceSample& place, double margin) {
   constexpr int kRings = 6;
   const auto goes_on = [&](const Vector3d& probe, const NearestPoint& there) {
-    // What is nearest is straight below, but at the border of a part of the surface.
+    // The nearest point is straight below, except at the border of a part of the surface.
     const double aside = (probe - there.point).cross(there.normal).norm();
     return there.normal.dot(place.normal) > 0.7 && aside < 1e-6 * margin;
   };

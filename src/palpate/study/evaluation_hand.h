@@ -18,28 +18,28 @@ constexpr double kTick = 1e-3;                    // [s]
 constexpr double kHandSpeed = 0.1;                // of all but pushes. [m/s]
 constexpr double kHandStep = kHandSpeed * kTick;  // [m]
 
-/// Ticks on a way. Unit: [m].
+/// Number of ticks for a distance. Unit: [m].
 inline int ticks_on(double way) { return static_cast<int>(std::ceil(way / kHandStep)); }
 
 Tool ball(double radius);
 
-/// A unit vector, all directions alike.
+/// Draws a unit vector with uniform distribution.
 Eigen::Vector3d random_direction(Random& random);
 
-/// Of `count` unit vectors that are evenly spread, number `k`: a spiral of golden angles.
+/// Returns unit vector `k` of `count` evenly distributed ones: a spiral of golden angles.
 Eigen::Vector3d even_direction(int k, int count);
 
 /// Returns part / all; NaN if `all` is 0.
 double share_of(std::size_t part, std::size_t all);
 
-/// Where the tool's centre is when its point that is first to touch is `depth` below `place`. The tool is
-/// oriented as the world. Unit: [m].
+/// Returns the position of the tool's centre at which the point that touches first is `depth` below `place`.
+/// The tool is oriented as the world. Unit: [m].
 Eigen::Vector3d centre_at(const SurfaceSample& place, const Tool& tool, double depth);
 
-/// How far the tool reaches from its centre along -n. Unit: [m].
+/// Extent of the tool from its centre along -n. Unit: [m].
 double reach(const Tool& tool, const Eigen::Vector3d& n);
 
-/// The scene `k` of the setup, of 0 ... scenes-1.
+/// Creates scene `k` of the setup, in 0 ... scenes-1.
 GaussianScene gaussians_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
 SceneIndex scene_of(const AnalyticSurface& surface, const EvaluationSetup& setup, std::size_t k);
 
@@ -52,11 +52,11 @@ class Hand {
   /// Resets the state to that without contact.
   void reset();
 
-  /// The next tick.
+  /// Runs the next tick, with the tool at `position`.
   ForceOutput at(const Eigen::Vector3d& position);
 
-  /// From one place to another at `speed`. `visit(felt, s)` is told every tick and how far it is, from 0 to
-  /// the length.
+  /// Moves the tool from one position to another at `speed`. Calls `visit(felt, s)` in every tick, at the
+  /// distance s from `from`.
   template <class Visit>
   void move(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double speed, const Visit& visit) {
     const double length = (to - from).norm();
@@ -72,7 +72,7 @@ class Hand {
   void come_down(const SurfaceSample& place, double depth);
 
   const Tool& tool() const { return tool_; }
-  /// Of every tick in contact so far. Unit: [us].
+  /// Times of all ticks with a force so far. Unit: [us].
   const std::vector<double>& ticks() const { return ticks_; }
 
  private:
@@ -104,7 +104,7 @@ class ForceSteps {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), position_ = Eigen::Vector3d::Zero();
 };
 
-/// The tangent of `place` goes on along the surface by `step`. Unit: [m].
+/// Moves a place along its tangent by `step`, on the surface. Unit: [m].
 SurfaceSample next_place(const AnalyticSurface& surface, const SurfaceSample& place, double step);
 
 /// True if the tool touches the surface there and nowhere else.
@@ -113,7 +113,7 @@ bool tool_fits(const AnalyticSurface& surface, const SurfaceSample& place, const
 /// True if the surface has no border within about `margin` of `place`. Unit: [m].
 bool is_inland(const AnalyticSurface& surface, const SurfaceSample& place, double margin);
 
-/// True if it has neither border nor edge nor crease there. Unit: [m].
+/// True if the surface is also without edges and creases there. Unit: [m].
 bool is_smooth(const AnalyticSurface& surface, const SurfaceSample& place, double margin);
 
 }  // namespace palpate

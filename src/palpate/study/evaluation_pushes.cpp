@@ -8,9 +8,9 @@ using Eigen::Vector3d;
 
 constexpr double kSlowest = 0.1, kFast = 1.0, kFastest = 2.0;  // [m/s]
 constexpr std::size_t kFastestEvery = 10;
-constexpr double kBefore = 2.5, kBeyond = 3.0;  // where a push begins and ends, in the tool's reach
+constexpr double kBefore = 2.5, kBeyond = 3.0;  // begin and end of a push, in extents of the tool
 constexpr double kAslant = 0.5;                 // sine of the largest angle from the normal
-constexpr double kRounding = 1e-9;              // of where the tool is. [m]
+constexpr double kRounding = 1e-9;              // of the tool's position. [m]
 
 }  // namespace
 
@@ -20,7 +20,7 @@ Pushes::Aim Pushes::aim(const Tool& tool, const std::vector<SurfaceSample>& plac
     const SurfaceSample& place = places[random_.index(places.size())];
     const Vector3d along = (-place.normal + kAslant * random_direction(random_)).normalized();
     if (surface_.closed()) return {place, along};
-    // Frictionless, a proxy is where the surface is nearest to the tool.
+    // Without friction, a proxy is at the point of the surface that is nearest to the tool.
     const NearestPoint end = surface_.project(place.point + kBeyond * reach(tool, place.normal) * along);
     const SurfaceSample last{end.point, end.normal, end.normal.unitOrthogonal(), place.spacing};
     const bool same_side = end.normal.dot(along) < 0.0;

@@ -9,8 +9,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kShallowest = 0.004;  // where presses are judged. [m]
-constexpr double kDeepest = 1.5;       // of a press, in the tool's reach
+constexpr double kShallowest = 0.004;  // least depth at which presses are judged. [m]
+constexpr double kDeepest = 1.5;       // depth of a press, in extents of the tool
 constexpr double kSlide = 0.03;        // [m]
 constexpr int kRest = 50;              // ticks until filters have settled
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -124,7 +124,7 @@ void Loops::at(Hand& hand, const SurfaceSample& place) {
   };
   hand.reset();
   hand.move(point(0) + 2.0 * r * place.normal, point(0), kHandSpeed, [](const ForceOutput&, double) {});
-  // The first time round the model finds its way; the second counts.
+  // The model settles in the first turn; the second counts.
   double work = 0.0;
   Vector3d last = hand.at(point(0)).wrench.force;
   for (int k = 1; k <= 2 * ticks; ++k) {

@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Straight in.
+/// Presses along the normal.
 class Presses {
  public:
   explicit Presses(const EvaluationSetup& setup);
@@ -26,7 +26,7 @@ class Presses {
   CurveBins direction_at_, force_at_;
 };
 
-/// Along the surface, at an even depth.
+/// Slides along the surface at constant depth.
 class Slides {
  public:
   explicit Slides(const AnalyticSurface& surface) : surface_(surface) {}
@@ -42,7 +42,7 @@ class Slides {
   double first_depth_ = 0.0;
 };
 
-/// Around a circle and back to where it began.
+/// Motion around closed circles.
 class Loops {
  public:
   explicit Loops(double stiffness) : stiffness_(stiffness) {}
@@ -54,17 +54,17 @@ class Loops {
   std::vector<double> loop_;
 };
 
-/// To the other side, if the model lets it.
+/// Pushes towards the other side of the surface.
 class Pushes {
  public:
   explicit Pushes(const AnalyticSurface& surface, std::uint64_t seed) : surface_(surface), random_(seed) {}
-  /// Somewhere among `places`. \throws Error if the surface has no place so far from its border as a push
-  /// goes.
+  /// Pushes at a random one of `places`. \throws Error if the surface has no place far enough from its
+  /// border.
   void somewhere(Hand& hand, const std::vector<SurfaceSample>& places);
   void tell(Evaluation& result) const;
 
  private:
-  /// A place, and which way.
+  /// Place and direction of a push.
   struct Aim {
     SurfaceSample place;
     Eigen::Vector3d along;
@@ -78,12 +78,12 @@ class Pushes {
   std::size_t pushes_ = 0, through_ = 0, fast_ = 0, fast_through_ = 0;
 };
 
-/// Drag along over force against the true normal, means of a slide half as deep as the tool reaches; nothing
-/// where it finds no room to slip. \param friction that the model is said to have.
+/// Measures drag over force along the true normal, means of a slide at a depth of half the tool's extent;
+/// nothing if there is no room to slip. \param friction nominal coefficient of the model.
 std::optional<double> measured_friction(Hand& hand, const AnalyticSurface& surface,
                                         const SurfaceSample& place, double friction);
 
-/// With friction: slides, and rests.
+/// Slides and rests with friction.
 class Rubs {
  public:
   Rubs(const AnalyticSurface& surface, double friction) : surface_(surface), friction_(friction) {}

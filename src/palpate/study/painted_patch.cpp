@@ -14,20 +14,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A sample stays within this share of its cell, from the middle: enough to break the lattice.
+/// Largest offset of a sample from the middle of its cell, as a fraction of it: enough to break the lattice.
 constexpr double kJitter = 0.25;
-/// Standard deviations in the plane of a splat, in the sides of its cell, so that a sheet is closed; and how
-/// far they vary, as trained splats do.
+/// Standard deviations in the plane of a splat, in sides of its cell, so that a sheet has no gaps; and their
+/// relative variation, as of trained splats.
 constexpr double kTangentSigma = 0.65;
 constexpr double kTangentVariation = 0.15;
 constexpr double kNormalSigma = 0.06;
 constexpr double kOpacityMin = 0.8;
 constexpr double kOpacityMax = 0.99;
-/// A place this deep in something else is covered. Unit: [m].
+/// Depth in another object from which a place is covered. Unit: [m].
 constexpr double kCovered = 0.0005;
-/// Sides of the cells in which light is found, in spacings: it varies slowly.
+/// Sides of the cells of the light grid, in spacings: light varies slowly.
 constexpr double kLightCell = 3.0;
-/// Least part of the square over which a slope is taken.
+/// Least parameter step over which a slope is taken.
 constexpr double kLeastStep = 1e-4;
 
 double length_along_u(const PaintedPatch& patch, double v) {
@@ -58,20 +58,20 @@ std::size_t cells(double length, double spacing) {
   return static_cast<std::size_t>(std::max(1.0, std::round(length / spacing)));
 }
 
-/// The tangents over a step, each as long as the step is on the surface.
+/// Tangents over a parameter step, each as long as the step on the surface.
 struct Slopes {
   Vector3d along_u, along_v;
   Vector3d normal() const { return along_u.cross(along_v).normalized(); }
 };
 
 Slopes slopes_at(const PaintedPatch& patch, double u, double v, double du, double dv) {
-  // On the square, so that what ends at a pole does not turn over beyond it.
+  // Clamped to the square: beyond a pole, the surface would turn over.
   const double low = std::max(0.0, v - 0.5 * dv), high = std::min(1.0, v + 0.5 * dv);
   return {patch.at(u + 0.5 * du, v) - patch.at(u - 0.5 * du, v),
           (patch.at(u, high) - patch.at(u, low)) * (dv / (high - low))};
 }
 
-/// Light at the corners of a lattice over the square, and in between.
+/// Visibility on a lattice over the unit square, with bilinear interpolation.
 class LightGrid {
  public:
   LightGrid(const PaintedPatch& patch, const SoftLight& light, std::size_t columns, std::size_t rows)
@@ -80,7 +80,7 @@ class LightGrid {
     const double du = 1.0 / static_cast<double>(columns), dv = 1.0 / static_cast<double>(rows);
     for (std::size_t j = 0; j <= rows; ++j) {
       for (std::size_t i = 0; i <= columns; ++i) {
-        // Not at a pole, where there is no normal.
+        // Not at a pole, which has no normal.
         const double u = static_cast<double>(i) * du;
         const double v = std::clamp(static_cast<double>(j) * dv, 0.2 * dv, 1.0 - 0.2 * dv);
         values_.push_back(
@@ -116,7 +116,7 @@ std::uint8_t srgb_byte(double linear) {
   return static_cast<std::uint8_t>(std::lround(255.0 * s));
 }
 
-/// What is brighter than white keeps its hue a while, as a photograph does.
+/// Soft shoulder of the exposure: colours brighter than white keep some of their hue, as in a photograph.
 std::array<std::uint8_t, 3> exposed(const Vector3d& linear) {
   std::array<std::uint8_t, 3> rgb{};
   for (int k = 0; k < 3; ++k) {

@@ -20,21 +20,20 @@ struct Paint {
 
 /// A piece of a surface: the image of the unit square.
 struct PaintedPatch {
-  /// A point of the world; with dP/du x dP/dv outward.
+  /// Point in the world frame; dP/du x dP/dv points outward.
   std::function<Eigen::Vector3d(double u, double v)> at;
-  /// May depend on the parameters and the place.
+  /// Paint at the parameters and the point.
   std::function<Paint(double u, double v, const Eigen::Vector3d& place)> paint;
   double spacing;  ///< of neighbours. Unit: [m].
-  /// Of which nothing is made where it is false; everything if empty.
+  /// Points for which it returns false get no Gaussians; unset: all get them.
   std::function<bool(const Eigen::Vector3d&)> keeps = {};
 };
 
-/// sRGB as one writes it (0xff8800), to linear.
+/// Converts sRGB, such as 0xff8800, to linear.
 Eigen::Vector3d linear_color(unsigned rgb);
 
-/// Appends rows of flat Gaussians as far apart as `spacing` says, wherever nothing of another object than
-/// `object` covers the surface by more than half a millimetre. What varies at random comes from `random`
-/// alone.
+/// Appends rows of flat Gaussians at the patch's spacing, except where an object other than `object` covers
+/// the surface by more than half a millimetre. `random` is the only source of randomness.
 void append_patch(const PaintedPatch& patch, const SoftLight& light, int object, Random& random,
                   GaussianScene& scene);
 

@@ -17,26 +17,26 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 using Color = std::array<std::uint8_t, 3>;
 
-/// Of a single shape: 7,900 Gaussians on the sphere, as densely as small objects are captured.
+/// Spacing of a single shape: 7,900 Gaussians on the sphere, as dense as captures of small objects.
 constexpr double kDefaultSpacing = 0.006;  // Unit: [m].
-/// Of the table: about 80,000 Gaussians.
+/// Spacing of the table: about 80,000 Gaussians.
 constexpr double kTableSpacing = 0.0045;  // Unit: [m].
-/// Of the truck: about 250,000 Gaussians.
+/// Spacing of the truck: about 250,000 Gaussians.
 constexpr double kTruckSpacing = 0.0136;  // Unit: [m].
 
-/// A point this near to another part is covered by it: parts that touch do so exactly but for the
+/// Distance to another part within which a point is covered by it: parts that touch do so exactly, up to the
 /// rounding of their poses. Unit: [m].
 constexpr double kTouching = 1e-9;
 
 /// Standard deviations in the plane of a splat, in spacings: at one sigma a disc of 0.65 h covers
 /// 1.3 times the h^2 it stands for, so a sheet has no hole that a fingertip could enter.
 constexpr double kTangentSigma = 0.65;
-/// ... each varied by up to this share, as trained splats are not round.
+/// Largest relative variation of these, as trained splats are not round.
 constexpr double kTangentVariation = 0.2;
 /// Standard deviation across the splat, in spacings: far below its width, as training flattens
 /// splats on surfaces, yet thick enough to have a well-conditioned normal in single precision.
 constexpr double kNormalSigma = 0.05;
-/// All pass the usual opacity thresholds (0.1 to 0.3), none is so opaque that its logit is extreme.
+/// All pass the usual opacity thresholds (0.1 to 0.3); none is so opaque that its logit is extreme.
 constexpr double kOpacityMin = 0.6;
 constexpr double kOpacityMax = 0.99;
 
@@ -69,7 +69,7 @@ Parts step_parts() {
   const std::shared_ptr<const AnalyticShape> half = make_rectangle(0.5 * kSize, kSize);
   return {{"low", kGrey, placed({-0.25 * kSize, 0.0, 0.0}), half},
           {"high", kGrey, placed({0.25 * kSize, 0.0, kRise}), half},
-          // Turned about y, so that its outward side is towards -x, where the surface is lower.
+          // Rotated about y, so that its outward side faces -x, where the surface is lower.
           {"riser", kGrey, placed({0.0, 0.0, 0.5 * kRise}, Vector3d::UnitY(), -pi / 2.0),
            make_rectangle(kRise, kSize)}};
 }
@@ -88,7 +88,7 @@ Parts table_furniture() {
   return parts;
 }
 
-/// Things that stand on z = 0, far enough apart for the default tool to go between most of them.
+/// Objects that stand on z = 0, far enough apart for the default tool to pass between most of them.
 Parts table_parts() {
   const Vector3d up = Vector3d::UnitZ();
   Parts parts = table_furniture();
@@ -107,8 +107,8 @@ Parts table_parts() {
   return parts;
 }
 
-/// A pick-up truck of 5.3 m on its wheels, front towards +x, with things in its bed; those that are round are
-/// 1 mm above it, as in rounded coordinates nobody could tell whose a point is where they touch.
+/// A pick-up truck of 5.3 m on its wheels, front towards +x, with objects in its bed. Round ones are 1 mm
+/// above it: where they touched it, rounding would decide which of them a point belongs to.
 Parts truck_parts() {
   const Color paint{148, 32, 36}, glass{70, 84, 96}, metal{196, 198, 202}, amber{236, 150, 36},
       rubber{38, 38, 40};

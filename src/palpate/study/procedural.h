@@ -36,7 +36,7 @@ struct PartSample {
 /// any number of threads may query it concurrently.
 class AnalyticSurface {
  public:
-  /// \param default_spacing of a sampling when none is asked for. Unit: [m].
+  /// \param default_spacing of samplings that request none. Unit: [m].
   AnalyticSurface(std::string name, double default_spacing, std::vector<SurfacePart> parts);
 
   const std::string& name() const { return name_; }
@@ -54,7 +54,7 @@ class AnalyticSurface {
   /// boundary, also where the boundary is covered by another part. Unit: [m].
   double distance(const Eigen::Vector3d& p) const { return project(p).distance; }
 
-  /// The nearest point, of the part that is nearest.
+  /// The nearest point of all parts.
   NearestPoint project(const Eigen::Vector3d& p) const;
 
   /// Points of all parts at the mean distance `spacing`, see AnalyticShape::sample(). Points that

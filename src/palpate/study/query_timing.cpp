@@ -15,11 +15,11 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Poses that are answered before the next: as many as keep all cores busy, few enough that their contacts
-/// stay in a cache.
+/// Number of solids in a batch: enough to keep all cores busy, few enough that their contacts stay in a
+/// cache.
 constexpr std::size_t kBatch = 1024;
 
-/// Calls `call` and keeps the time it took in `least`, if it is less.
+/// Calls `call`, and lowers `least` to its duration if that is less.
 template <typename Call>
 void time_call(double& least, const Call& call) {
   const Stopwatch watch;

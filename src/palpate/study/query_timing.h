@@ -23,13 +23,13 @@ struct PoseFigures {
 /// Query to be timed.
 struct TimedQuery {
   const ContactQuery& query;
-  const SceneIndex* index;  ///< the same, for a tracker to follow; null if `query` is no SceneIndex
+  const SceneIndex* index;  ///< the same, for a contact tracker; null if `query` is no SceneIndex
   Tool tool;
 };
 
-/// Goes along `path` `rounds` times, on the calling thread: once with fresh queries and nothing else, and
-/// once as a hand does, each pose's contacts followed by its force. Contacts then come from a tracker, where
-/// there is an index, and PoseFigures::tracked is 0 where there is none.
+/// Times `path` in `rounds` rounds on the calling thread. A round is one pass with fresh queries only, and
+/// one as in a servo loop, with the force after the contacts of each pose. Contacts of the latter are from a
+/// tracker if there is an index; otherwise PoseFigures::tracked is 0.
 std::vector<PoseFigures> time_path(const TimedQuery& timed, const Trajectory& path, ForceModel& model,
                                    int rounds, const Progress& progress);
 

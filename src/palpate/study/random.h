@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// A stream of random numbers fixed by its seed. The standard fixes what std::mt19937_64 produces
-/// but leaves its distributions to each library, so the transforms are written out here. What is
-/// left to the platform is the last bit of log and cos in normal().
+/// A stream of random numbers that depends on its seed only. The standard specifies what std::mt19937_64
+/// produces but leaves its distributions to each library, so the transforms are implemented here. Only the
+/// last bit of log and cos in normal() depends on the platform.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

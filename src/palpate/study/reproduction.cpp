@@ -17,13 +17,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMicro = 1e6;
-constexpr double kTremor = 2e-5;    // of the hand. [m]
-constexpr double kHoldEnd = 0.5;    // of a hold, that is taken for rest. [s]
-constexpr double kFelt = 0.05;      // [N]
-constexpr double kBack = 5e-5;      // of the deepest of a contact: a tool at its end is on its way out. [m]
-constexpr double kGyration = 0.05;  // of the hand. [m]
+constexpr double kTremor = 2e-5;    // amplitude of the hand's tremor. [m]
+constexpr double kHoldEnd = 0.5;    // end of a hold that counts as rest. [s]
+constexpr double kFelt = 0.05;      // least force of a contact. [N]
+constexpr double kBack = 5e-5;      // least retreat that makes a lost contact a bounce. [m]
+constexpr double kGyration = 0.05;  // of the handle. [m]
 
-/// A model whose contacts are found as the paper does, whose answers may come late, and whose time is taken.
+/// Wraps a model: finds its contacts by a query of its own, delays its output, and measures its time.
 class TimedForce final : public ForceModel {
  public:
   TimedForce(ReproductionModel& model, const Tool& tool)
@@ -39,7 +39,8 @@ class TimedForce final : public ForceModel {
 
   ForceOutput evaluate(const ForceInput& input) override {
     if (stall_ == 0.0) return compute(input);
-    // One is computed as long as the last one is shown: what is shown is as old as that, and gets older.
+    // The next output is computed while the last one is shown: an output is already late when it is first
+    // shown, and ages while it is held.
     since_ += input.dt;
     waited_ += input.dt;
     if (coming_ && since_ < stall_) return held(input);
@@ -71,7 +72,7 @@ class TimedForce final : public ForceModel {
   ForceOutput held(const ForceInput& input) const {
     ForceOutput output = shown_.value_or(ForceOutput{});
     output.proxy = input.tool;
-    output.stored_energy = std::numeric_limits<double>::quiet_NaN();  // nothing is known of it
+    output.stored_energy = std::numeric_limits<double>::quiet_NaN();  // unknown for a held force
     return output;
   }
 
@@ -85,7 +86,7 @@ class TimedForce final : public ForceModel {
   double cpu_us_ = 0.0, wall_us_ = 0.0;
 };
 
-/// The device, and what it says besides.
+/// The device under test, with access to the user's force and to its held state.
 class Held {
  public:
   Held(ReproductionDevice kind, const GiantSetup& setup, const JointPlantMaker& plant, HandPath hand) {
@@ -133,7 +134,7 @@ class Held {
   SimulatedDevice* simulated_ = nullptr;
 };
 
-/// How deep a ball is in the true surface, in the world.
+/// Computes depth and normal of a ball tool in the true surface, in the world frame.
 void measure_depth(const ReproductionScene& scene, const Similarity& scene_from_world, double radius,
                    ReproductionTick& tick) {
   tick.depth = std::numeric_limits<double>::quiet_NaN();
@@ -143,12 +144,12 @@ void measure_depth(const ReproductionScene& scene, const Similarity& scene_from_
   tick.normal = scene.world_from_scene.rotation * nearest.normal;
 }
 
-/// The radius of a ball; 0 for any other tool. Unit: [m].
+/// Returns the radius of a ball; 0 for any other tool. Unit: [m].
 double ball_radius(const Tool& tool) {
   return tool.parts().size() == 1 && tool.longest() == tool.thinnest() ? tool.thinnest() : 0.0;
 }
 
-/// Peak to peak of evenly spaced values about the straight line that fits them best.
+/// Returns the peak to peak of evenly spaced values about their least-squares line.
 double swing_of(const std::vector<double>& values) {
   const auto n = static_cast<Eigen::Index>(values.size());
   const Eigen::ArrayXd y = Eigen::Map<const Eigen::ArrayXd>(values.data(), n) - values.front();
@@ -172,7 +173,7 @@ ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const
     const double way = (tick.tool - touch.place.touch.position).dot(touch.place.inward);
     deepest = std::max(deepest, way);
     if (tick.t <= touch.slides - kHoldEnd) {
-      // What is touched on the way in, and left behind, is left on the way in.
+      // A contact that is lost while the tool moves further in, as behind a thin layer, is no bounce.
       contact.bounces += static_cast<int>(!now && in_contact > way + kBack);
       in_contact = now ? std::max(in_contact, way) : kNever;
       continue;
@@ -197,7 +198,7 @@ ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const
   return contact;
 }
 
-/// Once each.
+/// Adds `name` to `faults`, once.
 void note(std::vector<std::string>& faults, std::string_view name) {
   if (std::find(faults.begin(), faults.end(), name) == faults.end()) faults.emplace_back(name);
 }

@@ -16,11 +16,11 @@ using Bound = Claim::Bound;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMilli = 1e-3;
-/// Of a contact, in which its computation must be quick. Unit: [s].
+/// Beginning of a contact in which computation must be quick. Unit: [s].
 constexpr double kFirst = 0.1;
-/// A person notices no less of a turn of a force. Unit: [deg].
+/// Least change of a force's direction that a person notices. Unit: [deg].
 constexpr double kNoticed = 18.0;
-/// A tool that swings less is at rest. Unit: [m].
+/// Largest swing of a tool at rest. Unit: [m].
 constexpr double kAtRest = 5e-5;
 
 template <class Value>
@@ -58,7 +58,7 @@ std::vector<double> ranks(const std::vector<double>& values) {
   return rank;
 }
 
-/// Spearman's rank correlation; NaN where one of them does not vary.
+/// Spearman's rank correlation; NaN if one of them does not vary.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   if (a.size() < 2) return kNone;
   const std::vector<double> x = ranks(a), y = ranks(b);
@@ -72,8 +72,8 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
   return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : kNone;
 }
 
-/// Of collision count and force while the hand presses, the mean of all places. Two places differ in how
-/// dense the scene is there.
+/// Rank correlation of collision count and force while the hand presses, mean of all places: places differ in
+/// the density of the scene.
 double grows_with_count(const ReproductionRun& run, const RoomPath& path) {
   std::vector<double> all;
   for (const RoomTouch& touch : path.touches) {
@@ -95,7 +95,7 @@ double felt_contacts(const ReproductionRun& run) {
                     [](const ReproductionContact& c) { return !std::isnan(c.begins); }));
 }
 
-/// Of the path of the tool. Unit: [m^2].
+/// Area of the bounding rectangle of the tool's path. Unit: [m^2].
 double area(const ReproductionRun& run) {
   Eigen::AlignedBox2d box;
   for (const ReproductionTick& tick : run.ticks) box.extend(tick.tool.head<2>());
@@ -116,8 +116,8 @@ double degrees_off(const ReproductionRun& run) {
   return worst;
 }
 
-/// The largest force of a contact that nothing has collided in yet: from one tick without force to the next.
-/// A tool behind a thin layer, through which a proxy does not let it be pulled, is still in contact with it.
+/// Largest force without contact, which begins with a collision and lasts until a tick without force: a tool
+/// behind a thin layer whose proxy stays in front of it is still in contact.
 double without_contact(const ReproductionRun& run) {
   double largest = 0.0;
   bool contact = false;
@@ -128,7 +128,7 @@ double without_contact(const ReproductionRun& run) {
   return largest;
 }
 
-/// The least over all contacts of the user's force there, over its median while nothing is touched.
+/// Least user force at rest of all contacts, over the median of the user force without contact.
 double spike(const ReproductionRun& run) {
   std::vector<double> free = values_of(run, [&](const ReproductionTick& tick) {
     return tick.colliding == 0 && tick.force.isZero(0.0) ? tick.user.norm() : kNone;

@@ -14,16 +14,16 @@ namespace palpate {
 struct Claim {
   enum class Bound { kAtMost, kAtLeast };
 
-  std::string words;   ///< the paper's, or their sense
-  std::string figure;  ///< the paper's, as it states it; "-": it states none
-  std::string what;    ///< is measured, with its unit
+  std::string words;   ///< quotation from the paper, or its sense
+  std::string figure;  ///< value that the paper states; "-" if none
+  std::string what;    ///< the measured quantity, with its unit
   Bound bound = Bound::kAtMost;
-  double limit = 0.0;  ///< that makes it true: the paper's figure, or what is said in `what`
-  /// With the paper's pipeline and force, and with the defaults of this project; NaN: not to be known.
+  double limit = 0.0;  ///< bound within which it is true: the paper's value, or the one in `what`
+  /// Values for the paper's pipeline and force, and for this project's defaults; NaN if unknown.
   double paper = 0.0, own = 0.0;
 
   bool holds(double value) const { return bound == Bound::kAtMost ? value <= limit : value >= limit; }
-  /// How many times as good as the limit; NaN where that says nothing.
+  /// Factor by which `value` is better than the limit; NaN if undefined.
   double ratio(double value) const;
 };
 

@@ -14,16 +14,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSpeed = 0.5, kSlowSpeed = 0.1;  // [m/s]
-constexpr double kPeakSpeed = 15.0 / 8.0;         // of a motion with the least jerk, over its mean
-constexpr double kShortest = 0.25;                // [s]
-constexpr double kStandoff = 0.15;                // before first contact, from where it is slow. [m]
-constexpr double kAbove = 0.12;                   // over the scene, on the way. [m]
-constexpr double kStep = 0.01;                    // between two looks whether the way is free. [m]
-constexpr double kFine = 2e-4;                    // between two looks for first contact. [m]
-constexpr std::size_t kSolid = 3;                 // Gaussians that are a surface
-constexpr std::size_t kPlacesPerTouch = 12;       // to choose from
+constexpr double kPeakSpeed = 15.0 / 8.0;         // ratio of peak to mean speed of a minimum-jerk motion
+constexpr double kShortest = 0.25;                // shortest duration of a motion. [s]
+constexpr double kStandoff = 0.15;                // distance before first contact of the slow motion. [m]
+constexpr double kAbove = 0.12;                   // clearance above the scene in travel. [m]
+constexpr double kStep = 0.01;                    // distance between two checks for obstacles. [m]
+constexpr double kFine = 2e-4;                    // step of the search for first contact. [m]
+constexpr std::size_t kSolid = 3;                 // least number of Gaussians of a surface
+constexpr std::size_t kPlacesPerTouch = 12;       // candidates to choose from
 
-/// A straight motion with the least jerk (Flash and Hogan 1985).
+/// Fraction of a minimum-jerk motion (Flash and Hogan 1985) done after the fraction `u` of its time.
 double share_at(double u) { return u * u * u * (10.0 - u * (15.0 - 6.0 * u)); }
 
 class Route {
@@ -37,7 +37,7 @@ class Route {
     middle_ = box.center();
   }
 
-  /// The touch there, if the hand gets there and away.
+  /// Returns the touch at `place` if the hand can reach and leave it.
   std::optional<RoomTouch> touch_at(const PressPlace& place) {
     RoomTouch touch{place, 0.0, 0.0, 0.0, 0.0};
     const Vector3d in = place.inward;
@@ -57,7 +57,7 @@ class Route {
     return touch;
   }
 
-  /// Those that are farthest apart, around the middle of the scene.
+  /// Selects the touches that are farthest apart, ordered around the middle of the scene.
   std::vector<RoomTouch> chosen(const std::vector<RoomTouch>& from) const {
     std::vector<RoomTouch> touches{from.front()};
     std::vector<double> least(from.size(), std::numeric_limits<double>::infinity());
@@ -105,7 +105,7 @@ class Route {
     const Vector3d way = touch.place.touch.position - middle_;
     return std::atan2(way.y(), way.x());
   }
-  /// As far as they are apart, and half a metre for opposite directions.
+  /// Distance between two touches, plus up to half a metre for opposite directions.
   static double difference(const RoomTouch& a, const RoomTouch& b) {
     return (a.place.touch.position - b.place.touch.position).norm() +
            0.25 * (1.0 - a.place.inward.dot(b.place.inward));

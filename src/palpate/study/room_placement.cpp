@@ -13,18 +13,20 @@
 namespace palpate {
 namespace {
 
-/// Beside where the handle rests, a scene may be so large, so far in y from there, and its top so far below
-/// what the handle reaches: with room to walk around, and to pass above. Unit: [m].
+/// Placement of a scene beside the rest position of the handle: its largest size, its distance in y from
+/// there, and the distance of its top below the handle's reach, with room to walk around and to pass above.
+/// Unit: [m].
 const Eigen::Vector3d kFits(3.5, 1.9, 1.3);
 constexpr double kAside = 0.35, kBelow = 0.18;
-/// A larger one lies below where the handle rests, and this many of its Gaussians fill this much of the room:
-/// the paper's million, and a share that was chosen by trial on one captured city, where contacts then have
-/// about as many Gaussians as the paper's. Unit: [m], [m], 1.
+/// Placement of a larger scene below the rest position of the handle: size of the room to fill, distance of
+/// its top below the handle, and number of its Gaussians in the room: the paper's million, and a margin that
+/// was chosen by trial on one captured city, where contacts then have about as many Gaussians as the paper's.
+/// Unit: [m], [m], 1.
 const Eigen::Array2d kRoom(4.2, 5.0);
 constexpr double kUnderHandle = 0.1;
 constexpr std::size_t kFilling = 1'150'000;
 
-/// \throws Error if it is nothing
+/// Returns the ellipsoids that the placement keeps. \throws Error if there are none.
 EllipsoidScene kept_of(const GaussianScene& scene, const RoomPlacement& placement) {
   FilterReport report;
   EllipsoidScene kept =
@@ -33,18 +35,18 @@ EllipsoidScene kept_of(const GaussianScene& scene, const RoomPlacement& placemen
   return kept;
 }
 
-/// How much larger `kept` may be for kFilling of it to be left in kRoom about `middle`; at least 1.
+/// Factor by which `kept` can be enlarged to leave kFilling of it in kRoom about `middle`; at least 1.
 double enlarged_to_fill(const EllipsoidScene& kept, const Eigen::Vector3d& middle) {
   if (kept.size() <= kFilling) return 1.0;
-  std::vector<double> share;  // of the room, in which a centre is
+  std::vector<double> share;  // fraction of the room at which a centre is
   for (const Ellipsoid& e : kept.ellipsoids)
     share.push_back(((e.center - middle).head<2>().array().abs() / (0.5 * kRoom)).maxCoeff());
   std::nth_element(share.begin(), share.begin() + kFilling, share.end());
   return std::max(1.0, 1.0 / share[kFilling]);
 }
 
-/// Enlarges a scene that is larger than the room to fill it, and leaves what is about its middle. \returns
-/// the box of that.
+/// Enlarges a scene that is larger than the room to fill it, and crops it about its middle. \returns the box
+/// of the remainder.
 Eigen::AlignedBox3d crop_to_room(const GaussianScene& scene, RoomPlacement& placement,
                                  const EllipsoidScene& kept, const Eigen::Vector3d& middle) {
   const double larger = enlarged_to_fill(kept, middle);

@@ -21,13 +21,14 @@ struct RoomPlacement {
   SceneFilter filter;
 };
 
-/// A procedural scene as large as fits, a captured one as large as suits the tool: beside where the handle
-/// rests, or the middle of it below. What is too low for the handle is not touched. \param tool_radius the
-/// thinnest. Unit: [m]. \param home of the handle, world frame \throws Error if `filter` leaves nothing
+/// Places a procedural scene as large as fits, or a captured one as large as suits the tool, beside the rest
+/// position of the handle or, if it is too large for that, with its middle below it. Parts too low for the
+/// handle are not touched. \param tool_radius shortest semi-axis. Unit: [m]. \param home rest position of the
+/// handle, world frame \throws Error if `filter` keeps nothing
 RoomPlacement place_in_room(const GaussianScene& scene, const SceneFilter& filter, double tool_radius,
                             const Eigen::Vector3d& home);
 
-/// A million Gaussians on the surface of a truck, with what captures have wrong with them.
+/// A million Gaussians on the surface of a truck, with typical defects of captures.
 GaussianScene procedural_truck(const AnalyticSurface& surface, std::uint64_t seed);
 
 }  // namespace palpate

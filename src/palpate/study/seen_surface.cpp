@@ -14,11 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// What splatting does not draw.
+/// Splatting draws nothing below the least alpha, and clamps at the largest.
 constexpr double kLeastAlpha = 1.0 / 255.0, kMostAlpha = 0.99;
-/// Where an opaque Gaussian falls below kLeastAlpha, in standard deviations.
+/// Distance at which an opaque Gaussian falls below kLeastAlpha, in standard deviations.
 constexpr double kEnd = 3.33;
-/// A Gaussian of no thickness has this one, of its longest deviation.
+/// Assumed thickness of a Gaussian without one, as a fraction of its longest deviation.
 constexpr double kLeastThickness = 1e-6;
 
 }  // namespace
@@ -91,15 +91,15 @@ std::optional<double> SeenRays::depth(const Vector3d& point, double left) const 
 }
 
 std::optional<double> SeenRays::first_touch(const Tool& tool, const Vector3d& aside, int rings) const {
-  // Rings are as far from each other along the tool as across it: at the flank, where it is steep, a ray that
-  // is a little farther out sees what is much nearer to the tool.
+  // Rings are evenly spaced along the tool's surface, not across it: at the flank, where it is steep, a ray
+  // that is a little farther out may meet a surface much nearer to the tool.
   constexpr double kSilhouette = 0.98;
   const double farthest = std::asin(kSilhouette);
   std::optional<double> first;
   for (const ToolPart& part : tool.parts()) {
     const Ellipsoid solid = part.at({});
-    // Points of the unit sphere's disc across the ray, as the part's own axes see it: the ray through one
-    // leaves the solid where the sphere ends.
+    // Points of the disc across the ray in the coordinates in which the part is a unit sphere: the ray
+    // through one leaves the solid where it leaves the sphere.
     const Vector3d w = (solid.axes.inverse() * along_).normalized(), p = w.unitOrthogonal(), q = w.cross(p);
     for (int ring = 0; ring <= rings; ++ring) {
       const int rays = ring == 0 ? 1 : 6 * ring;

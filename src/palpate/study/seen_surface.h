@@ -24,14 +24,14 @@ class SeenSurface {
  public:
   SeenSurface(const GaussianScene& scene, const Similarity& world_from_scene);
 
-  static constexpr double kHalf = 0.5;  ///< what is left of the light behind the seen surface
+  static constexpr double kHalf = 0.5;  ///< transmittance below which the surface is seen
 
-  /// How far along the unit vector `along` a ray from `from` sees the surface; nothing if it does not. World
-  /// frame. Unit: [m]. \param left less of the light than this is left there
+  /// Distance along the unit vector `along` at which a ray from `from` meets the surface; nothing if it does
+  /// not. World frame. Unit: [m]. \param left transmittance below which it does
   std::optional<double> depth(const Eigen::Vector3d& from, const Eigen::Vector3d& along,
                               double left = kHalf) const;
 
-  /// As SeenRays::first_touch(), for one way of one tool.
+  /// As SeenRays::first_touch(), for a single path.
   std::optional<double> first_touch(const Tool& tool, const Eigen::Vector3d& from,
                                     const Eigen::Vector3d& along) const;
 
@@ -40,7 +40,7 @@ class SeenSurface {
   struct Splat {
     Eigen::Vector3d center;
     Eigen::Matrix3d whitening;  ///< m^2 = |whitening (x - center)|^2
-    double radius;              ///< beyond which it is not drawn
+    double radius;              ///< distance from the centre beyond which it is not drawn
     double opacity;
   };
 
@@ -50,26 +50,27 @@ class SeenSurface {
 /// The parallel rays near one line. World frame; lengths in m. Immutable.
 class SeenRays {
  public:
-  /// Rays along the unit vector `along`, no farther than `radius` from the one from `from`, begin in the
-  /// plane through `from` across them.
+  /// Rays along the unit vector `along`, at most `radius` from the one through `from`; they begin in the
+  /// plane through `from` perpendicular to them.
   SeenRays(const SeenSurface& scene, const Eigen::Vector3d& from, const Eigen::Vector3d& along,
            double radius);
 
-  /// Of rays of a cross-section: one in the middle, and six more in each ring than in the one before.
+  /// Number of rings of rays of a cross-section: one ray in the middle, and six more in each ring than in the
+  /// one before.
   static constexpr int kRings = 8;
 
-  /// How far from the plane the ray through `point` sees the surface; nothing if it does not.
+  /// Distance from the plane at which the ray through `point` meets the surface; nothing if it does not.
   std::optional<double> depth(const Eigen::Vector3d& point, double left = SeenSurface::kHalf) const;
 
-  /// How far a tool of the orientation of the world goes from `from`, moved across the rays by `aside`, until
-  /// the first of the rays of its cross-section meets the seen surface: the middle and `rings` rings for each
-  /// part, the outermost a part in fifty from the silhouette.
+  /// Distance that a tool in the orientation of the world moves from `from`, displaced across the rays by
+  /// `aside`, until the first ray of its cross-section meets the seen surface. Each part has a ray in the
+  /// middle and `rings` rings, the outermost 2 % inside the silhouette.
   std::optional<double> first_touch(const Tool& tool, const Eigen::Vector3d& aside = Eigen::Vector3d::Zero(),
                                     int rings = kRings) const;
 
  private:
-  /// Across the rays, where m^2 = |x a + y b|^2 from its middle, and it is nearest to the ray at the depth
-  /// t + x tx + y ty.
+  /// Projection of a splat: at (x, y) from its middle, across the rays, m^2 = aa x^2 + 2 ab x y + bb y^2, at
+  /// the depth t + x tx + y ty.
   struct Image {
     Eigen::Vector2d middle;
     double aa, ab, bb;

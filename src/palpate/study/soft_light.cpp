@@ -10,17 +10,17 @@ namespace {
 using Eigen::Vector3d;
 
 const Vector3d kSky(0.40, 0.46, 0.55);     // linear, from above
-const Vector3d kBounce(0.26, 0.20, 0.15);  // from what stands around
+const Vector3d kBounce(0.26, 0.20, 0.15);  // from surrounding objects
 const Vector3d kWindow(1.95, 1.76, 1.46);
-const Vector3d kSeenFrom(0.54, -0.68, 0.5);  // where the viewer opens; highlights are for there
+const Vector3d kSeenFrom(0.54, -0.68, 0.5);  // direction of the initial viewpoint, for highlights
 
-/// Distances along the normal at which a point asks how much room there is, and what each counts.
+/// Distances along the normal at which ambient occlusion is probed, and their weights.
 constexpr std::array<double, 5> kProbes{0.004, 0.010, 0.022, 0.045, 0.080};  // Unit: [m].
 constexpr std::array<double, 5> kProbeShares{0.24, 0.24, 0.22, 0.18, 0.12};
 
 constexpr double kShadowBegin = 0.004;  // off the surface, so that it does not shade itself. Unit: [m].
 constexpr double kShadowEnd = 0.5;      // Unit: [m].
-constexpr double kSharpness = 7.0;      // of a shadow's border: the inverse of half the window's width
+constexpr double kSharpness = 7.0;      // of a shadow's border: inverse of half the window's angular width
 constexpr int kShadowSteps = 24;
 constexpr double kLeastStep = 0.004;  // Unit: [m].
 
@@ -68,7 +68,7 @@ Vector3d lit(const Vector3d& albedo, double gloss, const Vector3d& normal, const
   if (gloss > 0.0) {
     const Vector3d half = (window_direction() + kSeenFrom.normalized()).normalized();
     double shine = std::max(0.0, normal.dot(half));
-    for (int k = 0; k < 5; ++k) shine *= shine;  // to the 32nd
+    for (int k = 0; k < 5; ++k) shine *= shine;  // 32nd power
     const double edge = 1.0 - std::max(0.0, normal.dot(kSeenFrom.normalized()));
     seen += gloss * (0.75 * shine * visibility.window * kWindow + 0.25 * edge * edge * edge * sky);
   }

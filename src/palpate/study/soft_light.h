@@ -12,40 +12,39 @@ namespace palpate {
 
 /// An object that occludes others and casts a shadow.
 struct Occluder {
-  Eigen::Vector3d center;  ///< of a ball that holds it
+  Eigen::Vector3d center;  ///< of a bounding ball
   double radius;           ///< of that ball. Unit: [m].
-  /// Signed distance of a point of the world, not above the true one by more than a millimetre. Unit: [m].
+  /// Signed distance of a point in the world frame, at most a millimetre above the true one. Unit: [m].
   std::function<double(const Eigen::Vector3d&)> distance;
-  int object;  ///< whose it is
+  int object;  ///< index of the object that it belongs to
 };
 
-/// How much of each light reaches a point, in [0, 1].
+/// Fraction of each light that reaches a point, in [0, 1].
 struct Visibility {
   double sky = 1.0;
   double window = 1.0;
 };
 
-/// The things of a scene, as light sees them. Immutable once they are all there; any thread.
+/// Occluders of a scene. Any thread may query them once all are added.
 class SoftLight {
  public:
   void add(Occluder occluder) { occluders_.push_back(std::move(occluder)); }
 
-  /// Of the nearest one, but for those of the object `but`; exact only where it is below `until`, and at
-  /// least `until` elsewhere. Unit: [m].
+  /// Distance to the nearest occluder that is not of the object `but`, or `until` if that is less. Unit: [m].
   double distance(const Eigen::Vector3d& p, double until, int but = -1) const;
 
-  /// Of a point on a surface with the outward `normal`, of unit length.
+  /// Visibility at a point of a surface with the outward unit `normal`.
   Visibility visibility(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const;
 
  private:
   std::vector<Occluder> occluders_;
 };
 
-/// Towards the window, of unit length.
+/// Unit vector towards the window.
 Eigen::Vector3d window_direction();
 
-/// What is seen of a matt surface of the linear colour `albedo` (with `gloss` in [0, 1] of a highlight) in
-/// the light that reaches it; linear.
+/// Linear colour seen of a matt surface of the linear colour `albedo`, with a highlight of strength `gloss`
+/// in [0, 1], in the light that reaches it.
 Eigen::Vector3d lit(const Eigen::Vector3d& albedo, double gloss, const Eigen::Vector3d& normal,
                     const Visibility& visibility);
 

@@ -16,7 +16,7 @@ std::uint32_t mixed(std::uint32_t h) {
   return h ^ (h >> 16U);
 }
 
-/// In [-1, 1].
+/// Value of a lattice point, in [-1, 1].
 double lattice_value(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t seed) {
   constexpr double kHalfRange = 0x1p31;
   std::uint32_t h = seed;
@@ -24,7 +24,7 @@ double lattice_value(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32
   return static_cast<double>(h) / kHalfRange - 1.0;
 }
 
-/// From 0 to 1, with first and second derivatives of zero at both ends.
+/// Rises from 0 to 1, with first and second derivatives of zero at both ends.
 double eased(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
 
 double mix(double a, double b, double share) { return a + share * (b - a); }

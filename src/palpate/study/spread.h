@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Quantiles; NaN if there was nothing to take them of.
+/// Quantiles of a sample; NaN if it is empty.
 struct Spread {
   double p05, p50, p95, p99, p999, max;
 };
@@ -20,7 +20,7 @@ struct CurvePoint {
   Spread value;
 };
 
-/// In rising order of `at`. Places where nothing was measured are left out.
+/// In increasing order of `at`; positions without measurements are omitted.
 using Curve = std::vector<CurvePoint>;
 
 /// Collects a curve in bins of equal width; values outside are dropped.
@@ -32,7 +32,7 @@ class CurveBins {
 
   void add(double at, double value);
 
-  /// Each bin at its middle.
+  /// Returns one point per bin, at its middle.
   Curve curve() const;
 
  private:

@@ -16,13 +16,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// When the hand begins to come in, is there, and begins to slide. Unit: [s].
+/// Times at which the hand begins to approach, arrives, begins to slide, begins to lift off, and ends. Unit:
+/// [s].
 constexpr double kComes = 0.8, kThere = 1.3, kSlides = kThere + StabilityTrial::kRest;
 constexpr double kLifts = kSlides + StabilityTrial::kSlide, kEnd = kLifts + StabilityTrial::kLift;
-/// How far from the surface it waits. Unit: [m].
+/// Distance from the surface at which it waits. Unit: [m].
 constexpr double kAway = 0.015;
 
-/// From 0 to 1, at rest at both ends.
+/// Rises from 0 to 1, with zero slope at both ends.
 double eased(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
   return s * s * (3.0 - 2.0 * s);
@@ -39,9 +40,9 @@ HandPath path_at(const PressPlace& place, double press) {
   };
 }
 
-/// Where, going up from `low`, `holds` is true for the last time before it is false; `low` if it never is,
-/// `most` if it always is. To a hundredth. What holds again farther up does not count: a loop that is shaken
-/// as far as its motors can looks quiet.
+/// Returns the value, going up from `low`, at which `holds` is true for the last time before it is first
+/// false, to a hundredth; `low` if it is false there, `most` if it is always true. Values farther up at which
+/// it holds again do not count: a loop that saturates its motors looks quiet.
 double last_that_holds(double low, double most, const std::function<bool(double)>& holds) {
   constexpr double kStride = 1.3;
   double high = low;
@@ -93,16 +94,16 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   }
   VirtualWorker worker(work, std::max(trial.worker_delay, trial.hold));
   felt.worker = &worker;
-  // A device that can push no harder is at rest whatever is asked of it.
+  // Limited, since a saturated device is at rest whatever the command.
   const double bearable = StabilityTrial::kForceShare * trial.profile.capabilities.force_max;
   const double press = std::min(StabilityTrial::kPress, bearable / trial.hand.stiffness);
   DeviceCapabilities can = trial.profile.capabilities;
-  can.force_sustained = can.torque_sustained = 0.0;  // whether it shakes is measured, not whether it gets hot
+  can.force_sustained = can.torque_sustained = 0.0;  // stability is measured, not heating
   SimulatedDevice device(can, trial.profile.plant, trial.hand, path_at(place, press));
   ServoTickOptions options;
   options.period = StabilityTrial::kTick;
   options.gain = trial.gain;
-  options.keeps_passive = false;  // what is measured is how stiff it may be
+  options.keeps_passive = false;  // the largest stable stiffness is measured
   if (!trial.governed) {
     options.limits = SafetyLimits::of(trial.profile.capabilities, options.period);
     options.limits->energy_max = std::numeric_limits<double>::infinity();
@@ -148,17 +149,17 @@ double z_width(const StabilityTrial& trial, const PressPlace& place, double stif
 
 namespace {
 
-/// How hard a device is pushed against the wall. Unit: [N].
+/// Force that pushes a device against the wall. Unit: [N].
 constexpr double kWallPush = 1.0;
-/// A swing of more than twice the depth of that push leaves the wall; this is a little more.
+/// Largest swing, in depths of that push: one of more than 2 leaves the wall; this is a little more.
 constexpr double kInTouch = 2.2;
 
-/// Peak to peak of a device on a wall of stiffness k, in three tenths of a second from `from` on.
+/// Peak to peak of a device on a wall of stiffness k, in the 0.3 s from `from` on. Unit: [m].
 double wall_swing(const DeviceProfile& profile, double period, bool passivity, double k, double from) {
   constexpr double kWindow = 0.3;
   DeviceProfile ideal = profile;
   ideal.plant.coulomb = ideal.plant.resolution = ideal.plant.turn_resolution = 0.0;
-  // As good as a constant force: a weak spring to a point far inside the wall.
+  // Approximates a constant force by a weak spring to a point far inside the wall.
   SimulatedDevice device(ideal.capabilities, ideal.plant, {0.0, 0.0, kWallPush}, [](double t) {
     Pose pose;
     pose.position.x() = t > 0.0 ? -1.0 : 0.0;
@@ -187,10 +188,9 @@ double wall_swing(const DeviceProfile& profile, double period, bool passivity, d
 double growth(const DeviceProfile& profile, double period, double k, double added) {
   const double m = profile.plant.mass, b = profile.plant.damping;
   const double kept = std::exp(-b * period / m), way = (1.0 - kept) * m / b;
-  // A force that is held for a period moves the handle by `by` a newton, and makes it faster by (1 - kept) /
-  // b.
+  // A force of 1 N that is held for a period displaces the handle by `by` and adds `faster` to its velocity.
   const double by = (period - way) / b, faster = (1.0 - kept) / b;
-  const double now = -k - added / period, before = added / period;  // of the force, by x_k and x_(k-1)
+  const double now = -k - added / period, before = added / period;  // dF/dx_k, dF/dx_(k-1)
   Eigen::Matrix3d loop;
   loop << 1.0 + by * now, way, by * before, faster * now, kept, faster * before, 1.0, 0.0, 0.0;
   return loop.eigenvalues().cwiseAbs().maxCoeff();

@@ -20,27 +20,28 @@ namespace palpate {
 std::vector<PressPlace> press_places(const SceneIndex& index, const EllipsoidScene& scene, const Tool& tool,
                                      int count, std::uint64_t seed);
 
-/// One session of a hand with a device: it comes in along PressPlace::inward once the force is on, presses
-/// kPress beyond first contact, or as far as takes kForceShare of what the device can hold, rests there for
+/// One trial of a hand with a device: it approaches along PressPlace::inward once the force is on, presses
+/// kPress beyond first contact, or as far as takes kForceShare of the device's largest force, rests there for
 /// kRest, and slides at kSlideSpeed for kSlide.
 struct StabilityTrial {
   const SceneIndex* index = nullptr;
   Tool tool;
   DeviceProfile profile;
   HandProperties hand;
-  /// Makes the force model, which looks for contacts through `lookahead` where that is not null.
+  /// Creates the force model, which searches for contacts through `lookahead` unless that is null.
   std::function<std::unique_ptr<ForceModel>(Lookahead* lookahead)> model;
   double gain = 1.0;          ///< ServoTickOptions::gain
-  double worker_delay = 0.0;  ///< of the thread that looks for contacts ahead; 0: the loop looks. Unit: [s].
-  double hold = 0.0;  ///< for how long a force is computed and then held (ZeroOrderHold); 0: not. Unit: [s].
+  double worker_delay = 0.0;  ///< delay of the look-ahead contact search; 0: search in the loop. Unit: [s].
+  double hold = 0.0;          ///< computation time of a force, then held (ZeroOrderHold); 0: none. Unit: [s].
   /// False: the governor does not stop active behaviour, so that all of its energy is measured.
   bool governed = true;
 
   static constexpr double kTick = 1e-3;   ///< Unit: [s].
   static constexpr double kPress = 0.01;  ///< Unit: [m].
   static constexpr double kForceShare = 0.5;
-  /// At rest a heavy hand that holds loosely (0.5 kg with the handle, 100 N/m, 2 N s/m) swings out with a
-  /// time constant of 0.5 s; after two seconds that is no longer taken for a limit cycle. Unit: [s].
+  /// Duration of the rest. A heavy hand with a loose grip (0.5 kg with the handle, 100 N/m, 2 N s/m) swings
+  /// out with a time constant of 0.5 s; after two seconds that is no longer mistaken for a limit cycle. Unit:
+  /// [s].
   static constexpr double kRest = 3.0;
   static constexpr double kSlide = 0.5, kLift = 0.4;  ///< Unit: [s].
   static constexpr double kSlideSpeed = 0.1;          ///< Unit: [m/s].
@@ -50,23 +51,23 @@ struct StabilityTrial {
 struct StabilityTick {
   double t = 0.0;      ///< Unit: [s].
   double depth = 0.0;  ///< of the handle along PressPlace::inward, from first contact. Unit: [m].
-  double force = 0.0;  ///< that was sent. Unit: [N].
+  double force = 0.0;  ///< sent to the device. Unit: [N].
 };
 
 /// Result of a trial.
 struct StabilityOutcome {
   double limit_cycle = 0.0;    ///< peak to peak of the handle in the last second of the rest. Unit: [m].
   double port_energy = 0.0;    ///< PassivityController::put_out(). Unit: [J].
-  int contact_changes = 0;     ///< how often force began or ended
+  int contact_changes = 0;     ///< number of times that the force begins or ends
   double rest_force = 0.0;     ///< mean, in that second. Unit: [N].
   Fault fault = Fault::kNone;  ///< the first
-  std::vector<StabilityTick> ticks;  ///< all of them, if asked for
+  std::vector<StabilityTick> ticks;  ///< all ticks, if requested
 };
 
 StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, bool keeps_ticks = false);
 
-/// No more than this is at rest; a fingertip feels some 0.1 mm at the frequencies that a hand allows. Unit:
-/// [m].
+/// Largest limit cycle of a hand that counts as at rest: a fingertip feels about 0.1 mm at the frequencies of
+/// a hand. Unit: [m].
 inline constexpr double kLimitCycleMax = 0.05e-3;
 
 /// Returns by bisection the largest stiffness with which the hand rests within kLimitCycleMax and the
@@ -88,7 +89,7 @@ double wall_z_width(const DeviceProfile& profile, double period, bool passivity)
 ///     m x'' + b x' = -K x_k - B (x_k - x_(k-1)) / T,    held from tick to tick,
 ///
 /// are in the unit circle, with the best B from 0 to `added_damping`. Without any, it is 2 b / T (Colgate and
-/// Schenkel 1997) but for what the mass changes. Unit: [N/m].
+/// Schenkel 1997) apart from the effect of the mass. Unit: [N/m].
 double wall_bound(const DeviceProfile& profile, double period, double added_damping);
 /// @}
 

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-/// Of the forces while sliding, as StabilityRow::force_off.
+/// Computes StabilityRow::force_off from the forces while sliding.
 double force_off(const StabilityOutcome& outcome, const StabilityOutcome& reference) {
   constexpr double kShare = 0.95;
   const auto ticks = [](double seconds) { return static_cast<std::size_t>(seconds / StabilityTrial::kTick); };
@@ -89,7 +89,7 @@ StabilityTrial trial_of(const StabilityStudy& study, const StabilityRow& row) {
   trial.model = [&study, name = row.model](Lookahead* ahead) { return study.model(name, ahead); };
   if (row.source == ContactSource::kWorker) trial.worker_delay = row.delay;
   if (row.source == ContactSource::kHold) trial.hold = row.delay;
-  // What has no potential, or is late, is not passive: it is shown as it is.
+  // A model without a potential, or with a delay, is not passive: it runs ungoverned.
   trial.governed = row.source != ContactSource::kHold && row.model != "density";
   return trial;
 }

@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// Where the contacts of a trial come from.
+/// Source of the contacts of a trial.
 enum class ContactSource {
   kLoop,    ///< searched in the loop
   kWorker,  ///< searched by a delayed worker thread that looks ahead
@@ -30,16 +30,16 @@ struct StabilityRow {
   double delay = 0.0;                           ///< of `source`. Unit: [s].
   double limit_cycle = 0.0, port_energy = 0.0;  ///< StabilityOutcome
   int contact_changes = 0;
-  double rest_force = 0.0;  ///< the least
+  double rest_force = 0.0;  ///< minimum over all places
   Fault fault = Fault::kNone;
-  /// While sliding, how far the force is from that of the same trial with ContactSource::kLoop in 95 of 100
-  /// ticks, as a share of the mean of that.
+  /// Difference of the force from that of the same trial with ContactSource::kLoop while sliding, 95th
+  /// percentile, relative to the mean of the latter.
   double force_off = 0.0;
   std::optional<double>
       z_width;  ///< z_width(), at the first place; none for a model without a stiffness. Unit: [N/m].
 };
 
-/// An ideal wall on a device.
+/// Z-width of an ideal wall on a device.
 struct WallRow {
   std::string profile;
   bool passivity;         ///< with the PassivityController
@@ -60,11 +60,12 @@ struct StabilityStudy {
   std::vector<HandProperties> hands;
   double delay = 0.0;      ///< of ContactSource::kWorker and kHold; 0: neither is tried. Unit: [s].
   double stiffness = 0.0;  ///< of the models. Unit: [N/m].
-  /// Makes the force model of that name, which looks for contacts through `lookahead` where that is not null.
+  /// Creates the force model of that name, which searches for contacts through `lookahead` unless that is
+  /// null.
   std::function<std::unique_ptr<ForceModel>(const std::string& name, Lookahead* lookahead)> model;
 };
 
-/// Light, usual and heavy, each held loosely, as usual, and firmly: the range of human hands.
+/// Light, usual and heavy hands, each with a loose, usual and firm grip: the range of human hands.
 std::vector<HandProperties> usual_hands();
 
 /// The trial of a row. \pre `study` outlives it

@@ -21,9 +21,9 @@ using still_life::Thing;
 
 constexpr double kLeastSpacing = 0.001, kMostSpacing = 0.02;  // Unit: [m].
 constexpr int kGrapes = 38;
-constexpr int kTries = 5;  // of places for a grape, of which it takes the lowest
+constexpr int kTries = 5;  // positions tried for a grape
 
-/// Things that have found their places, and the room that they take.
+/// Objects in their places, and the space that they occupy.
 class Arrangement {
  public:
   explicit Arrangement(double spacing) : spacing_(spacing) {}
@@ -35,11 +35,11 @@ class Arrangement {
     }
     things_.push_back(std::move(thing));
   }
-  /// Where a ball comes to rest that is let down at (x, y).
+  /// Position at which a ball comes to rest that is lowered at (x, y).
   Vector3d rest(double x, double y, double radius) const {
     return {x, y, still_life::rest_height(light_, x, y, radius)};
   }
-  /// Where it has rolled to from there: no place beside it is lower.
+  /// Position to which it rolls from there: no position beside it is lower.
   Vector3d rolled(Vector3d place, double radius) const {
     constexpr int kRolls = 60, kWays = 8;
     constexpr double kRoll = 0.0025, kLower = 1e-4;  // Unit: [m].
@@ -66,7 +66,7 @@ class Arrangement {
   std::vector<Thing> things_;
 };
 
-/// A little to this side or that, by seed.
+/// Draws a unit vector tilted from +z, by a slope of up to `share` in x and in y.
 Vector3d leaning(Random& random, double share) {
   const double x = random.uniform(-share, share), y = random.uniform(-share, share);
   return Vector3d(x, y, 1.0).normalized();
@@ -89,7 +89,7 @@ void add_fruit_in_bowl(Arrangement& all, Random& random) {
                                  0xa3161a, 105));
 }
 
-/// One by one, each on what lies there already.
+/// Adds grapes one by one, each on top of what is there.
 void add_grapes(Arrangement& all, Random& random) {
   const Vector3d& bowl = still_life::bowl_place();
   const Vector3d middle = bowl + Vector3d(0.092, -0.112, 0.0);
@@ -100,7 +100,7 @@ void add_grapes(Arrangement& all, Random& random) {
     for (int t = 0; t < kTries; ++t) {
       const double x = middle.x() + spread * random.normal(), y = middle.y() + spread * random.normal();
       const Vector3d place = all.rolled(all.rest(x, y, radius), radius);
-      // Lower is better, and near the others of the bunch.
+      // Low positions near the middle of the bunch are preferred.
       const double worth = place.z() + 0.5 * (place - middle).head<2>().norm();
       if (worth < best.z() + 0.5 * (best - middle).head<2>().norm()) best = place;
     }
@@ -116,8 +116,8 @@ void add_fruit_on_table(Arrangement& all, Random& random) {
                                  0xb01c1c, 303));
 }
 
-/// A cairn, and pebbles before it. Flat stones lie with their middle as high as they are thick, sunk in a
-/// little.
+/// Adds a cairn, and pebbles in front of it. Stones are sunk in a little: their centres are lower than half
+/// their thickness above what they lie on.
 void add_stones(Arrangement& all) {
   const double h = all.spacing();
   const double x = -0.355, y = -0.105;

@@ -21,13 +21,13 @@ double smooth(double low, double high, double x) {
 
 Vector3d mixed(const Vector3d& a, const Vector3d& b, double share) { return a + share * (b - a); }
 
-/// A body of revolution about its local z, bent out of it by a relief.
+/// A body of revolution about its local z axis, with a relief.
 struct Fruit {
   Vector3d center;
   Eigen::Quaterniond turn;
   double radius;
   std::function<double(double polar)> profile;          ///< radius at an angle from the stalk, in radii
-  std::function<double(const Vector3d& local)> relief;  ///< by the direction, of unit length. Unit: [m].
+  std::function<double(const Vector3d& local)> relief;  ///< over the unit direction. Unit: [m].
 
   Vector3d local(double u, double v) const {
     const double polar = pi * (1.0 - v), around = 2.0 * pi * u;

@@ -18,20 +18,20 @@ struct Thing {
   std::string name;
   Material material;
   std::vector<PaintedPatch> patches;
-  std::vector<Occluder> room;  ///< what it takes of space; `object` is set by who puts the things together
+  std::vector<Occluder> room;  ///< space that it occupies; `object` is set by the caller
   std::shared_ptr<const AnalyticShape> shape = {};
   Pose pose = {};
   double relief = 0.0;
 };
 
-/// Half of the table. Unit: [m].
+/// Half sizes of the table. Unit: [m].
 inline constexpr double kTableHalfX = 0.44, kTableHalfY = 0.31;
 
-/// Where the bowl stands, and the cloth under it, in the plane of the table. Unit: [m].
+/// Position of the bowl, on top of the cloth. Unit: [m].
 const Eigen::Vector3d& bowl_place();
 
-/// The room that is taken so far, in which round things come to rest: the least height of the centre of a
-/// ball of `radius` at (x, y) that comes down from above. Unit: [m].
+/// Height at which the centre of a ball of `radius` comes to rest when it is lowered at (x, y) onto the
+/// occupied space `taken`. Unit: [m].
 double rest_height(const SoftLight& taken, double x, double y, double radius);
 
 Thing make_table(double spacing);

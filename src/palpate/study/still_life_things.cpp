@@ -29,7 +29,7 @@ double box_distance(const Vector3d& p, const Vector3d& half) {
   return off.cwiseMax(0.0).norm() + std::min(off.maxCoeff(), 0.0);
 }
 
-/// Of a cylinder about z.
+/// Signed distance to a cylinder about z.
 double cylinder_distance(const Vector3d& p, double radius, double half_height) {
   const Vector2d off(std::hypot(p.x(), p.y()) - radius, std::abs(p.z()) - half_height);
   return off.cwiseMax(0.0).norm() + std::min(off.maxCoeff(), 0.0);
@@ -72,7 +72,7 @@ Paint wood(double, double, const Vector3d& p) {
   return {mixed(albedo, linear_color(0x22150c), 0.85 * wood_joint(p.y())), 0.12};
 }
 
-/// Whether it is inside the outline of the table, whose corners are round.
+/// True inside the outline of the table, whose corners are round, reduced by `inset`.
 bool is_on_table(const Vector3d& p, double inset) {
   const Vector2d half(kTableHalfX - inset, kTableHalfY - inset);
   const double r = std::max(0.0, kCorner - inset);
@@ -80,7 +80,7 @@ bool is_on_table(const Vector3d& p, double inset) {
   return off.norm() <= r;
 }
 
-/// A point of the table's outline, `inset` inside, from 0 to 1 around it counter-clockwise.
+/// Point of that outline at the fraction `share` of its length, counter-clockwise.
 Vector2d outline(double share, double inset) {
   const Vector2d half(kTableHalfX - inset, kTableHalfY - inset);
   const double r = std::max(1e-4, kCorner - inset);
@@ -115,12 +115,12 @@ constexpr double kClothHang = 0.115;                        // Unit: [m].
 constexpr double kClothThickness = 0.0015;                  // Unit: [m].
 constexpr double kClothBend = 0.0115;                       // radius. Unit: [m].
 
-/// How high it is above what it lies on, by its own coordinates: x, and the way from its back edge.
+/// Height of the cloth above its support, in its own coordinates: x, and the distance from its back edge.
 double cloth_height(double x, double way) {
   const double y = kClothBack - way;
   const double off = (Vector2d(x, y) - bowl_place().head<2>()).norm();
   const double free = smooth(0.055, 0.15, off);
-  const double past = std::max(0.0, kClothFold - y);              // hangs
+  const double past = std::max(0.0, kClothFold - y);              // the hanging part
   const double along = past > 0.0 ? kClothFold - 0.4 * past : y;  // folds hang down straight
   const Vector3d p(12.0 * x, 6.5 * along, 0.3);
   const Vector3d away(9.0, 0.0, 0.0);
@@ -130,7 +130,7 @@ double cloth_height(double x, double way) {
   const double creases = 0.5 + 0.5 * ridged_noise(2.6 * bent, 2, 67);
   const double bend = 1.0 - 0.7 * std::exp(-std::pow((y - kClothFold) / 0.02, 2.0));
   const double height = 0.020 * folds * folds + 0.026 * crest * crest * crest + 0.005 * creases * creases;
-  // Its border lies on the table, or nearly.
+  // The border lies on the table, or nearly.
   const double inward = std::min({x - kClothLeft, kClothRight - x, way});
   return kClothThickness + free * bend * (0.2 + 0.8 * smooth(0.005, 0.06, inward)) * height;
 }
@@ -164,7 +164,7 @@ Paint linen(double, double v, const Vector3d& p) {
   return {albedo, 0.0};
 }
 
-/// Under the sheet everything is taken, down to the table.
+/// Distance to the cloth; everything below it, down to the table, is occupied.
 double cloth_distance(const Vector3d& p) {
   const double out_x = std::max(kClothLeft - p.x(), p.x() - kClothRight);
   const double out_y = std::max(kClothFold - p.y(), p.y() - kClothBack);
@@ -181,7 +181,8 @@ constexpr double kBowlCurve = (kBowlTop - kBowlFloor) / (kBowlRim * kBowlRim);
 constexpr double kBowlWall = 0.0055;  // Unit: [m].
 constexpr double kFoot = 0.052;       // radius. Unit: [m].
 
-/// From the table up its outside, over the rim, down to the middle: radius and height, and arc length so far.
+/// Profile from the table up the outside, over the rim, down to the middle: radius and height over arc
+/// length.
 class BowlProfile {
  public:
   BowlProfile() {
@@ -212,7 +213,7 @@ class BowlProfile {
     const double step = ways_[i] - ways_[i - 1];
     return points_[i - 1] + (points_[i] - points_[i - 1]) * ((way - ways_[i - 1]) / step);
   }
-  /// Where in [0, 1] the rim is highest.
+  /// Position of the top of the rim, in [0, 1].
   double rim() const { return ways_[48] / ways_.back(); }
 
  private:
@@ -252,7 +253,7 @@ Pose log_pose() {
   return pose;
 }
 
-/// Depth of the bark at a place of the cylinder, in [0, 1]: long plates with furrows between them.
+/// Depth of the bark at a point of the cylinder, in [0, 1]: long plates with furrows between them.
 double bark_furrow(const Vector3d& local) {
   const Vector3d p(62.0 * local.x(), 62.0 * local.y(), 17.0 * local.z());
   const Vector3d bent =
@@ -303,7 +304,7 @@ Pose plate_pose() {
   return {foot + kPlateRadius * along + kPlateHalf * normal, Eigen::Quaterniond(R).normalized()};
 }
 
-/// How deep the engraving is, in [0, 1]: rings, a milled band, and a rose of twelve leaves.
+/// Depth of the engraving, in [0, 1]: rings, a milled band, and a rose of twelve leaves.
 double engraving(double r, double around) {
   double deep = std::max(groove(r - 0.0735, 0.0022), groove(r - 0.0575, 0.0022));
   if (r > 0.0595 && r < 0.0715)
@@ -357,7 +358,7 @@ Thing make_table(double spacing) {
          return p + Vector3d(0, 0, kGrain * wood_grain(p) - kGrain - kJoint * wood_joint(p.y()));
        },
        wood, spacing, [=](const Vector3d& p) { return is_on_table(p, inset); }});
-  thing.patches.push_back({[=](double u, double v) -> Vector3d {  // around: down the side
+  thing.patches.push_back({[=](double u, double v) -> Vector3d {  // side: u around, v up
                              const double way = (1.0 - v) * (pi * kEdge + kThickness - 2.0 * kEdge);
                              const double top = 0.5 * pi * kEdge, side = kThickness - 2.0 * kEdge;
                              double in = 0.0, z = 0.0;
@@ -384,13 +385,13 @@ Thing make_table(double spacing) {
       {middle, half.norm(), [=](const Vector3d& p) { return box_distance(p - middle, half); }, 0});
   thing.shape = make_box(2.0 * half);
   thing.pose.position = middle;
-  thing.relief = (std::numbers::sqrt2 - 1.0) * kCorner + kEdge;  // of its corners
+  thing.relief = (std::numbers::sqrt2 - 1.0) * kCorner + kEdge;  // due to its corners
   return thing;
 }
 
 Thing make_cloth(double spacing) {
   Thing thing{"cloth", {350.0, 0.85, 1.0}, {}, {}};
-  // v runs from the back to the front, so it is u that has to run from right to left.
+  // v increases from back to front, so u must increase from right to left.
   thing.patches.push_back(
       {[](double u, double v) { return cloth_point(1.0 - u, v); }, linen, 0.76 * spacing});
   const Vector3d middle(0.5 * (kClothLeft + kClothRight), 0.5 * (kClothBack + kClothFold), 0.0);
@@ -474,7 +475,7 @@ Thing make_plate(double spacing) {
   const auto world = [pose](double r, double angle, double z) -> Vector3d {
     return pose.orientation * Vector3d(r * std::cos(angle), r * std::sin(angle), z) + pose.position;
   };
-  // v runs outward, so that u has to run clockwise for the face to look along +z.
+  // v increases outward, so u must increase clockwise for the face to point along +z.
   thing.patches.push_back(
       {[=](double u, double v) {
          return world(kPlateRadius * v, -2.0 * pi * u,
@@ -534,7 +535,7 @@ Thing make_stone(double spacing, const Vector3d& center, const Vector3d& semi_ax
                            0.72 * spacing});
   thing.room.push_back({center, 1.05 * semi_axes.maxCoeff(),
                         [=](const Vector3d& p) {
-                          const Vector3d q = to_local(pose, p);  // of an ellipsoid, to first order
+                          const Vector3d q = to_local(pose, p);  // distance to an ellipsoid, to first order
                           const double k0 = q.cwiseQuotient(semi_axes).norm();
                           const double k1 = q.cwiseQuotient(semi_axes.cwiseProduct(semi_axes)).norm();
                           return k1 > 0.0 ? k0 * (k0 - 1.0) / k1 : -semi_axes.minCoeff();

@@ -25,42 +25,41 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 
 // Lengths in units of the tool's smallest semi-axis, 20 mm for the default tool.
-constexpr double kMarchStep = 0.45;       // below a half, so that no sheet slips between two poses
-constexpr double kContactError = 5e-4;    // of first contact: 10 um
-constexpr double kProbeDepth = 0.25;      // to tell a surface from dust: 5 mm
-constexpr double kPlaceError = 1.0;       // between the contact found and the Gaussian aimed at: 20 mm
-constexpr double kStandoff = 1.5;         // from here on the approach is slow: 30 mm
-constexpr double kSlideStep = 0.1;        // between two searches for the surface: 2 mm
-constexpr double kSlopeLimit = 1.2;       // rise of the surface over a slide step: 50 deg is an edge
-constexpr double kApproachSpeed = 5.0;    // a second: 0.1 m/s
-constexpr double kSlideSpeed = 2.5;       // a second: 0.05 m/s
+constexpr double kMarchStep = 0.45;       // search step: below a half, so that no sheet slips between poses
+constexpr double kContactError = 5e-4;    // error of first contact: 10 um
+constexpr double kProbeDepth = 0.25;      // depth that distinguishes a surface from dust: 5 mm
+constexpr double kPlaceError = 1.0;       // largest distance of contact from the Gaussian aimed at: 20 mm
+constexpr double kStandoff = 1.5;         // distance from which the approach is slow: 30 mm
+constexpr double kSlideStep = 0.1;        // distance between two searches for the surface: 2 mm
+constexpr double kSlopeLimit = 1.2;       // largest rise of the surface over a slide step: 50 deg is an edge
+constexpr double kApproachSpeed = 5.0;    // per second: 0.1 m/s
+constexpr double kSlideSpeed = 2.5;       // per second: 0.05 m/s
 constexpr double kTravelClearance = 2.0;  // in longest semi-axes, between tool and scene
 
 // Motion in free space.
-constexpr double kTurnSpeed = 3.0;                  // mean, as a wrist turns. Unit: [rad/s].
+constexpr double kTurnSpeed = 3.0;                  // mean, as of a wrist. Unit: [rad/s].
 constexpr double kShortestMotion = 0.2;             // bounds the acceleration of short motions. Unit: [s].
 constexpr std::array kTravelRadii{1.0, 1.25, 1.5};  // tried in this order
 
-// Beyond these a slip of the hand would fill the memory.
+// Limits, beyond which a typing error would fill the memory.
 constexpr int kMaxTouches = 1000;
 constexpr double kMaxRate = 1e5;  // Unit: [Hz].
 constexpr std::size_t kMaxPoses = 5'000'000;
 
 // The choice of places.
-constexpr std::size_t kProbeContacts = 8;    // contacts at the probe depth that make a surface
+constexpr std::size_t kProbeContacts = 8;    // least contacts of a surface, at the probe depth
 constexpr double kMaxTiltCosine = 0.766;     // 40 deg between mean contact normal and approach
-constexpr std::size_t kTriesPerTouch = 300;  // Gaussians looked at, at most
-constexpr std::size_t kPlacesPerTouch = 20;  // places to choose from
-constexpr double kColorWeight = 3.0;         // of colour against place: another thing before a far place
+constexpr std::size_t kTriesPerTouch = 300;  // largest number of Gaussians tried
+constexpr std::size_t kPlacesPerTouch = 20;  // candidates to choose from
+constexpr double kColorWeight = 3.0;         // of colour against position: another object before a far place
 constexpr int kSlideDirections = 8;
 
-// Of motion with the least jerk over a length L in a time T: the highest speed, in L / T, and acceleration,
-// in L / T^2.
+// Peak speed, in L / T, and acceleration, in L / T^2, of a minimum-jerk motion over a length L in a time T.
 constexpr double kPeakSpeed = 15.0 / 8.0, kPeakAcceleration = 5.7735;
-// A sharp bend of a slide, over a slide step. Unit: [1 / smallest semi-axis].
+// Curvature of a sharp bend of a slide, over a slide step. Unit: [1 / smallest semi-axis].
 constexpr double kSlideBend = kSlopeLimit / kSlideStep;
 
-/// A straight approach: where the tool is, by the distance s along `direction` from `origin`.
+/// A straight approach: pose of the tool at the distance s along `direction` from `origin`.
 struct Approach {
   Vector3d origin;     ///< Unit: [m], world frame.
   Vector3d direction;  ///< unit, into the surface
@@ -75,8 +74,8 @@ struct Sphere {
   double radius;
 };
 
-/// Where a line leaves the sphere backwards: the least s on it. A line that misses the sphere is
-/// taken at its nearest point.
+/// Returns the least s at which a line is in the sphere; for a line that misses it, that of the nearest
+/// point.
 double entry(const Approach& line, const Sphere& sphere) {
   const Vector3d to_center = sphere.center - line.origin;
   const double middle = to_center.dot(line.direction);
@@ -84,18 +83,18 @@ double entry(const Approach& line, const Sphere& sphere) {
   return middle - std::sqrt(std::max(0.0, sphere.radius * sphere.radius - miss));
 }
 
-/// A place and what the tool does there.
+/// A contact place, with its approach and slide.
 struct Touch {
   Approach approach;  ///< s = 0 is first contact
   Vector3d tangent = Vector3d::Zero();
   double slide_step = 0.0;                 ///< Unit: [m].
-  std::vector<double> offsets = {0.0};     ///< of first contact along the approach, one each slide step
+  std::vector<double> offsets = {0.0};     ///< first contact along the approach, one per slide step
   std::array<std::uint8_t, 3> color = {};  ///< of the Gaussian aimed at
-  bool clear = false;                      ///< not even haze is on the way in
+  bool clear = false;                      ///< no contact at all on the way in, not even with haze
 
   double slide_length() const { return slide_step * static_cast<double>(offsets.size() - 1); }
 
-  /// First contact at `x` in [0, slide_length()] along the slide: a cubic between the steps whose
+  /// Position of first contact at `x` in [0, slide_length()] along the slide: a cubic between the steps whose
   /// slopes are the central differences (Catmull and Rom 1974).
   Vector3d surface(double x) const {
     const double step = slide_step > 0.0 ? x / slide_step : 0.0;
@@ -117,7 +116,7 @@ struct Touch {
   Approach exit() const { return approach.from(surface(slide_length())); }
 };
 
-/// Asks whether the tool touches.
+/// Queries the contacts of the tool.
 class Prober {
  public:
   Prober(const ContactQuery& query, const Tool& tool) : query_(query), tool_(tool), unit_(tool.thinnest()) {}
@@ -152,7 +151,7 @@ class Prober {
     return std::nullopt;
   }
 
-  /// First contact between `free` and `touching`. \pre their names hold.
+  /// Bisects for first contact. \pre the tool is free at `free` and in contact at `touching`.
   double bisect(const Approach& line, double free, double touching) {
     while (touching - free > kContactError * unit_) {
       const double middle = 0.5 * (free + touching);
@@ -168,8 +167,8 @@ class Prober {
   ContactSet found_;
 };
 
-/// The tool's z axis along `direction`, with no more turn about it than that needs, starting from a
-/// tool that points down: touches from above then hardly turn it.
+/// Orientation with the tool's z axis along `direction`, by the smallest rotation from a tool that points
+/// down: touches from above then hardly turn it.
 Quaterniond pointing_along(const Vector3d& direction) {
   const Quaterniond down(0.0, 1.0, 0.0, 0.0);
   return rotation_between(-Vector3d::UnitZ(), direction) * down;
@@ -187,8 +186,7 @@ class Search {
         options_(options),
         random_(options.seed) {}
 
-  /// Ordered for a short path.
-  /// \throws Error if there are none.
+  /// Finds the touches, ordered for a short path. \throws Error if there are none.
   std::vector<Touch> touches() {
     std::vector<Touch> found = order(spread(candidates()));
     for (Touch& touch : found) find_slide(touch);
@@ -221,17 +219,17 @@ class Search {
     return found;
   }
 
-  /// Drops places whose ways in lead through haze, if there are enough others.
+  /// Drops places that are approached through haze, if there are enough others.
   void keep_clear(std::vector<Touch>& found) const {
     if (std::ranges::count_if(found, &Touch::clear) >= options_.touches)
       std::erase_if(found, [](const Touch& touch) { return !touch.clear; });
   }
 
-  /// Against the flattest axis of `target`: inwards if that works, else outwards.
+  /// Finds a touch against the flattest axis of `target`: inwards if that is possible, otherwise outwards.
   std::optional<Touch> touch_at(const Ellipsoid& target) {
     int flattest = 0;
     target.axes.colwise().norm().minCoeff(&flattest);
-    // Not that axis itself: it is zero for a disc without thickness.
+    // The axis itself is zero for a disc without thickness.
     const Vector3d across = target.axes.col((flattest + 1) % 3).cross(target.axes.col((flattest + 2) % 3));
     if (across.isZero(0.0)) return std::nullopt;  // a needle
     Vector3d normal = across.stableNormalized();
@@ -253,7 +251,7 @@ class Search {
     return touch;
   }
 
-  /// True if the tool meets many Gaussians below `contact`, which face the approach on the whole.
+  /// True if the tool meets many Gaussians below `contact`, which on average face the approach.
   bool presses_on_surface(const Approach& line, double contact) {
     const double depth = std::max(options_.press, kProbeDepth * prober_.unit());
     const auto& contacts = prober_.contacts(line.at(contact + depth));
@@ -274,8 +272,8 @@ class Search {
     return prober_.is_clear(line, std::min(entry(line, sphere_), begin), begin);
   }
 
-  /// How different two places are: by where they are, as a share of the scene, and by their colour,
-  /// as a share of black against white, because things of another colour mostly are other things.
+  /// Difference of two places: in position, relative to the scene, and in colour, relative to black against
+  /// white, since objects of another colour are mostly other objects.
   double difference(const Touch& a, const Touch& b) const {
     double color = 0.0;
     for (std::size_t k = 0; k < 3; ++k) color += std::pow((a.color[k] - b.color[k]) / 255.0, 2) / 3.0;
@@ -283,8 +281,8 @@ class Search {
     return std::sqrt(way.squaredNorm() + kColorWeight * kColorWeight * color);
   }
 
-  /// As many as asked for, each as different as possible from all before it; fewer if all others
-  /// are at the same places.
+  /// Selects as many as requested, each as different as possible from all before it; fewer if all others are
+  /// at the same places.
   std::vector<Touch> spread(const std::vector<Touch>& from) const {
     std::vector<Touch> chosen{from.front()};
     std::vector<double> least(from.size(), std::numeric_limits<double>::infinity());
@@ -306,7 +304,7 @@ class Search {
     return (pose.position - sphere_.center).normalized();
   }
 
-  /// Each followed by the one whose entry into the sphere is nearest, starting anywhere.
+  /// Orders the touches so that each is followed by the one with the nearest entry into the sphere.
   std::vector<Touch> order(std::vector<Touch> touches) const {
     for (std::size_t i = 1; i < touches.size(); ++i) {
       const Vector3d here = entry_direction(touches[i - 1]);
@@ -318,7 +316,7 @@ class Search {
     return touches;
   }
 
-  /// The longest slide among some directions in the surface, the first of full length if there is.
+  /// Finds the longest slide of several directions in the surface; the first of full length if there is one.
   void find_slide(Touch& touch) {
     if (options_.slide == 0.0) return;
     const Eigen::Matrix3d R = touch.approach.orientation.toRotationMatrix();
@@ -367,10 +365,10 @@ struct Motion {
   std::function<Pose(double u)> pose;
 };
 
-/// How long a hand takes for `length` at a mean speed of at most `mean`. \param bend radians by which the way
-/// turns
+/// Duration of a hand's motion over `length` at a mean speed of at most `mean`. \param bend angle by which
+/// the path turns. Unit: [rad].
 double duration_of(double length, double bend, double mean, const TouchPathOptions& hand) {
-  // Where it bends, v^2 / r adds to the change of speed.
+  // On a bend, v^2 / r adds to the acceleration.
   const double peak = std::hypot(kPeakAcceleration, kPeakSpeed * kPeakSpeed * bend);
   return std::max({length / mean, kPeakSpeed * length / hand.speed,
                    std::sqrt(peak * length / hand.acceleration), kShortestMotion});
@@ -381,14 +379,14 @@ Motion straight(const Approach& line, double from, double to, double mean, const
           [=](double u) { return line.at(from + u * (to - from)); }};
 }
 
-/// Of a motion that starts and ends at rest, with the least jerk between (Flash and Hogan 1985), as reaching
-/// hands move: the share that is done after a share `x` of its time.
+/// Fraction of a minimum-jerk motion (Flash and Hogan 1985), as of a reaching hand, that is done after the
+/// fraction `x` of its time.
 double progress(double x) { return x * x * x * (10.0 + x * (6.0 * x - 15.0)); }
 
-/// The same motion, as much slower as it takes not to accelerate more than a hand does anywhere.
+/// The same motion, slowed down until its acceleration nowhere exceeds that of a hand.
 Motion within(Motion motion, const TouchPathOptions& hand) {
   constexpr int kSteps = 2000;
-  double most = 0.0;  // second difference of the way
+  double most = 0.0;  // largest second difference of the position
   const auto at = [&](int k) { return motion.pose(progress(static_cast<double>(k) / kSteps)).position; };
   Eigen::Vector3d before = at(0), now = at(1);
   for (int i = 1; i < kSteps; ++i) {
@@ -401,8 +399,8 @@ Motion within(Motion motion, const TouchPathOptions& hand) {
   return motion;
 }
 
-/// Along the great circle from one pose on the sphere to another; between opposite points along
-/// one of them.
+/// Motion along the great circle from one pose on the sphere to another; between opposite points, along any
+/// of them.
 Motion arc(const Sphere& sphere, const Pose& from, const Pose& to, const TouchPathOptions& hand) {
   const Vector3d a = from.position - sphere.center;
   const Vector3d b = to.position - sphere.center;
@@ -418,7 +416,7 @@ Motion arc(const Sphere& sphere, const Pose& from, const Pose& to, const TouchPa
           }};
 }
 
-/// The path in motions, free ones apart from those near the surface.
+/// The path as a sequence of motions, either free or near the surface.
 class Script {
  public:
   Script(const Sphere& sphere, double unit, const TouchPathOptions& options)
@@ -438,7 +436,7 @@ class Script {
     add(straight(in, standoff_in, options_.press, approach_speed, options_), false);
     if (const double length = touch.slide_length(); length > 0.0) {
       const double press = options_.press;
-      // As slow as a sharp bend asks for, on the steepest way.
+      // Slow enough for a sharp bend, on the steepest surface.
       const double bends = std::sqrt(options_.acceleration * unit_ / kSlideBend) / kPeakSpeed;
       const double mean = std::min(kSlideSpeed * unit_, bends);
       const Motion slide{duration_of(std::hypot(1.0, kSlopeLimit) * length, 0.0, mean, options_),
@@ -449,7 +447,7 @@ class Script {
     add(straight(out, standoff_out, exit_s, any_speed, options_), true);
   }
 
-  /// Poses of the free motions at which the tool touches anything.
+  /// Number of poses of the free motions at which the tool touches anything.
   std::size_t collisions(Prober& prober) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -464,7 +462,7 @@ class Script {
     return count;
   }
 
-  /// Poses at the rate asked for.
+  /// Samples the path at the requested rate.
   Trajectory sampled() const {
     Trajectory trajectory;
     double begin = 0.0;
@@ -505,7 +503,7 @@ class Script {
     trajectory.push_back(timed);
   }
 
-  /// Upper bound: an arc is at most pi / 2 times its chord through the middle.
+  /// Upper bound of the length of a motion: an arc is at most pi / 2 times its chord through the middle.
   static double path_length(const Motion& motion) {
     const Vector3d a = motion.pose(0.0).position;
     const Vector3d m = motion.pose(0.5).position;
@@ -539,7 +537,8 @@ void check(const EllipsoidScene& scene, const Tool& tool, const TouchPathOptions
     throw Error("touch path: the scene is empty; keep more Gaussians (a lower opacity threshold)");
 }
 
-/// The script on the smallest of the travel spheres that is free of contact, else on the freest.
+/// The script on the smallest of the travel spheres that is free of contact, otherwise on the one with the
+/// fewest.
 Script best_script(Prober& prober, const std::vector<Touch>& touches, const Sphere& sphere,
                    const TouchPathOptions& options) {
   std::optional<Script> best;
@@ -557,7 +556,7 @@ Script best_script(Prober& prober, const std::vector<Touch>& touches, const Sphe
   return *best;
 }
 
-/// Around the scene, with room for the tool.
+/// Sphere around the scene, with room for the tool.
 Sphere travel_sphere(const Eigen::AlignedBox3d& bounds, const Tool& tool) {
   return {bounds.center(), 0.5 * bounds.diagonal().norm() + kTravelClearance * tool.longest()};
 }

@@ -17,16 +17,16 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// Of the thinnest semi-axis, and bounds: what a tool is usually felt with. [m]
+/// Spacing as a fraction of the tool's shortest semi-axis, and its bounds. [m]
 constexpr double kSpacingOfTool = 1.0 / 3.0, kFinest = 0.0005, kCoarsest = 0.006;
 const Vector3d kBox(0.3, 0.2, 0.16);   // [m]
-constexpr double kMostSplats = 1.5e5;  // on a box that could be smaller
-constexpr double kBeside = 0.01;       // between a tool and the end of a face, at least. [m]
-constexpr double kNearEdge = 0.003;    // of an aim at an edge, corner or rim. [m]
+constexpr double kMostSplats = 1.5e5;  // limit on a box, unless it gets too small for the tool
+constexpr double kBeside = 0.01;       // margin beside a tool on a face. [m]
+constexpr double kNearEdge = 0.003;    // largest offset of an aim from an edge, corner or rim. [m]
 constexpr double kOblique = 20.0, kObliqueAtEdge = 45.0, kTipOff = 10.0;  // largest angles. [deg]
-constexpr double kWider = 1.15, kNarrower = 0.85;                         // a hole, than the tool
+constexpr double kWider = 1.15, kNarrower = 0.85;                         // of a hole, relative to the tool
 
-/// A direction within `most` degrees of `middle`, all alike.
+/// Draws a direction within `most` degrees of `middle`, uniformly distributed.
 Vector3d within_cone(const Vector3d& middle, double most, Random& random) {
   const double c = random.uniform(std::cos(most * pi / 180.0), 1.0), s = std::sqrt(1.0 - c * c);
   const double angle = random.uniform(0.0, 2.0 * pi);
@@ -40,7 +40,7 @@ Quaterniond random_turn(Random& random) {
          Quaterniond(Eigen::AngleAxisd(random.uniform(0.0, 2.0 * pi), Vector3d::UnitZ()));
 }
 
-/// Half the width of what is about as wide as thick.
+/// Half the width of a tool in a hole: its middle semi-axis, or half the radius of a tool with several parts.
 double middle_of(const Tool& tool) {
   if (tool.parts().size() > 1) return 0.5 * tool.radius();
   Vector3d a = tool.parts().front().semi_axes;
@@ -106,7 +106,7 @@ Vector3d TrialPlace::point_at(Random& random, Vector3d& normal) const {
     normal = Vector3d::Constant(std::sqrt(1.0 / 3.0));
     return half_ + off;
   }
-  // Of the face towards +z: within it, or at one of its long edges.
+  // On the face towards +z: inside it, or at one of its long edges.
   const auto within = [&](double half) {
     const double free = thickness_ ? kBeside : std::max(0.0, half - tool_.radius() - 0.5 * kBeside);
     return random.uniform(-free, free);

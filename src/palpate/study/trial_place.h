@@ -17,10 +17,10 @@ namespace palpate {
 
 /// A straight path of a tool. World frame.
 struct TrialAim {
-  Eigen::Vector3d point;   ///< that the handle is pushed at. Unit: [m].
+  Eigen::Vector3d point;   ///< target of the handle. Unit: [m].
   Eigen::Vector3d along;   ///< unit
-  Eigen::Vector3d normal;  ///< outward, unit; of an edge or corner that of its middle
-  Tool tool;               ///< turned as it is held
+  Eigen::Vector3d normal;  ///< outward, unit; at an edge or corner, its bisector
+  Tool tool;               ///< in the orientation in which it is held
 };
 
 /// A known solid or sheet, sized for a tool, and a kind of place on it. Immutable.
@@ -31,19 +31,19 @@ class TrialPlace {
   TrialPlace(const std::string& name, const Tool& tool, std::size_t variant);
 
   const AnalyticSurface& surface() const { return *surface_; }
-  /// Mean distance of the Gaussians that a tool should feel the place with. Unit: [m].
+  /// Mean distance of neighbouring Gaussians, as suits the tool. Unit: [m].
   double spacing() const { return spacing_; }
 
   bool starts_inside() const { return name_ == "inside"; }
   /// True if the surface is flat under the tool.
   bool is_flat() const { return name_ != "edge" && name_ != "corner" && name_ != "hole"; }
-  /// Of a plate; 0 of a sheet; nothing where a tool cannot come out on the other side. Unit: [m].
+  /// Thickness of a plate; 0 for a sheet; nothing if a tool cannot come out on the other side. Unit: [m].
   std::optional<double> thickness() const { return thickness_; }
 
   /// Height of the plane that flat places are in. World frame. Unit: [m].
   double top() const { return half_[2]; }
 
-  /// Draws one. \param tip_first the tool's z axis goes ahead; else it is held at random
+  /// Draws an aim. \param tip_first the tool's z axis points ahead; otherwise its orientation is random
   TrialAim aim(Random& random, bool tip_first) const;
 
  private:
@@ -57,16 +57,16 @@ class TrialPlace {
   Tool tool_;
   double spacing_;
   std::unique_ptr<AnalyticSurface> surface_;
-  Eigen::Vector3d half_ = Eigen::Vector3d::Zero();  ///< of a box or sheet. Unit: [m].
-  double major_ = 0.0, minor_ = 0.0;                ///< of a ring. Unit: [m].
+  Eigen::Vector3d half_ = Eigen::Vector3d::Zero();  ///< half sizes of a box or sheet. Unit: [m].
+  double major_ = 0.0, minor_ = 0.0;                ///< radii of a ring. Unit: [m].
   std::optional<double> thickness_;
 };
 
-/// How deep the deepest of many points of the tool's ellipsoids is; negative outside, never positive at a
-/// sheet. Unit: [m].
+/// Depth of the deepest of many points of the tool's ellipsoids; negative outside, never positive at a sheet.
+/// Unit: [m].
 double deepest(const AnalyticSurface& surface, const Tool& tool, const Pose& pose);
 
-/// The farthest that a trial pushes below where the tool meets the surface. Unit: [m].
+/// Depth of the deep pushes of trials below first contact; more for tools thicker than 40 mm. Unit: [m].
 inline constexpr double kDeepestTrial = 0.06;
 
 }  // namespace palpate

@@ -21,14 +21,14 @@ namespace palpate {
 ///   plate    100 x 100 x 10
 std::span<const std::string_view> trial_tools();
 
-/// Nothing if the name is not among trial_tools().
+/// Returns the tool of that name; nothing if it is not among trial_tools().
 std::optional<Tool> trial_tool(std::string_view name);
 
 /// The tool, turned about its handle.
 Tool turned(const Tool& tool, const Eigen::Quaterniond& turn);
 
-/// Points of the surface of the tool at the origin that look along the unit vector `along`: of each part
-/// about one for every square of `spacing` that its surface has, 100 to 6000. Unit: [m].
+/// Points on the surface of the tool at the origin that face along the unit vector `along`: for each part
+/// about its surface over `spacing`^2, 100 to 6000. Unit: [m].
 std::vector<Eigen::Vector3d> front_of(const Tool& tool, const Eigen::Vector3d& along, double spacing);
 
 }  // namespace palpate

@@ -23,16 +23,16 @@ using std::numbers::pi;
 constexpr std::array<std::string_view, 7> kPlaces{"face",  "edge",  "corner", "hole",
                                                   "plate", "sheet", "inside"};
 
-constexpr double kNoise = 0.25;                                  // sd, of the spacing
-constexpr double kTilt = 10.0 * pi / 180.0;                      // sd. [rad]
+constexpr double kNoise = 0.25;                                  // standard deviation, in spacings
+constexpr double kTilt = 10.0 * pi / 180.0;                      // standard deviation. [rad]
 constexpr double kSlowest = 0.05, kSlow = 0.5, kFastest = 50.0;  // [m/s]
-constexpr double kShallowTrial = 3.0;                            // in the thinnest semi-axis
-constexpr double kFurther = 0.03;                                // from inside. [m]
-constexpr double kBefore = 1.5, kAway = 0.02, kFarAway = 0.3;    // in the tool's radius; [m]
+constexpr double kShallowTrial = 3.0;                            // in shortest semi-axes
+constexpr double kFurther = 0.03;                                // length of a stroke from inside. [m]
+constexpr double kBefore = 1.5, kAway = 0.02, kFarAway = 0.3;    // in tool radii; [m]
 constexpr int kRest = 10, kPatience = 5, kStart = 8;             // [ticks]
-constexpr double kSilent = 0.1;                                  // of stiffness times depth
+constexpr double kSilent = 0.1;                                  // fraction of stiffness times depth
 constexpr double kSilentDepth = 0.005, kFelt = 0.004;            // [m]
-constexpr double kSunk = 0.5;                                    // of the thinnest semi-axis
+constexpr double kSunk = 0.5;                                    // in shortest semi-axes
 constexpr double kHalfMm = 0.0005, kMm = 0.001;                  // [m]
 constexpr std::size_t kScenes = 2;
 
@@ -56,7 +56,7 @@ struct Scene {
 struct Way {
   Vector3d from, along;
   double length = 0.0;       ///< Unit: [m].
-  double start_depth = 0.0;  ///< where it starts inside. Unit: [m].
+  double start_depth = 0.0;  ///< of a start inside. Unit: [m].
 
   Vector3d at(double s) const { return from + s * along; }
 };
@@ -69,7 +69,8 @@ bool overlaps(const SceneIndex& index, const Tool& tool, const Vector3d& positio
   return !contacts.contacts.empty();
 }
 
-/// Between `low`, where `is` is false, and `high`, where it is true, where that begins.
+/// Bisects for the value from which `is` is true, between `low`, where it is false, and `high`, where it is
+/// true.
 template <class Is>
 double where_begins(double low, double high, const Is& is) {
   constexpr int kHalvings = 20;
@@ -80,12 +81,12 @@ double where_begins(double low, double high, const Is& is) {
   return high;
 }
 
-/// How far a point is above the true surface; below a sheet negative, too.
+/// Height of a point above the true surface; negative below, also for a sheet.
 double height(const Scene& scene, const TrialAim& aim, const Vector3d& point) {
   return scene.place.is_flat() ? (point - aim.point).dot(aim.normal) : scene.place.surface().distance(point);
 }
 
-/// Where on the way the tool first touches the true surface; nothing within `longest`.
+/// Distance at which the tool first touches the true surface; nothing if not within `longest`.
 std::optional<double> true_touch(const Scene& scene, const TrialAim& aim, const Way& way, double longest) {
   constexpr double kStep = 1e-3;
   if (scene.place.is_flat())
@@ -99,8 +100,8 @@ std::optional<double> true_touch(const Scene& scene, const TrialAim& aim, const 
   return {};
 }
 
-/// Where on the way the tool meets the seen surface: by the rays of its whole cross-section, and by denser
-/// ones where it is about to touch the true surface at `touch`.
+/// Distance at which the tool meets the seen surface: by the rays of its whole cross-section, and by denser
+/// ones where it is about to touch the true surface, at `touch`.
 std::optional<double> seen_touch(const Scene& scene, const TrialAim& aim, const Way& way, double touch) {
   const Tool& tool = aim.tool;
   constexpr int kRingsOfMany = 2;
@@ -125,8 +126,8 @@ std::optional<double> seen_touch(const Scene& scene, const TrialAim& aim, const 
   return first;
 }
 
-/// How far on the way the tool is at each tick: in, at rest, back, and at rest. `in` says how many ticks are
-/// before the way back.
+/// Distances of the tool along the way at each tick: in, at rest, back, and at rest. \param in number of
+/// ticks before the way back
 std::vector<double> ticks_of(double length, double speed, std::size_t& in) {
   std::vector<double> ticks;
   for (double s = 0.0; s < length; s += speed * kTick) ticks.push_back(s);
@@ -141,7 +142,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
   return seed * 0x9E3779B97F4A7C15U + 0xBF58476D1CE4E5B9U * (number + 1);
 }
 
-/// One stroke.
+/// Runs one stroke.
 class Trial {
  public:
   Trial(const TrialSetup& setup, const Scene& scene, std::size_t number)
@@ -182,13 +183,13 @@ class Trial {
   }
 
  private:
-  /// How deep the tool is; below a plate or sheet, of which it must not come out behind, from its near side.
+  /// Depth of the tool; for a plate or sheet, below its near side, even if it comes out behind.
   double depth_at(const Pose& pose) const {
     return scene_.place.thickness() ? below_the_plane(pose)
                                     : deepest(scene_.place.surface(), aim_.tool, pose);
   }
 
-  /// How deep the tool is below the plane of a flat place.
+  /// Depth of the tool below the plane of a flat place.
   double below_the_plane(const Pose& pose) const {
     double most = -std::numeric_limits<double>::infinity();
     for (const ToolPart& part : aim_.tool.parts()) {
@@ -225,7 +226,7 @@ class Trial {
     const double force = tick.force.norm();
     if (!result_.felt && force > 0.0) result_.felt = 0.5 * (before + s);
     if (!scene_.place.is_flat() || !result_.seen) return;
-    // Of the tool turned as it is where it is held: an end that gives way by turning is not as deep.
+    // Orientation of the proxy: an end that yields by rotation is not as deep.
     const double turned =
         below_the_plane({tick.tool, proxy.orientation}) - below_the_plane(upright(tick.tool));
     const double depth = (s - *result_.seen) * std::abs(way_.along.dot(aim_.normal)) + turned;
@@ -242,7 +243,7 @@ class Trial {
       if (!is_behind(upright(tick.tool), scene_.noise)) lets_in_ = is_behind(proxy, scene_.noise);
       return;
     }
-    if (lets_in_) {  // as good as out, but there it stays
+    if (lets_in_) {  // on the inner side, which is as good as out if it stays there
       if (!is_behind(proxy, -thinnest)) result_.through = true;
       return;
     }
@@ -256,7 +257,7 @@ class Trial {
     if (thickness && is_behind(proxy, 0.5 * *thickness + scene_.noise)) result_.through = true;
   }
 
-  /// True if the middle of a part of the tool is farther than that below the plane of a flat place.
+  /// True if the centre of a part of the tool is more than `below` below the plane of a flat place.
   bool is_behind(const Pose& proxy, double below) const {
     return std::ranges::any_of(aim_.tool.parts(), [&](const ToolPart& part) {
       return (part.at(proxy).center - aim_.point).dot(aim_.normal) < -below;
@@ -270,11 +271,11 @@ class Trial {
   Way way_;
   TrialStroke result_;
   int deep_for_ = 0;
-  int starting_ = kStart;  ///< ticks in which a tool that starts inside may still come out
+  int starting_ = kStart;  ///< ticks left in which a tool that starts inside may still come out
   bool lets_in_ = false;   ///< the tool starts inside, and the proxy has come out on the inner side
 };
 
-/// What many strokes come to.
+/// Accumulates the figures of strokes.
 class Sum {
  public:
   void add(const TrialStroke& stroke) {
@@ -335,7 +336,7 @@ bool TrialStroke::slow() const { return speed <= kSlow; }
 std::optional<double> TrialStroke::late() const {
   if (!seen || !felt) return {};
   const double reference = touched ? std::max(*seen, *touched) : *seen, half = 0.5 * speed * kTick;
-  // The force began between two ticks.
+  // The force began between two ticks: half a tick's motion is uncertain.
   const double off = *felt - reference;
   return std::copysign(std::max(0.0, std::abs(off) - half), off);
 }

@@ -1,10 +1,10 @@
-// What the camera should have in sight.
+// Bounds of the region that the camera shows.
 
-const outlierShare = 0.02; // of a scene's points at either end of an axis: floaters and sky
-const sceneReach = 1.5; // how far the scene counts around the path, in lengths of the path
-const sampledPoints = 5000; // of the scene: enough for its quantiles and outline
+const outlierShare = 0.02; // fraction of a scene's points at either end of an axis: floaters and sky
+const sceneReach = 1.5; // distance around the path within which the scene is shown, in path extents
+const sampledPoints = 5000; // number of scene points used for quantiles and outline
 
-// A box {min, max} around points given as [x, y, z], or null.
+// Bounding box {min, max} of points [x, y, z]; null if there are none.
 function boxOf(points) {
   const min = [Infinity, Infinity, Infinity];
   const max = [-Infinity, -Infinity, -Infinity];
@@ -41,7 +41,7 @@ function sampleScene({ positions }) {
   return points;
 }
 
-// The box of points without their outliers; there is at least one point.
+// Bounding box of at least one point, without outliers.
 function boxWithoutOutliers(points) {
   const cut = Math.floor(outlierShare * (points.length - 1));
   const sorted = [0, 1, 2].map((k) => points.map((p) => p[k]).sort((a, b) => a - b));
@@ -59,8 +59,8 @@ function union(own, scene) {
   };
 }
 
-/// The box to show: the path and contacts, and of the scene what lies near them. With it, points
-/// that outline what is in it.
+/// Returns {box, outline}: the box to show, which contains the path, the contacts and the scene near them, and points
+/// that outline its content.
 export function frame(run, path, margin) {
   const touched = [...path, ...run.contacts.map((c) => c.position)];
   const scene = run.scene ? sampleScene(run.scene) : [];

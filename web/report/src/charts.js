@@ -1,4 +1,4 @@
-// The paper's Fig. 5: charts stacked over one time axis.
+// The paper's Fig. 5: stacked charts with a common time axis.
 
 import uPlot from 'uplot';
 
@@ -12,11 +12,11 @@ import { linearScale, logScale } from './scales.js';
 import { symbol } from './symbol.js';
 
 const axisFont = '11px system-ui, sans-serif';
-const valueAxisWidth = 52; // one width for all charts, so that they share their time axis. Unit: [px].
-const timeAxisHeight = 22; // without its title. Unit: [px].
+const valueAxisWidth = 52; // the same for all charts, to align their time axes. Unit: [px].
+const timeAxisHeight = 22; // height without its title. Unit: [px].
 const timeTitleHeight = 16; // Unit: [px].
 const rightPadding = 12; // Unit: [px].
-const servoBudget = 1000; // one tick of a 1 kHz servo loop. Unit: [us].
+const servoBudget = 1000; // period of a 1 kHz servo loop. Unit: [us].
 
 function forceSeries(run, prefix) {
   return ['x', 'y', 'z'].map((axis) => ({
@@ -106,7 +106,7 @@ function nameOf({ symbol: [base, subscript], name }) {
   return base === name ? element('span', { text: name }) : symbol(base, subscript);
 }
 
-// The name, colour and current value of each series; a click hides or shows the line.
+// Legend with name, colour and current value of each series; a click hides or shows the curve.
 function buildLegend(spec, toggle) {
   const values = [];
   const items = spec.series.map((series, i) => {
@@ -158,7 +158,7 @@ function valueAxis(scale) {
   };
 }
 
-// Contact stretches as bands and onsets as lines, behind the series.
+// Draws contact episodes as bands and onsets as lines, behind the curves.
 function drawEpisodes(u, run) {
   const { ctx, bbox } = u;
   const [from, to] = [u.scales.x.min, u.scales.x.max];
@@ -191,7 +191,7 @@ function drawFaults(u, faults) {
   ctx.restore();
 }
 
-// Returns whether the limit is in sight.
+// Returns whether the limit is visible.
 function drawLimit(u, limit) {
   const { ctx, bbox } = u;
   if (limit < u.scales.y.min || limit > u.scales.y.max) return false;
@@ -218,7 +218,7 @@ function plotOptions(spec, scale, run, timeline, isLast, showLimit) {
     height: spec.height + (isLast ? timeAxisHeight + timeTitleHeight : 8),
     padding: [6, rightPadding, 0, 0],
     legend: { show: false },
-    // The gestures move the cursor, on all charts at once and to an exact row.
+    // gestures.js moves the cursor, on all charts together and to an exact row.
     cursor: { y: false, bind: listensToNothing, drag: { x: false, y: false, setScale: false },
       dataIdx: () => timeline.row, points: { size: 6 } },
     select: { show: true },
@@ -275,10 +275,10 @@ class Chart {
   }
 }
 
-/// Where the plotting areas of all charts begin and end. Unit: [px].
+/// Insets of the plotting area of all charts. Unit: [px].
 export const plotInsets = { left: valueAxisWidth, right: rightPadding };
 
-/// Builds the charts into `host` and ties them to the timeline.
+/// Builds the charts in `host` and connects them to the timeline.
 export function createCharts(host, run, timeline) {
   const specs = chartSpecs(run);
   const charts = specs.map((spec, i) => new Chart(spec, run, timeline, i === specs.length - 1));

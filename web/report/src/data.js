@@ -1,5 +1,5 @@
-// The run as the page uses it: everything that may be missing or broken in the JSON is settled
-// here, so that the charts, the view and the table can rely on it.
+// Parsing of the run. Missing or invalid parts of the JSON are handled here, so that the charts, the view and the table
+// can rely on the result.
 
 import { parseOthers } from './overlay.js';
 
@@ -15,7 +15,7 @@ const asList = (value) => (Array.isArray(value) ? value : []);
 const numberOrNull = (value) => (isNumber(value) ? value : null);
 const textOr = (value, fallback) => (typeof value === 'string' ? value : fallback);
 
-// A column of `length` numbers or nulls. A clean one is kept as it is: a run may have 300,000 rows.
+// Column of `length` numbers or nulls. A valid one is not copied: a run may have 300,000 rows.
 function cleanColumn(values, length) {
   const list = asList(values);
   const clean = list.length === length && list.every((v) => v === null || isNumber(v));
@@ -63,7 +63,7 @@ function parseEpisodes(list, rows, timeIsRow, x) {
     }));
 }
 
-// Contacts without a position cannot be drawn; a missing normal or K_min is left out by the view.
+// Contacts without a position are dropped; the view handles a missing normal or K_min.
 function parseContacts(contacts) {
   const length = asList(contacts?.x).length;
   if (length === 0) return null;
@@ -80,7 +80,7 @@ function parseContacts(contacts) {
   }));
 }
 
-// Without recorded contact points, the tool centres of the rows in contact stand in for them.
+// Substitute for recorded contact points: the tool centres of the rows in contact.
 function toolCentresInContact(col, rows) {
   const points = [];
   for (let i = 0; i < rows; ++i) {
@@ -92,7 +92,7 @@ function toolCentresInContact(col, rows) {
   return points;
 }
 
-// Contacts come in any order, so each finds its episode by row.
+// Sets the largest depth of each episode. Contacts are in any order and are assigned by row.
 function addMaxDepths(episodes, contacts) {
   const byRow = contacts
     .filter((c) => c.row !== null && c.depth !== null)
@@ -126,7 +126,7 @@ function parseSummary(list) {
 
 const listOfTexts = (list) => asList(list).map((item) => String(item));
 
-// What the safety governor did, stretch by stretch, and the faults among that. Null if the run is not live.
+// States of the safety governor as intervals, and its faults; null if there are none.
 function parseGovernor(json, rows, timeIsRow, x) {
   const [states, faults] = [listOfTexts(json?.states), listOfTexts(json?.faults)];
   const starts = asList(json?.t)
@@ -185,8 +185,8 @@ export function parseRun(text) {
   };
 }
 
-/// The ellipsoids of the tool in its own frame: semi-axes, position, and orientation as x, y, z, w. Null if the
-/// tool is not known.
+/// Ellipsoids of the tool in its own frame: semi-axes, position, and orientation as x, y, z, w. Null if the tool is
+/// unknown.
 function toolParts(json) {
   if (!Array.isArray(json)) return null;
   const parts = json.map((part) => {
@@ -197,12 +197,12 @@ function toolParts(json) {
   return parts.every((p) => p.semiAxes && p.position && p.orientation) && parts.length > 0 ? parts : null;
 }
 
-/// [x, y, z] of the tool centre in a row, or null.
+/// Tool centre [x, y, z] in a row, or null.
 export function toolPosition(run, row) {
   return vector3([run.col.x[row], run.col.y[row], run.col.z[row]]);
 }
 
-/// [x, y, z, w] of the tool's orientation in a row; identity if it is not given.
+/// Orientation [x, y, z, w] of the tool in a row; identity if it is missing.
 export function toolOrientation(run, row) {
   const q = ['qx', 'qy', 'qz', 'qw'].map((name) => run.col[name][row]);
   return q.every(isNumber) && Math.hypot(...q) > 0 ? q : [0, 0, 0, 1];

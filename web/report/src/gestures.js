@@ -1,16 +1,16 @@
-// What a hand does on a chart: hover, drag to zoom, Shift-drag to move, double-click to reset; by
-// touch, slide to read and pinch to zoom. And the same by keyboard.
+// Pointer gestures on a chart: hover to read, drag to zoom, Shift-drag to move, double-click to reset; by touch, slide
+// to read and pinch to zoom. Keys do the same.
 
-const smallestDrag = 4; // below it a drag is a click. Unit: [px].
+const smallestDrag = 4; // shorter drags are clicks. Unit: [px].
 const keyZoom = 0.5;
-const keyBigStep = 0.02; // share of the visible stretch
+const keyBigStep = 0.02; // fraction of the visible range
 
 function timeAt(timeline, fraction) {
   const [min, max] = timeline.range;
   return min + Math.min(Math.max(fraction, 0), 1) * (max - min);
 }
 
-/// `over` is the plotting area of one chart; `select(left, width)` marks a stretch on all of them.
+/// `over` is the plotting area of one chart; `select(left, width)` marks a range on all charts.
 export function attachGestures(over, timeline, select) {
   const fingers = new Map(); // pointer id to x. Unit: [px].
   let drag = null;
@@ -84,7 +84,7 @@ export function attachGestures(over, timeline, select) {
   over.addEventListener('dblclick', () => timeline.reset());
 }
 
-/// Arrow keys step through the rows, + and - zoom about the current one, Escape resets.
+/// Arrow keys step through the rows, + and - zoom about the current row, Escape resets.
 export function attachKeys(node, timeline) {
   const step = (rows) => timeline.setRow(timeline.row + rows);
   const jump = (sign) => {

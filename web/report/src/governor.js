@@ -1,4 +1,4 @@
-// What the safety governor of a live run did: its state as a coloured strip, and its faults by name.
+// Safety governor of a live run: its state as a coloured strip, and labels of its faults.
 
 import { element } from '../../shared/dom.js';
 import { themeValue } from '../../shared/theme.js';
@@ -6,7 +6,7 @@ import { plotInsets } from './charts.js';
 import { createLabelStrip } from './labels.js';
 
 const stripHeight = 8; // Unit: [px].
-const thinnest = 1.5; // a state that lasts for a tick is seen from afar, too. Unit: [px].
+const thinnest = 1.5; // least width of a state, so that one of a single tick is visible. Unit: [px].
 
 const stateColor = (name) => themeValue(`--state-${name}`) || themeValue('--muted');
 
@@ -19,7 +19,7 @@ function faultLabel(fault, choose) {
   return { at: fault.at, node };
 }
 
-/// The states that occur, in their colours.
+/// Legend of the states that occur.
 export function governorLegend(governor) {
   const seen = new Set(governor.stretches.map((s) => s.state));
   const items = governor.states.filter((name) => seen.has(name)).map((name) => {
@@ -46,8 +46,8 @@ function paint(canvas, governor, timeline) {
   }
 }
 
-/// `choose(fault)` is called on a click. Returns a function that lays everything out anew, for another width or
-/// theme; it does nothing for a run that is not live.
+/// `choose(fault)` is called on a click. Returns a function that updates the layout for a new width or theme; it does
+/// nothing for a run that is not live.
 export function createGovernorStrip(host, run, timeline, choose) {
   const { governor } = run;
   if (!governor) return () => {};

@@ -1,16 +1,15 @@
-// Labels at instants, above the charts.
+// Labels at points in time, above the charts.
 
 import { plotInsets } from './charts.js';
 
 const labelGap = 4; // Unit: [px].
 
-/// Puts `labels`, of the form {at, node} and in order of time, into `host`, each over its time. Returns a function
-/// that lays them out anew.
+/// Adds `labels` {at, node}, sorted by time, to `host`, each above its time. Returns a function to update the layout.
 export function createLabelStrip(host, timeline, labels) {
   host.append(...labels.map(({ node }) => node));
   let widths = null;
 
-  // Where labels crowd, the first of them stays.
+  // Of overlapping labels, the first is shown.
   function layOut() {
     widths ??= labels.map(({ node }) => node.offsetWidth);
     const [min, max] = timeline.range;

@@ -1,4 +1,4 @@
-// Reads the run out of the page and puts the report together.
+// Reads the run from the page and builds the report.
 
 import { byId, element } from '../../shared/dom.js';
 import { formatCount } from '../../shared/format.js';
@@ -14,9 +14,9 @@ import { createTable } from './table.js';
 import { Timeline } from './timeline.js';
 import { createView } from './view3d.js';
 
-const contactMargin = 0.35; // of a contact's length, shown before and after it
-const smallestMargin = 0.005; // of the run's length, for contacts of a row or two
-const faultMargin = 0.5; // shown before and after a fault. Unit: [s], or rows where rows are numbered.
+const contactMargin = 0.35; // range shown before and after a contact, as a fraction of its duration
+const smallestMargin = 0.005; // least margin, for contacts of one or two rows; as a fraction of the run's duration
+const faultMargin = 0.5; // range shown before and after a fault. Unit: [s], or rows if the axis has row numbers.
 const printWidth = 660; // fits portrait A4 and Letter. Unit: [px].
 
 function showNotice(text) {
@@ -73,7 +73,7 @@ function contactRange(run, timeline, episode) {
   return [episode.onset - margin, end + margin];
 }
 
-// Paper is white and narrow: the canvases are drawn anew for it, before the browser lays it out.
+// Redraws the canvases in the light theme at the width of paper before printing.
 function followPrinting(charts, layOut, redraw) {
   const fit = (theme, width) => {
     document.documentElement.dataset.theme = theme;
@@ -83,7 +83,7 @@ function followPrinting(charts, layOut, redraw) {
     redraw();
   };
   window.addEventListener('beforeprint', () => {
-    byId('made').open = true; // what is closed is not printed
+    byId('made').open = true; // closed details are not printed
     fit('light', printWidth);
   });
   window.addEventListener('afterprint', () => fit('', null));

@@ -1,5 +1,5 @@
-// What is drawn in the 3D view: the scene, the tool's path, the contacts, the tool, the grid.
-// Colours come from the page's theme through the materials' `userData.color`.
+// Objects of the 3D view: the scene, the tool's path, the contacts, the tool, the grid. The theme sets their colours
+// through `userData.color` of the materials.
 
 import {
   BufferAttribute, BufferGeometry, Color, DataTexture, GreaterDepth, Group, LineBasicMaterial,
@@ -9,15 +9,15 @@ import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
 
-const pathTolerance = 1 / 4000; // how far the drawn path may be off, as a share of the view
-const ghostOpacity = 0.5; // of what the scene's surface hides
+const pathTolerance = 1 / 4000; // largest error of the simplified path, as a fraction of the extent of the view
+const ghostOpacity = 0.5; // opacity of objects hidden by the scene
 const contactSize = 6; // Unit: [px].
 const sceneDensity = 1.15; // diameter of the scene's points, in extent / sqrt(count)
 const normalOpacity = 0.45;
 const ringSegments = 48;
-const mostArrows = 80; // of the force; more would hide each other
+const mostArrows = 80; // largest number of force arrows; more would hide each other
 
-/// K_min from lowest to highest; the page's legend shows the same colours.
+/// Colours of K_min from lowest to highest, also used by the legend.
 export const rampColors = ['#6a3fc4', '#e0407b', '#ffae00'];
 const ramp = rampColors.map((c) => new Color(c));
 
@@ -39,7 +39,7 @@ function geometryOf(positions, colors, normalized) {
   return geometry;
 }
 
-// A round sprite, since points are squares by default.
+// Texture for round points, which are squares by default.
 function discTexture() {
   const size = 32;
   const data = new Uint8Array(4 * size * size).fill(255);
@@ -59,8 +59,8 @@ function pointsMaterial(options) {
   return new PointsMaterial({ map: disc, alphaTest: 0.5, ...options });
 }
 
-/// The scene's Gaussians as points, about as large as they are apart if they lie on a surface.
-/// `focal` is cot(fov / 2), which three.js leaves out of the size of points.
+/// The scene's Gaussians as points, about as large as their spacing if they lie on a surface. `focal` is cot(fov / 2),
+/// which three.js omits from the size of points.
 export function sceneCloud(scene, extent, focal) {
   const count = scene.positions.length / 3;
   const hasColors = scene.colors !== null;
@@ -68,12 +68,12 @@ export function sceneCloud(scene, extent, focal) {
   const material = pointsMaterial({ size, vertexColors: hasColors });
   if (!hasColors) themed(material, '--muted');
   const cloud = new Points(geometryOf(scene.positions, scene.colors, true), material);
-  cloud.frustumCulled = false; // a position that is not finite would break the bounding sphere
+  cloud.frustumCulled = false; // non-finite positions would break the bounding sphere
   return cloud;
 }
 
-// The indices of the points of a polyline that describe it to within `tolerance`
-// (Ramer-Douglas-Peucker, with a stack instead of recursion).
+// Simplifies a polyline to within `tolerance` (Ramer-Douglas-Peucker, with a stack instead of recursion). Returns the
+// indices of the remaining points.
 function simplified(points, from, to, tolerance) {
   const kept = [from];
   const pending = [[from, to]];
@@ -86,7 +86,7 @@ function simplified(points, from, to, tolerance) {
   return kept;
 }
 
-// The point between two others that is farthest from the line segment joining them.
+// Finds the point between two others that is farthest from the line segment between them.
 function farthest(points, first, last) {
   const a = points[first];
   const d = points[last].map((v, k) => v - a[k]);
@@ -102,7 +102,7 @@ function farthest(points, first, last) {
   return { index, distance: largest };
 }
 
-// The path as pairs of points, told apart by contact. A step belongs to the row it leads to.
+// Path as pairs of points, separated by contact. A step belongs to the row at its end.
 function pathSegments(run, rows, positions, extent) {
   const segments = { free: [], touching: [] };
   const touches = (i) => run.col.colliding[rows[i]] > 0;
@@ -127,7 +127,7 @@ function fatLines(segments, colorName, width, extra) {
 
 const ghostLook = { depthFunc: GreaterDepth, depthWrite: false, transparent: true, opacity: ghostOpacity };
 
-/// The path of the tool centre; its stretches of contact are thicker and shine through the scene.
+/// Path of the tool centre, thicker in contact; parts hidden by the scene are translucent.
 export function toolPath(run, rows, positions, extent) {
   const group = new Group();
   const { free, touching } = pathSegments(run, rows, positions, extent);
@@ -140,14 +140,14 @@ export function toolPath(run, rows, positions, extent) {
   return group;
 }
 
-/// The range of K_min to colour by: [0, largest].
+/// Range of K_min for the colours: [0, largest].
 export function kMinRange(contacts) {
   let high = 0;
   for (const { kMin } of contacts) high = Math.max(high, kMin ?? 0);
   return [0, high > 0 ? high : 1];
 }
 
-/// Contact points coloured by K_min; the hidden ones shine through the scene.
+/// Contact points coloured by K_min; those hidden by the scene are translucent.
 export function contactPoints(contacts) {
   const positions = new Float32Array(contacts.flatMap((c) => c.position));
   const colors = new Float32Array(positions.length);
@@ -161,7 +161,7 @@ export function contactPoints(contacts) {
     new Points(geometry, pointsMaterial({ ...look, ...ghostLook })));
 }
 
-/// Short lines along the contact normals, or null if there are none.
+/// Short lines along the contact normals; null if there are none.
 export function contactNormals(contacts, length) {
   const ends = contacts.filter((c) => c.normal).flatMap(({ position: p, normal: n }) => {
     const scale = length / (Math.hypot(...n) || 1);
@@ -173,7 +173,7 @@ export function contactNormals(contacts, length) {
     themed(new LineBasicMaterial({ transparent: true, opacity: normalOpacity }), '--normal'));
 }
 
-// The rows in contact, thinned to at most `most` at equal distances along the path.
+// Selects at most about `most` rows in contact, at equal distances along the path.
 function spreadAlongContact(run, rows, positions, most) {
   const step = (i) => Math.hypot(...positions[i].map((v, k) => v - positions[i - 1][k]));
   const touching = [...rows.keys()].filter((i) => i > 0 && run.col.force[rows[i]] > 0);
@@ -187,8 +187,8 @@ function spreadAlongContact(run, rows, positions, most) {
   });
 }
 
-/// The force on the tool as arrows along the path, all on one scale; null if there is none. `usual` is the length
-/// of a force that a tenth of those in contact exceed, so that a few peaks do not make all others small.
+/// Force on the tool as arrows along the path, to a common scale; null if there is none. `usual` is the length of the
+/// 90 % quantile of the forces in contact, so that a few peaks do not make all others small.
 export function forceArrows(run, rows, positions, usual) {
   const forces = run.col.force.filter((f) => f > 0).sort((a, b) => a - b);
   if (forces.length === 0) return null;
@@ -211,7 +211,7 @@ export function forceArrows(run, rows, positions, usual) {
   return fatLines(segments, '--force', 2.2, { transparent: true });
 }
 
-// Rings of a unit sphere: three through the poles of each axis and two parallels.
+// Rings of a unit sphere: four meridians and three parallels.
 function unitSphereRings() {
   const vertices = [];
   const addRing = (at) => {
@@ -230,8 +230,8 @@ function unitSphereRings() {
   return new Float32Array(vertices);
 }
 
-/// The tool as wireframe ellipsoids with a dot at its handle, over everything else: it must be
-/// seen inside the surface it touches, and from afar.
+/// The tool as wireframe ellipsoids with a dot at its handle, drawn over everything else, to be visible inside the
+/// surface that it touches and from afar.
 export function toolMarker(parts) {
   const onTop = { depthTest: false, depthWrite: false, transparent: true };
   const sphere = geometryOf(unitSphereRings(), null, false);
@@ -250,7 +250,7 @@ export function toolMarker(parts) {
   return marker;
 }
 
-/// A horizontal grid at height `z` over the box, its lines at multiples of `step`.
+/// Horizontal grid at height `z` that covers the box, with lines at multiples of `step`.
 export function floorGrid(box, step, z) {
   const [x0, y0] = [0, 1].map((k) => Math.floor(box.min[k] / step) - 1);
   const [x1, y1] = [0, 1].map((k) => Math.ceil(box.max[k] / step) + 1);

@@ -1,12 +1,12 @@
-// The labels t_a, t_b, ... above the charts, each over the line of its onset.
+// Labels t_a, t_b, ... above the charts, each above the line of its onset.
 
 import { element } from '../../shared/dom.js';
 import { createLabelStrip } from './labels.js';
 import { symbol } from './symbol.js';
 
-/// `choose(episode index)` is called on a click. Returns a function that lays the labels out anew.
+/// `choose(episode index)` is called on a click. Returns a function that updates the layout.
 export function createOnsetStrip(host, run, timeline, choose) {
-  // The table offers the same by keyboard, so the labels stay out of the tab order.
+  // The table has the same buttons, so the labels are not in the tab order.
   const labels = run.episodes.map((episode, index) => {
     const node = element('button', {
       className: 'onset',

@@ -1,10 +1,10 @@
-// Other runs that are drawn over the first, at its instants: each is on its own clock.
+// Further runs plotted over the first, resampled at its times. Each run has its own clock.
 
 import { element } from '../../shared/dom.js';
 
 const colors = 3; // --run-1 ... --run-3
 
-// Of `values` at `times` those that are nearest to each of `x`; null before the first and after the last. Both in order.
+// Nearest of `values` at sorted `times` for each of the sorted `x`; null before the first and after the last time.
 function resampled(x, times, values) {
   let next = 0;
   return x.map((at) => {
@@ -15,7 +15,7 @@ function resampled(x, times, values) {
   });
 }
 
-/// The others of a document, once the first run is known. `columnsOf` cleans columns as those of the first.
+/// Parses the further runs; `x` are the times of the first run. `columnsOf` parses columns like those of the first.
 export function parseOthers(list, x, columnsOf) {
   return (Array.isArray(list) ? list : []).map((json, i) => {
     const { col, rows } = columnsOf(json?.columns);
@@ -32,7 +32,7 @@ export function parseOthers(list, x, columnsOf) {
   });
 }
 
-/// What the others add to the chart of `what`.
+/// Series of the further runs in the chart of `what`.
 export function overlaySeries(run, what) {
   const isDrawn = (other) => other[what]?.some((value) => value !== null);
   return run.others.filter(isDrawn).map((other) => ({
@@ -40,7 +40,7 @@ export function overlaySeries(run, what) {
   }));
 }
 
-/// The figures of all runs, side by side.
+/// Table of the summaries of all runs, side by side.
 export function createRunsTable(host, run) {
   const all = [run, ...run.others];
   const labels = [...new Set(all.flatMap(({ summary }) => summary.map(({ label }) => label)))];

@@ -5,8 +5,7 @@ import { formatTick, niceCeil } from './format.js';
 
 const decadesForPlainTicks = 2.5;
 
-/// A log scale on which zeros can be drawn: they sit on a floor below the smallest positive value,
-/// where the axis reads 0.
+/// Logarithmic scale that can show zeros: they are drawn at a floor below the smallest positive value, labelled 0.
 export function logScale(columns) {
   const positives = columns.flatMap((c) => smallestPositive(c));
   const smallest = positives.length > 0 ? Math.min(...positives) : 1;
@@ -31,7 +30,7 @@ function smallestPositive(column) {
 function logRange(min, max, floor) {
   const high = max > 0 ? max : 1;
   const low = min > 0 ? min : high;
-  // A little room below the floor, so that a line of zeros is not cut in half by the frame.
+  // Margin below the floor, so that the frame does not clip a curve of zeros.
   const bottom = floor === null ? niceFloor(low) : 0.85 * floor;
   const top = niceCeil(high * 1.05);
   return [bottom, Math.max(top, 10 * niceCeil(bottom))];

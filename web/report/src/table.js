@@ -1,11 +1,11 @@
-// The contacts, one row an onset.
+// Table of the contacts, one row per onset.
 
 import { element } from '../../shared/dom.js';
 import { formatCount } from '../../shared/format.js';
 import { formatFixed } from './format.js';
 import { symbol } from './symbol.js';
 
-const millimetres = 1000; // in a metre
+const millimetres = 1000; // per metre
 
 function columnsFor(run) {
   const columns = [
@@ -35,7 +35,7 @@ function bodyRow(episode, columns, choose) {
     attributes: { type: 'button', 'aria-label': `Zoom to contact t ${episode.subscript}` },
   }, symbol('t', episode.subscript));
   const head = element('th', { attributes: { scope: 'row', role: 'rowheader' } }, button);
-  // On a phone the rows turn into cards, where each value carries its title and unit.
+  // On a phone, rows are shown as cards in which each value has its title and unit.
   const cells = columns.map((c) => element('td', {
     className: c.className,
     text: c.text(episode),
@@ -46,8 +46,8 @@ function bodyRow(episode, columns, choose) {
   return row;
 }
 
-/// `choose(episode index)` is called when a row is clicked or entered by key. Returns a function
-/// that marks one row as chosen, or none for null.
+/// `choose(episode index)` is called when a row is activated by click or key. Returns a function that marks one row as
+/// current, or none for null.
 export function createTable(host, run, choose) {
   if (run.episodes.length === 0) {
     host.append(element('p', { className: 'empty', text: 'The tool touched nothing in this run.' }));
@@ -56,7 +56,7 @@ export function createTable(host, run, choose) {
   const columns = columnsFor(run);
   const rows = run.episodes.map((episode, i) => bodyRow(episode, columns, () => choose(i)));
   const corner = headCell({ title: 'Contact', unit: '' });
-  // The roles are spelt out because the card layout of phones takes them away from the elements.
+  // The roles are explicit because the card layout of phones removes the implicit ones.
   const head = element('tr', { attributes: { role: 'row' } }, corner, ...columns.map(headCell));
   host.append(element('div', { className: 'table-scroll' },
     element('table', { attributes: { role: 'table', 'aria-labelledby': 'contacts-title' } },

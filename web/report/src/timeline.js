@@ -1,13 +1,13 @@
-// What all charts, the view and the table share: the visible stretch of time and the current row.
+// State shared by the charts, the view and the table: the visible time range and the current row.
 
-// Zooming in further than this share of the run shows nothing but rounding.
+// Smallest visible fraction of the run; below, only rounding errors are visible.
 const smallestShare = 1e-6;
 
 export class Timeline {
   #rangeListeners = [];
   #rowListeners = [];
 
-  /// `x` is not empty and does not decrease.
+  /// `x` are the times, non-empty and non-decreasing.
   constructor(x) {
     this.x = x;
     const [first, last] = [x[0], x[x.length - 1]];
@@ -28,7 +28,7 @@ export class Timeline {
     this.#rowListeners.push(listener);
   }
 
-  /// Shows [from, to], as far as the run reaches.
+  /// Sets the visible range to [from, to], limited to the run.
   setRange(from, to) {
     const [start, end] = this.full;
     const width = Math.max(Math.abs(to - from), smallestShare * (end - start));
@@ -43,7 +43,7 @@ export class Timeline {
     this.setRange(...this.full);
   }
 
-  /// Moves the visible stretch without changing its width.
+  /// Moves the visible range without changing its width.
   pan(distance) {
     const [min, max] = this.range;
     const room = distance < 0 ? this.full[0] - min : this.full[1] - max;
@@ -51,7 +51,7 @@ export class Timeline {
     this.setRange(min + step, max + step);
   }
 
-  /// Scales the visible stretch about `centre`; a factor below 1 zooms in.
+  /// Scales the visible range about `centre`; a factor below 1 zooms in.
   zoom(factor, centre) {
     const [min, max] = this.range;
     this.setRange(centre - (centre - min) * factor, centre + (max - centre) * factor);
@@ -62,7 +62,7 @@ export class Timeline {
     this.#rowListeners.forEach((listener) => listener(this.row));
   }
 
-  /// The row whose time is nearest to `time`; the first of several.
+  /// Row whose time is nearest to `time`; the first of several.
   nearestRow(time) {
     let [low, high] = [0, this.x.length - 1];
     while (low < high) {

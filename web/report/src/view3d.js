@@ -1,4 +1,4 @@
-// The paper's Fig. 4: the tool's path and its contacts in the scene.
+// The paper's Fig. 4: path of the tool and its contacts in the scene.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
@@ -16,16 +16,16 @@ import {
 import { symbol } from './symbol.js';
 
 const fieldOfView = 40; // vertical. Unit: [deg].
-const halfHeight = Math.tan((0.5 * fieldOfView * Math.PI) / 180); // of the image at distance 1
+const halfHeight = Math.tan((0.5 * fieldOfView * Math.PI) / 180); // half height of the image at distance 1
 const fitMargin = 1.12;
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
-const markerShare = 0.015; // size of the marker where the tool's is not known, of the view
-const normalShare = 0.035; // length of the normals, of the view
-const forceShare = 0.08; // length of a force that few exceed, of the view
-const axisReach = 24; // of the axes in the corner. Unit: [px].
-const labelLimit = 60; // onset labels in the view; more would hide it
+const markerShare = 0.015; // radius of the marker of an unknown tool, as a fraction of the view's extent
+const normalShare = 0.035; // length of the normals, as a fraction of the view's extent
+const forceShare = 0.08; // length of a large force, as a fraction of the view's extent; see forceArrows()
+const axisReach = 24; // length of the axes in the corner. Unit: [px].
+const labelLimit = 60; // largest number of onset labels; more would hide the view
 
-// Colours are those of the files and the style sheet, not lit: they go to the screen unchanged.
+// Colours of files and style sheet are displayed unchanged, without lighting.
 ColorManagement.enabled = false;
 
 function toggle(label, object, changed) {
@@ -63,7 +63,7 @@ function showMissing({ host, reset }) {
   return { available: false, setMarker() {}, redraw() {} };
 }
 
-// Labels t_a, t_b, ... at the contacts, as plain text over the canvas.
+// Labels t_a, t_b, ... at the contacts, as elements over the canvas.
 function createLabels(host, run) {
   const labels = run.episodes.slice(0, labelLimit)
     .filter((e) => e.position)
@@ -85,7 +85,7 @@ function createLabels(host, run) {
   };
 }
 
-// How far the tool reaches from its handle.
+// Upper bound of the tool's extent from its handle.
 function toolReach(parts) {
   return Math.max(...parts.map(({ semiAxes, position }) => Math.hypot(...position) + Math.max(...semiAxes)));
 }
@@ -159,7 +159,7 @@ class View {
     this.resetCamera();
   }
 
-  // How far from the middle the camera sees all of the outline.
+  // Distance from the centre at which the camera sees all of the outline.
   #fittingDistance() {
     const right = new Vector3().crossVectors(this.#camera.up, firstDirection).normalize();
     const up = new Vector3().crossVectors(firstDirection, right);
@@ -194,7 +194,7 @@ class View {
     this.#render();
   }
 
-  // Nothing moves by itself, so a frame is drawn only when something has changed.
+  // Frames are drawn on demand: nothing is animated.
   #requestFrame() {
     this.#frame ||= requestAnimationFrame(() => this.#render());
   }
@@ -208,15 +208,14 @@ class View {
     this.placeLabels((position) => this.project(position));
   }
 
-  /// Where a point of the world is in the view, from its top left, or null behind the camera.
-  /// Unit: [px].
+  /// Position of a world point in the view, from its top left; null behind the camera. Unit: [px].
   project(position) {
     const p = new Vector3().copy(position).project(this.#camera);
     if (!this.size || Math.abs(p.z) > 1) return null;
     return { x: 0.5 * (p.x + 1) * this.size.width, y: 0.5 * (1 - p.y) * this.size.height };
   }
 
-  /// Moves the tool to where it was in a row.
+  /// Moves the tool to its pose in a row.
   setMarker(row) {
     const position = toolPosition(this.run, row);
     this.marker.visible = position !== null;
@@ -232,10 +231,10 @@ class View {
   }
 }
 
-/// Builds the 3D view into `places.host`, or says there why it cannot be shown.
+/// Builds the 3D view in `places.host`, or shows a message there if WebGL 2 is missing.
 export function createView(places, run) {
   const canvas = element('canvas', { attributes: { 'aria-label': 'Tool path and contacts in 3D' } });
-  // Kept after drawing, so that the view can be printed.
+  // preserveDrawingBuffer: the view can be printed.
   const context = canvas.getContext('webgl2', { antialias: true, preserveDrawingBuffer: true });
   return context ? new View(places, run, canvas, context) : showMissing(places);
 }

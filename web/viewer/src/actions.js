@@ -1,4 +1,4 @@
-// What a person can ask the program for. Whatever is refused is said.
+// Requests of the user to the program. Refusals are shown as notices.
 
 import { notify } from './notices.js';
 
@@ -15,7 +15,7 @@ export function createActions({ connection, parameters, statusBar, hold }) {
     resume: () => (parameters.current?.paused ? pause(false) : ask('resume', 'std_srvs/Trigger')),
     pauseOrResume: () => (statusBar.needsResume ? actions.resume() : pause(true)),
     toggleDemo() {
-      hold.endAll(); // the simulated hand has it then, or nobody
+      hold.endAll(); // only the simulated hand may hold the tool then
       return ask('demo', 'std_srvs/SetBool', { data: !parameters.current?.demo });
     },
     record: (on) => ask('record', 'std_srvs/SetBool', { data: on }),

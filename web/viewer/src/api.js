@@ -1,4 +1,4 @@
-// A look at the page from outside, for tests and the console. Nothing can be changed through it.
+// Read-only access to the state of the page, for tests and the console.
 
 export function exposeApi({ connection, live, view, splats, felt, cues, hold, parameters, depth, headset, plots }) {
   const api = {
@@ -45,7 +45,7 @@ export function exposeApi({ connection, live, view, splats, felt, cues, hold, pa
     felt: () => splats.feltCount,
     feltScale: (row) => splats.feltScale(row),
     axes: () => Object.fromEntries(Object.entries(view.axesOfCamera).map(([name, axis]) => [name, axis.toArray()])),
-    toolPixels: () => (2 * felt.size) / view.pixelAt(live.tool.position), // its diameter on the page
+    toolPixels: () => (2 * felt.size) / view.pixelAt(live.tool.position), // diameter on the page
     project: (point) => view.project(point),
     seenOpacity: ([x, y]) => splats.look(view.rayAt({ clientX: x, clientY: y }))?.opacity ?? 0,
     pick: ([x, y]) => splats.pick(view.rayAt({ clientX: x, clientY: y }))?.toArray() ?? null,

@@ -1,13 +1,13 @@
-// Brings the tool to a point of the surface that is seen: through free space to the line of sight, then along it.
+// Brings the tool to a visible point of the surface: through free space to the line of sight, then along it.
 
 import { Vector3 } from 'three';
 
 import { reachOf } from './tool_shape.js';
 
-const pressed = 0.15; // deeper than the surface, so that it is felt. In sizes of the tool.
-const clearance = 2.5; // from the surface, where the last leg begins. In sizes of the tool.
-const lifted = 6; // towards the eye, where the straight way is not free. In sizes of the tool.
-// In sizes of the tool a second; and how long a frame counts at most, since a page that stood still does not leap. Unit: [s].
+const pressed = 0.15; // depth below the surface at the end, so that it is felt. In tool sizes.
+const clearance = 2.5; // distance from the surface at which the last leg begins. In tool sizes.
+const lifted = 6; // distance to lift towards the camera if the straight path is not free. In tool sizes.
+// Speed in tool sizes per second, and largest time step of a frame, so that a stalled page does not leap. Unit: [s].
 const pace = { free: { speed: 12, longest: 1 }, last: { speed: 3, longest: 0.25 } };
 
 export class Approach {
@@ -23,7 +23,7 @@ export class Approach {
     return this.hold.holds('approach');
   }
 
-  /// To `point` as it is seen along `direction`, both in the world. False if it is not known where the tool is.
+  /// Starts towards `point`, seen along `direction`, both in the world. False if the tool's position is unknown.
   to(point, direction) {
     this.cancel();
     if (!this.hold.begin('approach')) return false;
@@ -41,7 +41,7 @@ export class Approach {
     this.hold.end('approach');
   }
 
-  // Straight; or first towards the eye, since what is seen is free from there; or around the scene.
+  // Waypoints: straight; or first towards the camera, from where the visible point is free; or around the scene.
   #way(from, to, back) {
     if (this.#isFree(from, to)) return [to];
     const nearer = Math.max(0, to.clone().sub(from).dot(back)) + lifted * this.felt.size;
@@ -58,7 +58,7 @@ export class Approach {
     return seen === null || seen.point.distanceTo(from) > length + this.felt.size;
   }
 
-  // Out of the scene, around it, and in again.
+  // Waypoints out of the scene and around it.
   #around(from, to) {
     const box = this.splats.box;
     const middle = box.getCenter(new Vector3());
@@ -67,11 +67,11 @@ export class Approach {
     const [a, b] = [out(from), out(to)];
     const between = [0.25, 0.5, 0.75].map((share) => a.clone().lerp(b, share));
     const turned = between.map((p) => (p.lengthSq() > 0.01 ? p.normalize() : new Vector3(0, 0, 1)));
-    const far = 1.3; // chords between these points stay outside
+    const far = 1.3; // so that the chords between the waypoints stay outside
     return [a, ...turned, b].map((p) => p.multiplyScalar(far * radius).add(middle));
   }
 
-  /// To be called before every frame, and before the hand is published.
+  /// Call before every frame, and before the hand is published.
   update(now) {
     const seconds = now - this.#last;
     this.#last = now;

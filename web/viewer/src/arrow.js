@@ -4,8 +4,8 @@ import { ConeGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, Vector3
 
 import { fill, setVisible } from './fill.js';
 
-const up = new Vector3(0, 1, 0); // along which three.js makes cylinders
-const headShare = 0.35; // of the length, at most
+const up = new Vector3(0, 1, 0); // axis of cylinders in three.js
+const headShare = 0.35; // largest length of the head, as a fraction of the arrow
 const shaft = new CylinderGeometry(0.5, 0.5, 1, 16).translate(0, 0.5, 0);
 const head = new ConeGeometry(1, 1, 20).translate(0, 0.5, 0);
 
@@ -23,8 +23,8 @@ export class Arrow extends Group {
     this.visible = false;
   }
 
-  /// From `origin` along `vector`, both [x, y, z]; hidden if the vector is shorter than `least`. Returns whether
-  /// that is other than before.
+  /// Draws the arrow from `origin` along `vector`, both [x, y, z]; hides it if the vector is shorter than `least`.
+  /// Returns whether anything changed.
   point(origin, vector, thickness, least) {
     const along = new Vector3(...vector);
     const length = along.length();
@@ -40,7 +40,7 @@ export class Arrow extends Group {
     return toggled || moved;
   }
 
-  /// The direction it is drawn in, or null while it is hidden.
+  /// Direction of the arrow; null while it is hidden.
   get direction() {
     return this.visible ? up.clone().applyQuaternion(this.quaternion).toArray() : null;
   }

@@ -1,9 +1,9 @@
-// The scene behind everything else, kept as it was drawn: splats take long, and mostly only the tool moves. They hide nothing and
-// are hidden by nothing, so that what lies before them can be drawn on their picture.
+// Cached image of the scene behind everything else: splats are slow to draw, and usually only the tool moves. Splats
+// and other objects do not occlude each other, so that the objects can be drawn over the image.
 
 import { BufferAttribute, BufferGeometry, FramebufferTexture, GLSL3, Mesh, NoBlending, ShaderMaterial, Vector2 } from 'three';
 
-export const sceneLayer = 3; // of three.js, of what is in the picture; 1 and 2 are the eyes of a headset
+export const sceneLayer = 3; // three.js layer of the cached objects; 1 and 2 are the eyes of a headset
 
 const everywhere = new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3); // a triangle
 
@@ -27,7 +27,7 @@ export class Backdrop {
     scene.add(this.#mesh);
   }
 
-  /// Draws all; the scene itself only if it `changed`.
+  /// Draws everything; the scene itself only if it `changed`.
   draw(camera, changed) {
     if (changed) this.#take(camera);
     this.#mesh.visible = true;

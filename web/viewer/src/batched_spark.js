@@ -1,14 +1,14 @@
-// Spark with many splats an instance. It draws four corners an instance, each of which software (a machine without a graphics card)
-// sets up anew: that was most of a frame there.
+// Spark with many splats per instance. Spark itself draws one splat per instance; with software rendering, the cost per
+// instance was most of a frame.
 
 import { SparkRenderer } from '@sparkjsdev/spark';
 import { BufferAttribute, InstancedBufferGeometry } from 'three';
 
-const batch = 1024; // splats an instance: divides a row of Spark's order, and its corners have numbers of 16 bits
+const batch = 1024; // splats per instance: divides a row of Spark's ordering, and its vertex indices fit 16 bits
 const corners = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0];
 const triangles = [0, 1, 2, 0, 2, 3];
 
-const slot = `(gl_InstanceID * ${batch} + (gl_VertexID >> 2))`; // of a splat, in the order from the back to the front
+const slot = `(gl_InstanceID * ${batch} + (gl_VertexID >> 2))`; // index of a splat in back-to-front order
 
 export class BatchedSpark extends SparkRenderer {
   constructor(options) {

@@ -1,8 +1,8 @@
-// Clicks and taps on the view: presses that do not move.
+// Clicks and taps on the view: presses without motion.
 
-const room = { mouse: 5, pen: 5, touch: 12 }; // a press that moves farther turns the view. Unit: [px].
+const room = { mouse: 5, pen: 5, touch: 12 }; // a press with more motion is a drag. Unit: [px].
 
-/// Calls `onClick` for a press of the main button or of one finger.
+/// Calls `onClick` for a click of the main button or a tap of one finger.
 export function followClicks(canvas, onClick) {
   let down = null;
   let fingers = 0;

@@ -1,49 +1,49 @@
-// The rosbridge connection to the program that served this page. It comes back by itself.
+// The rosbridge connection to the program that served this page. Reconnects automatically.
 //
-// Every attempt has a Ros of its own, so that nothing said before a break is said again after it: a pose or a
-// `resume` must never arrive late.
+// Every attempt uses a new Ros, so that no message from before an interruption is sent after it: a pose or a `resume`
+// must never arrive late.
 
 import { Ros, Service, Topic, WebSocketTransportFactory } from 'roslib';
 
 import { rosName } from './address.js';
 
-const firstDelay = 250; // before another attempt. Unit: [ms].
+const firstDelay = 250; // delay before the first retry. Unit: [ms].
 const longestDelay = 2000; // Unit: [ms].
-const checkPeriod = 500; // of whether anything is heard. Unit: [ms].
-const silenceLimit = 6; // diagnostics come every 50 ms; what is silent for so many checks is dead
-const beat = 1000; // Unit: [ms].
-const answerLimit = 20; // of a service. Unit: [beats], of which there is one however long the page stood still.
+const checkPeriod = 500; // period of checks for received messages. Unit: [ms].
+const silenceLimit = 6; // checks without a message after which the connection is dead; diagnostics come every 50 ms
+const beat = 1000; // period of the timer of calls. Unit: [ms].
+const answerLimit = 20; // time limit of a call. Unit: [beats], as a stalled page counts only one beat.
 
-/// What `error` says about itself, whatever it is: roslib hands on texts and objects.
+/// Message of `error`: roslib passes both strings and objects.
 export const errorText = (error) => error?.message ?? (typeof error === 'string' && error ? error : 'no answer');
 
 export class Connection {
   connected = false;
   #ros = null;
   #subscriptions = [];
-  #topics = new Map(); // what is published in this connection
-  #pending = new Set(); // rejections of the calls that wait for an answer
+  #topics = new Map(); // published topics of this connection, by name
+  #pending = new Set(); // reject functions of the pending calls
   #listeners = new Set();
   #delay = firstDelay;
-  #silence = 0; // checks since anything was heard: a page that stands still for a while hears nothing and checks nothing
+  #silence = 0; // checks since the last message; not a time, as a stalled page neither receives nor checks
 
   constructor(url) {
     this.url = url;
   }
 
-  /// `onStatus` is called with what the server says about a message of ours: {level, msg, id}.
+  /// `onStatus` is called with status messages of the server: {level, msg, id}.
   open(onStatus) {
     this.onStatus = onStatus;
     this.#attempt();
     setInterval(() => this.#checkSilence(), checkPeriod);
   }
 
-  /// Calls `listener` when the connection comes (true) and goes (false).
+  /// Calls `listener` when the connection opens (true) and closes (false).
   onChange(listener) {
     this.#listeners.add(listener);
   }
 
-  /// `name` is below /palpate/, or that of the page's hand; `rest` is what roslib's Topic takes besides. To be called before `open`.
+  /// `name` is passed to rosName(); `rest` are further options of roslib's Topic. Call before `open`.
   subscribe(name, messageType, callback, rest = {}) {
     this.#subscriptions.push({ name, messageType, callback, rest });
   }
@@ -54,7 +54,7 @@ export class Connection {
     this.#topics.get(name).publish(message);
   }
 
-  /// The values of the answer; rejected if there is none.
+  /// Calls a service. Resolves to the values of the response; rejects if there is none.
   call(name, serviceType, request = {}) {
     if (!this.connected) return Promise.reject(new Error('Not connected.'));
     const service = new Service({ ros: this.#ros, name: rosName(name), serviceType });
@@ -71,7 +71,7 @@ export class Connection {
     });
   }
 
-  /// A service whose answer is {success, message}: the message, rejected if it did not succeed.
+  /// Calls a service with the response {success, message}. Resolves to the message; rejects without success.
   async ask(name, serviceType, request) {
     const { success, message } = await this.call(name, serviceType, request);
     if (!success) throw new Error(message || `${name} was refused`);
@@ -97,7 +97,7 @@ export class Connection {
     this.#ros = ros;
     ros.on('connection', () => {
       if (ros === this.#ros) this.#opened();
-      else ros.close(); // it was given up before
+      else ros.close(); // was abandoned meanwhile
     });
     ros.on('close', () => this.#closed(ros));
     ros.on('error', () => {}); // a close follows
@@ -127,7 +127,7 @@ export class Connection {
     const ros = this.#ros;
     if (!ros || ++this.#silence <= silenceLimit) return;
     ros.close();
-    this.#closed(ros); // a dead peer would let the closing handshake take its time
+    this.#closed(ros); // at once: the closing handshake of a dead peer would take long
   }
 
   #change(connected) {

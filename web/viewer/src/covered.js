@@ -1,12 +1,12 @@
-// What the parts of the page that lie on the view take of it. They are measured when the size of one changes: the browser lays the
-// page out anew for each measurement.
+// Area of the view covered by other elements of the page. Measured only when the size of one changes, because each
+// measurement forces a layout.
 
 const parts = '.bar > *, #stop, #hint, .panels';
-const sideRoom = 30; // to both sides of a place, that a mark takes. Unit: [px].
+const sideRoom = 30; // half width of a mark. Unit: [px].
 
 export class Covered {
-  #view = null; // where it is on the page
-  #above = []; // the parts that lie on its upper half, and on its lower half
+  #view = null; // rectangle on the page
+  #above = []; // rectangles of the elements on its upper half, and on its lower half
   #below = [];
 
   constructor(canvas) {
@@ -16,7 +16,7 @@ export class Covered {
     for (const node of [canvas, ...this.nodes]) observer.observe(node);
   }
 
-  /// To be called where the page has just changed; else it is found out after the next frame.
+  /// Call after a change of the page; otherwise the change is noticed after the next frame.
   measure() {
     this.#view = this.canvas.getBoundingClientRect();
     const { left, right, top, bottom } = this.#view;
@@ -27,7 +27,7 @@ export class Covered {
     this.#below = boxes.filter((box) => !isAbove(box));
   }
 
-  /// From above and from below, {top, bottom}, at most some shares of the view's height. Unit: [px].
+  /// Covered heights {top, bottom}, limited to the fractions `most` of the view's height. Unit: [px].
   rows(most) {
     this.measure();
     const { top, bottom, height } = this.#view;
@@ -37,7 +37,7 @@ export class Covered {
     };
   }
 
-  /// From above and from below, {top, bottom}, near `x` of the page; anywhere, where that is null. Unit: [px].
+  /// Covered heights {top, bottom} near `x` on the page; over the whole width if it is null. Unit: [px].
   near(x) {
     if (!this.#view) this.measure();
     const isNear = ({ left, right }) => x === null || (x > left - sideRoom && x < right + sideRoom);

@@ -1,20 +1,20 @@
-// How deep the tool is in the picture: a line to the nearest point of the surface with a ring there, or, in contact, a ring
-// around the deepest contact.
+// Depth cue of the tool: a line to the nearest point of the surface with a ring there, or, in contact, a ring around
+// the deepest contact.
 
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, RingGeometry, Vector3 } from 'three';
 
 import { fill, setVisible } from './fill.js';
 import { reachOf } from './tool_shape.js';
 
-const searchEvery = 60; // Unit: [ms].
-const farthest = 40; // beyond, no line is drawn. In sizes of the tool.
-const touching = 0.02; // below, there is no gap to show. In sizes of the tool.
+const searchEvery = 60; // interval of searches for the nearest point. Unit: [ms].
+const farthest = 40; // largest gap for which a line is drawn. In tool sizes.
+const touching = 0.02; // smallest gap for which a line is drawn. In tool sizes.
 const order = 3;
 const forward = new Vector3(0, 0, 1);
 
 export class DepthCue {
   group = new Group();
-  gap = null; // {length, from, to}, in the world
+  gap = null; // {length, from, to} in the world, or null
   #searchedAt = -Infinity;
   #found = null;
 
@@ -33,7 +33,7 @@ export class DepthCue {
     return [this.line, this.ring, this.contact].map((part) => setVisible(part, false)).includes(true);
   }
 
-  /// To be called before every frame. Returns whether anything is other than before.
+  /// Call before every frame. Returns whether anything changed.
   update(live, now) {
     this.gap = null;
     if (!live.isFresh('measured_cp')) return this.#hide();

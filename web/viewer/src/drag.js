@@ -1,18 +1,19 @@
-// The tool in the hand by mouse or touch: dragging it moves it in the plane of the screen, with Ctrl turns it; the wheel, the
-// right button or a second finger moves it along the line of sight. What hides the tool is clicked in its place, but with Shift.
+// Holding the tool by mouse or touch: dragging moves it in the plane of the screen, with Ctrl rotates it; the wheel,
+// the right button or a second finger moves it along the line of sight. A press on an object that hides the tool is a
+// click on that object, unless Shift is pressed.
 
 import { Quaternion, Raycaster, Vector3 } from 'three';
 
-const wheelShare = 0.2; // of what the wheel scrolls
+const wheelShare = 0.2; // motion per scrolled distance
 const rightButton = 2;
 const turnPerPixel = 0.01; // Unit: [rad/px].
-const hiding = 0.5; // opacity before the tool, from which on it is what lies there that is clicked
-const sunk = 0.5; // what the tool rests on may lie before a part of it. In sizes of the tool.
-const reach = { mouse: 14, pen: 14, touch: 32 }; // around the handle, where the tool is caught. Unit: [px].
+const hiding = 0.5; // opacity in front of the tool from which on the tool counts as hidden
+const sunk = 0.5; // ignored distance in front of the tool: the touched surface may cover a part. In tool sizes.
+const reach = { mouse: 14, pen: 14, touch: 32 }; // radius around the handle that takes the tool. Unit: [px].
 
 export class Drag {
-  #pointers = new Map(); // pointerId: last position on the page
-  #first = null; // the pointer that holds
+  #pointers = new Map(); // last event, by pointerId
+  #first = null; // id of the pointer that holds the tool
 
   constructor(view, hold, felt, splats) {
     Object.assign(this, { view, hold, felt, splats });
@@ -26,7 +27,7 @@ export class Drag {
     hold.onChange(() => { if (!hold.holds('pointer')) this.#forget(); });
   }
 
-  // Also when the hold was ended from elsewhere: the pointer may never come up here.
+  // Needed when the hold is ended elsewhere: the pointer may never be released here.
   #forget() {
     this.#first = null;
     this.#pointers.clear();
@@ -44,14 +45,14 @@ export class Drag {
     return !this.#isHidden(caster.ray, handle.sub(caster.ray.origin).dot(caster.ray.direction));
   }
 
-  // Small tools are caught around their handle, too.
+  // Small tools can also be taken near their handle.
   #isNear({ clientX, clientY, pointerType }) {
     const { live } = this.hold;
     const at = live.isFresh('measured_cp') && this.view.project(live.tool.position);
     return Boolean(at) && Math.hypot(at[0] - clientX, at[1] - clientY) < (reach[pointerType] ?? reach.mouse);
   }
 
-  // Whether the scene hides the tool, which is `distance` away along a ray.
+  // Whether the scene hides the tool, which is at `distance` along a ray.
   #isHidden({ origin, direction }, distance) {
     const before = Math.max(0, distance - sunk * this.felt.size);
     return this.splats.opacityBetween(origin, origin.clone().addScaledVector(direction, before)) > hiding;
@@ -101,14 +102,14 @@ export class Drag {
     this.moveBy(0, 0, -event.deltaY * wheelShare);
   }
 
-  // A ball under the hand: about the axes of the screen.
+  // Rotates the tool about the axes of the screen, like a trackball.
   #turnBy(right, down) {
     const axes = this.view.axesOfCamera;
     const about = (axis, pixels) => new Quaternion().setFromAxisAngle(axis, turnPerPixel * pixels);
     this.hold.orientation.premultiply(about(axes.up, right)).premultiply(about(axes.right, down));
   }
 
-  /// Moves the hand right, up and away from the camera. Unit: [px] where the hand is.
+  /// Moves the hand right, up and away from the camera. Unit: [px] at the depth of the hand.
   moveBy(right, up, away) {
     const axes = this.view.axesOfCamera;
     const pixel = this.view.pixelAt(this.hold.hand.toArray());

@@ -13,8 +13,7 @@ const rotation = new Quaternion();
 const size = new Vector3();
 const color = new Color();
 
-// The rim of a shell stands out and its middle lets one see through, so that its shape is seen without hiding
-// what it touches.
+// Shells have an opaque rim and a translucent middle, so that they show their shape without hiding what they touch.
 const vertexShader = `
   varying vec3 seenNormal;
   varying vec3 seenPosition;
@@ -41,7 +40,7 @@ const fragmentShader = `
     #include <colorspace_fragment>
   }`;
 
-/// A translucent look. `fill` and `rim` are the opacities of its middle and its edge; `options` are a material's.
+/// Translucent material. `fill` and `rim` are the opacities of its middle and its edge; `options` are a material's.
 export function shellMaterial(colorName, fill, rim, options = {}) {
   const material = new ShaderMaterial({
     vertexShader, fragmentShader, transparent: true, depthWrite: false,
@@ -53,13 +52,13 @@ export function shellMaterial(colorName, fill, rim, options = {}) {
   return material;
 }
 
-/// A solid, lit look. Transparent in name only: it is drawn after the splats, which are transparent.
+/// Opaque, lit material. It is declared transparent to be drawn after the splats, which are transparent.
 export function solidMaterial(options = {}) {
   return new MeshLambertMaterial({ transparent: true, ...options });
 }
 
 export class Ellipsoids extends InstancedMesh {
-  /// `detail` is how often the faces of an icosahedron are divided.
+  /// `detail` is the number of subdivisions of an icosahedron.
   constructor(capacity, material, { order, detail = 4 }) {
     super(new IcosahedronGeometry(1, detail), material, capacity);
     this.instanceMatrix.setUsage(DynamicDrawUsage);
@@ -68,8 +67,8 @@ export class Ellipsoids extends InstancedMesh {
     this.count = 0;
   }
 
-  /// Shows `list` of {position, orientation: [x, y, z, w], semiAxes, color: [r, g, b] as on the screen, if any}.
-  /// Returns whether that is other than before.
+  /// Shows `list` of {position, orientation: [x, y, z, w], semiAxes, color}, where `color` is optional [r, g, b] in
+  /// sRGB. Returns whether anything changed.
   show(list) {
     const count = Math.min(list.length, this.instanceMatrix.count);
     let changed = count !== this.count;
@@ -82,7 +81,7 @@ export class Ellipsoids extends InstancedMesh {
     }
     if (!changed) return false;
     this.instanceMatrix.needsUpdate = true;
-    this.boundingSphere = null; // three.js keeps it for its raycaster
+    this.boundingSphere = null; // cached by three.js for its raycaster
     if (this.instanceColor) this.instanceColor.needsUpdate = true;
     return true;
   }
@@ -92,7 +91,7 @@ export class Ellipsoids extends InstancedMesh {
     return fill(this.instanceColor.array, 3 * i, [r, g, b]);
   }
 
-  /// Where the centre of an instance is drawn, in the space of the mesh.
+  /// Centre of a drawn instance, in the frame of the mesh.
   centre(index) {
     this.getMatrixAt(index, matrix);
     return new Vector3().setFromMatrixPosition(matrix).toArray();

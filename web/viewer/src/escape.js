@@ -1,8 +1,8 @@
-// The Escape key: it cancels what is open or going on, the newest first; where nothing is, it stops the force.
+// The Escape key: cancels the newest open dialog or pending action; if there is none, it stops the force.
 
 const open = [];
 
-/// Has Escape call `cancel` once, before what was there. Returns what takes that back.
+/// Registers `cancel`, which Escape calls once, before those registered earlier. Returns a function to unregister it.
 export function cancelledByEscape(cancel) {
   open.push(cancel);
   return () => {

@@ -1,12 +1,13 @@
-// Where most of a scene is, although captures have Gaussians far away, and haze around.
+// Extent of the main part of a scene. Captures have outlying Gaussians and surrounding haze.
 
-const reach = 0.4; // beyond the inner four fifths of a scene: what is even, or a ball, is not cut
-const cellShare = 1 / 24; // of the width of the inner four fifths
-const [solidShare, leastSolid] = [0.3, 2]; // of what the usual cell holds, from which on one is no haze; and at least
-const farthest = 511; // cells from the middle
+const reach = 0.4; // margin around the inner 80 %, relative to their width: does not cut uniform scenes and balls
+const cellShare = 1 / 24; // size of a cell relative to the width of the inner 80 %
+const [solidShare, leastSolid] = [0.3, 2]; // least content of a solid cell: relative to a typical one, and absolute
+const farthest = 511; // largest distance of a cell from the middle, in cells
 
-/// The box that all but the outermost hundredth of `positions` (x, y, z, x, ...) lie in along each axis, and no farther from the inner
-/// four fifths than `reach` of their width; and what is solid and goes on from there, as a head on a body: {min, max}.
+/// Returns the box {min, max} of `positions` (x, y, z, x, ...) without the outermost 1 % at each end of each axis,
+/// limited to a margin of `reach` around the inner 80 %; extended by solid parts connected to it, such as a head on a
+/// body.
 export function extentOf(positions) {
   const sorted = [0, 1, 2].map((k) => Float32Array.from({ length: positions.length / 3 }, (_, i) => positions[3 * i + k]).sort());
   const at = (share) => sorted.map((values) => values[Math.round(share * (values.length - 1))]);
@@ -17,7 +18,7 @@ export function extentOf(positions) {
   return width > 0 ? withWhatGoesOn(box, cellsOf(positions, middle, cellShare * width)) : box;
 }
 
-// Gaussians by the cell that they are in: of each their number, and the box of their centres.
+// Cells by key: the number of Gaussians of each, and the bounding box of their centres.
 function cellsOf(positions, origin, width) {
   const cells = new Map();
   for (let i = 0; i < positions.length; i += 3) {
@@ -40,7 +41,7 @@ function cellsOf(positions, origin, width) {
 
 const keyOf = (at) => at.reduce((key, c) => key * 2 * (farthest + 1) + c + farthest + 1, 0);
 
-// A box with the solid cells that are connected with those in it.
+// Extends a box by the solid cells connected to those that it overlaps.
 function withWhatGoesOn(box, cells) {
   const solid = Math.max(leastSolid, solidShare * usualCount(cells));
   const meets = ({ min, max }) => min.every((c, k) => c <= box.max[k] && max[k] >= box.min[k]);
@@ -56,13 +57,13 @@ function withWhatGoesOn(box, cells) {
     }
   }
   const outside = [...known].filter((cell) => !meets(cell));
-  return { // of cells on its border the box has what it has
+  return { // cells on the border of the box do not extend it
     min: box.min.map((c, k) => outside.reduce((least, { min }) => Math.min(least, min[k]), c)),
     max: box.max.map((c, k) => outside.reduce((most, { max }) => Math.max(most, max[k]), c)),
   };
 }
 
-// In the cell of the median Gaussian.
+// Number of Gaussians in the cell of the median Gaussian.
 function usualCount(cells) {
   const counts = [...cells.values()].map((cell) => cell.count).sort((a, b) => a - b);
   const all = counts.reduce((sum, count) => sum + count, 0);

@@ -1,10 +1,10 @@
-// Panels: how it feels, and with which tool.
+// Panels: force parameters, and tool.
 
 import { byId, element } from '../../shared/dom.js';
 import { button, choiceField, hint, numberField, vectorField } from './fields.js';
 
-const slackest = 10; // of the slider's stiffness. Unit: [N/m].
-const largestTool = 64 * 1024; // what the program takes. Unit: [bytes].
+const slackest = 10; // lower end of the stiffness slider. Unit: [N/m].
+const largestTool = 64 * 1024; // largest tool file that the program accepts. Unit: [bytes].
 
 export function createFeelPanel(parameters) {
   const set = (name) => (value) => parameters.set({ [name]: value });
@@ -34,10 +34,10 @@ export function createFeelPanel(parameters) {
   });
 }
 
-// No opacity is above 1; and the program may have said that the list of what can be felt is empty.
+// No opacity is above 1; or the program has reported an empty list of Gaussians.
 const isNothingLeft = ({ filter, felt }) => filter.opacity_min >= 1 || felt?.count === 0;
 
-/// `loadTool` takes the text of a tool file.
+/// `loadTool(text, name)` receives a tool file.
 export function createToolPanel(parameters, loadTool) {
   const axes = vectorField({ label: 'Semi-axes', unit: 'mm', names: ['a', 'b', 'c'], scale: 1000, name: 'semi_axes' },
     (semiAxes) => parameters.set({ tool: [{ ...parameters.current.tool[0], semi_axes: semiAxes }] }));

@@ -1,4 +1,4 @@
-// What the program says is felt, as things to look at: tool, proxy, contacts, normals, force and torque.
+// Objects that show the haptic state reported by the program: tool, proxy, contacts, normals, force and torque.
 
 import {
   BufferGeometry, BufferAttribute, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Quaternion, Vector3,
@@ -13,16 +13,16 @@ import { toolSize } from './tool_shape.js';
 
 const mostContacts = 256;
 const mostParts = 256;
-const longestForce = 12; // sizes of the tool, that an arrow of all the device can is long: what is felt is mostly a tenth of that
-const leastLength = 240; // of that arrow: of a small tool in a large scene it is seen, too. Unit: [px].
-const leastThickness = 2.5; // of its shaft. Unit: [px].
-const normalLength = 0.6; // of the longest contact normal that is drawn, in sizes of the tool
-const leastForce = 0.01; // what is shorter is no arrow. Unit: [N].
+const longestForce = 12; // length of the arrow of the device's largest force, in tool sizes; usual ones are 10 % of it
+const leastLength = 240; // least length of that arrow, to be visible for a small tool in a large scene. Unit: [px].
+const leastThickness = 2.5; // least thickness of its shaft. Unit: [px].
+const normalLength = 0.6; // length of the longest contact normal, in tool sizes
+const leastForce = 0.01; // smallest force that is drawn. Unit: [N].
 const [middle, rim] = [0.5, 0.95]; // opacities of the tool
-const staleShare = 0.3; // of them while it is not known where the tool is
-const proxyShare = 0.02; // how far the proxy must be from the tool to be drawn, in sizes of the tool
+const staleShare = 0.3; // factor on them while the tool's position is unknown
+const proxyShare = 0.02; // least distance of the proxy from the tool to be drawn, in tool sizes
 
-// Drawn in this order, all after the splats (0) and what can be felt (1): what touches is seen through the tool.
+// Render order, after the splats (0) and the felt ellipsoids (1): contacts are visible through the tool.
 const order = { hidden: 2, proxy: 3, tool: 4, contacts: 5, normals: 6, torque: 7, force: 8 };
 
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
@@ -30,17 +30,17 @@ const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 export class FeltObjects {
   group = new Group();
   colorBy = 'k_min';
-  size = 0.03; // of the tool. Unit: [m].
-  pixel = 0; // the size of one where the tool is. Unit: [m].
-  forceMax = 10; // of the device. Unit: [N].
-  parts = []; // of the tool: {semi_axes, position, orientation}
+  size = 0.03; // tool size, see toolSize(). Unit: [m].
+  pixel = 0; // size of a pixel at the tool; 0: unknown. Unit: [m].
+  forceMax = 10; // largest force of the device. Unit: [N].
+  parts = []; // parts of the tool: {semi_axes, position, orientation}
 
   constructor() {
-    // They lie exactly on what can be felt, and stand out from it.
+    // Contacts coincide with felt ellipsoids: the offset draws them in front.
     const bright = solidMaterial({ polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
     this.contacts = new Ellipsoids(mostContacts, bright, { order: order.contacts });
     this.tool = new Ellipsoids(mostParts, shellMaterial('--tool', middle, rim), { order: order.tool });
-    // What the felt surface hides of the tool shines through.
+    // Faint copy of the tool, visible where the felt surface hides it.
     const hidden = shellMaterial('--tool', 0.06, 0.3, { depthTest: false });
     this.hidden = new Ellipsoids(mostParts, hidden, { order: order.hidden });
     this.proxy = new Ellipsoids(mostParts, shellMaterial('--proxy', 0, 0.95, { depthTest: false }), { order: order.proxy });
@@ -51,20 +51,20 @@ export class FeltObjects {
     this.group.add(this.contacts, this.others, this.normals, this.hidden, this.proxy, this.tool, this.torque, this.force);
   }
 
-  /// Sizes that follow from the tool and the device.
+  /// Sets the sizes that depend on the tool and the device.
   follow({ tool, device }) {
     this.parts = tool;
     this.size = toolSize(tool);
     this.forceMax = device.force_max || 10;
   }
 
-  /// Of an arrow, as the legend says. Unit: [m/N].
+  /// Length of a force arrow per newton, shown in the legend. Unit: [m/N].
   get forceLength() {
     return niceFloor(Math.max(longestForce * this.size, leastLength * this.pixel) / this.forceMax);
   }
 
-  /// Shows the newest of everything; what is stale keeps its place but claims no force and no contact. Returns whether
-  /// anything is other than before.
+  /// Shows the newest state. A stale tool keeps its place, but without force and contacts. Returns whether anything
+  /// changed.
   update(live, shown) {
     const parts = live.toolParts;
     const fresh = live.isFresh('measured_cp');
@@ -87,7 +87,7 @@ export class FeltObjects {
     const scaled = (v, by) => v.map((c) => c * by);
     const { forceLength } = this;
     const force = this.force.point(at, scaled(wrench.force, shown.force ? forceLength : 0), thickness, leastForce * forceLength);
-    // A torque is as long as the force that makes it with a lever of the tool's size.
+    // A torque has the length of the force that produces it with a lever of the tool size.
     const torqueLength = forceLength / this.size;
     const torque = this.torque.point(at, scaled(wrench.torque, shown.torque ? torqueLength : 0), thickness, leastForce * forceLength);
     return force || torque;
@@ -123,19 +123,19 @@ export class FeltObjects {
     return toggled || other || lines;
   }
 
-  /// How the handle is turned at a pose.
+  /// Orientation of the handle at a pose.
   turnOf({ orientation }) {
     return new Quaternion(...orientation);
   }
 
-  /// Where the centre of the drawn contact with an id is, or null. Unit: [m].
+  /// Centre of the drawn contact with an id, or null. Unit: [m].
   drawnCentre(id) {
     const index = this.contactIds?.indexOf(id) ?? -1;
     return index >= 0 ? this.contacts.centre(index) : null;
   }
 }
 
-// A part of the tool where the handle is at `pose`.
+// World pose of a tool part for the handle at `pose`.
 function placed(part, pose) {
   const [w, x, y, z] = part.orientation;
   const handle = new Quaternion(...pose.orientation);
@@ -154,7 +154,7 @@ function normalLines() {
   return lines;
 }
 
-// Returns whether they are other than before.
+// Sets the ends of lines. Returns whether anything changed.
 function setLines(lines, ends) {
   const { attributes: { position }, drawRange } = lines.geometry;
   const moved = fill(position.array, 0, ends.flat(2));

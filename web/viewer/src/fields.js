@@ -1,4 +1,4 @@
-// The controls of the panels. Each shows what the program says and asks it for what a person wants.
+// Controls of the panels. Each shows the program's value and requests the value that the user enters.
 
 import { element } from '../../shared/dom.js';
 import { formatField } from './format.js';
@@ -13,15 +13,15 @@ function row(label, id, unit, ...controls) {
   return element('div', { className: 'field' }, name, element('div', { className: 'controls' }, ...controls));
 }
 
-// The number that someone has typed, or null after saying what is wrong with it.
+// The typed number; null, with a notice, if it is invalid.
 function typedNumber(input, label) {
   if (input.value !== '' && input.checkValidity()) return Number(input.value);
   notify(`${label}: ${input.validationMessage || 'this must be a number.'}`);
   return null;
 }
 
-/// A number, with a slider if `slide` says how: {min, max, log}. `scale` is how many of the shown unit are one of the
-/// program's. With `onRelease` the slider asks once it is let go. Returns {node, show(value)}.
+/// Number field, with a slider if `slide` is given: {min, max, log}. `scale` is the factor from the program's unit to
+/// the displayed one. With `onRelease` the slider takes effect when released. Returns {node, show(value), limit(most)}.
 export function numberField({ label, unit, scale = 1, min, max, slide, name, onRelease = false }, wanted) {
   const id = newId(label);
   const input = element('input', { attributes: { type: 'number', id, step: 'any', 'data-field': name, inputmode: 'decimal' } });
@@ -31,8 +31,8 @@ export function numberField({ label, unit, scale = 1, min, max, slide, name, onR
   const toShare = (v) => (slide.log ? Math.log(v / slide.min) / Math.log(slide.max / slide.min) : (v - slide.min) / (slide.max - slide.min));
   const fromShare = (s) => (slide.log ? slide.min * (slide.max / slide.min) ** s : slide.min + s * (slide.max - slide.min));
   let current = null;
-  let typing = false; // a field that someone types in keeps what they type
-  let sliding = false; // and a slider stays under the finger
+  let typing = false; // show() must not replace text being typed,
+  let sliding = false; // nor move a slider being dragged
 
   input.addEventListener('input', () => { typing = true; });
   input.addEventListener('blur', () => {
@@ -72,7 +72,7 @@ export function numberField({ label, unit, scale = 1, min, max, slide, name, onR
   };
 }
 
-/// One of a few. Returns {node, show(options, chosen)}.
+/// Selection field. Returns {node, show(options, chosen)}.
 export function choiceField({ label, name }, wanted) {
   const id = newId(label);
   const select = element('select', { attributes: { id, 'data-field': name } });
@@ -102,13 +102,13 @@ export function button(label, pressed, { name } = {}) {
 
 export const setPressed = (node, on) => node.setAttribute('aria-pressed', String(on));
 
-/// Three numbers side by side. Returns {node, show(values)}; `wanted` gets all three.
+/// Three numbers side by side. Returns {node, show(values)}; `wanted` receives all three.
 export function vectorField({ label, unit, names, scale = 1, name }, wanted) {
   const inputs = names.map((axis, k) => element('input', {
     attributes: { type: 'number', step: 'any', 'aria-label': `${label}, ${axis}`, 'data-field': `${name}-${k}`, inputmode: 'decimal' },
   }));
   let current = null;
-  let typing = null; // the input that someone types in
+  let typing = null; // the input being typed in
   const change = () => {
     typing = null;
     const typed = inputs.map((input, k) => typedNumber(input, `${label}, ${names[k]}`));

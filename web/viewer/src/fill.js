@@ -1,6 +1,6 @@
-// What the graphics card is to have, and whether that is anything new: what stands still is not drawn again.
+// Updates of graphics data that report changes, so that nothing is redrawn without one.
 
-/// Puts numbers into a Float32Array from an index on. Returns whether that has changed it.
+/// Writes numbers to a Float32Array from index `at`. Returns whether it changed.
 export function fill(array, at, values) {
   let changed = false;
   for (let k = 0; k < values.length; ++k) {
@@ -11,7 +11,7 @@ export function fill(array, at, values) {
   return changed;
 }
 
-/// Returns whether it has not been so before.
+/// Shows or hides an object. Returns whether that changed.
 export function setVisible(object, on) {
   const changed = object.visible !== on;
   object.visible = on;

@@ -1,5 +1,5 @@
-// The first size of a scene that does not say how large it is: one at which the tool in it is as large as in a hand. It is
-// asked for once a scene, taken, said, and changed with one slider.
+// Initial size of a scene of unknown scale: one at which the tool has its usual size in a hand. It is requested once
+// per scene, applied, reported, and can be changed with a slider.
 
 import { Vector3 } from 'three';
 
@@ -7,16 +7,16 @@ import { byId, element } from '../../shared/dom.js';
 import { button, hint, numberField } from './fields.js';
 import { formatLength } from './format.js';
 
-const range = 30; // times smaller and larger than the proposal, that the slider reaches
-const mostTries = 4; // where a connection is lost before the answer comes
-const same = 1.05; // a proposal that is nearer to what is there changes nothing
+const range = 30; // factor that the slider reaches below and above the proposal
+const mostTries = 4; // largest number of requests, if the connection is lost before the answer
+const same = 1.05; // ratio to the current scale below which a proposal is not applied
 
-/// `propose` promises a setup as JSON, or null; `onSized` is called once a new size is there.
+/// `propose` resolves to a setup as JSON, or null; `onSized` is called once a new size is applied.
 export class FirstSize {
-  #asked = null; // the scene, as it is called, that has been asked about
-  #unanswered = 0; // times that it has been asked in vain
-  #proposal = null; // {scale, was}
-  #shown = 0; // the scale that the view is framed for
+  #asked = null; // name of the scene of the last request
+  #unanswered = 0; // number of requests without an answer
+  #proposal = null; // {scale, was, turned}
+  #shown = 0; // scale for which the view is framed
 
   constructor({ parameters, splats, propose, onSized }) {
     Object.assign(this, { parameters, splats, propose, onSized });
@@ -30,14 +30,14 @@ export class FirstSize {
     byId('size').append(element('div', { className: 'size-text' }, this.said, close), this.scale.node, element('div', { className: 'buttons' }, back));
   }
 
-  /// To be called once a scene is there.
+  /// Call once a scene is loaded.
   async begin() {
     const { scene, registration, demo } = this.parameters.current;
     byId('size').hidden = true;
     this.#proposal = null;
     this.#shown = registration.scale;
     const name = JSON.stringify(scene);
-    // A device in a hand has its own idea of where it is: there nothing moves by itself.
+    // With a real device (no demo), the scene must not move by itself.
     if (!registration.assumed?.includes('scale') || demo === undefined || this.#asked === name) return;
     this.#asked = name;
     const text = await this.propose();
@@ -45,7 +45,7 @@ export class FirstSize {
     this.#unanswered = text === null ? this.#unanswered + 1 : 0;
     if (text === null || JSON.stringify(this.parameters.current.scene) !== name) return;
     const { scale, frame } = JSON.parse(text);
-    if (!this.parameters.current.registration.assumed?.includes('scale')) return; // somebody has said it meanwhile
+    if (!this.parameters.current.registration.assumed?.includes('scale')) return; // set by a user meanwhile
     this.#take(scale.value ?? registration.scale, registration, frame.value);
   }
 
@@ -63,7 +63,7 @@ export class FirstSize {
     this.parameters.set({ registration: { scale } });
   }
 
-  /// To be called once the scene is where the parameters say.
+  /// Call once the scene is placed as in the parameters.
   follow({ registration, busy }) {
     if (this.#unanswered > 0 && this.#unanswered < mostTries) this.begin();
     if (!this.#proposal) return;

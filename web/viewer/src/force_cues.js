@@ -1,4 +1,4 @@
-// The force told otherwise than by motors: vibrations of controllers, and sound.
+// Substitutes for force feedback: vibration of controllers, and sound.
 
 import { byId } from '../../shared/dom.js';
 import { Haptics, play, slidingSpeed } from './haptics.js';
@@ -18,7 +18,7 @@ export class ForceCues {
     byId('sound').setAttribute('aria-pressed', String(this.sound.on));
   }
 
-  /// To be called before every frame.
+  /// Call before every frame.
   update() {
     const { live, hold } = this;
     const force = {

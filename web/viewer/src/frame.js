@@ -1,22 +1,22 @@
-// How far a camera stands off so that it has something in the middle of its view, and something else in view beside it.
+// Distance of a camera that centres some points in its view and keeps others visible.
 
-const steps = 40; // of bisection
-const farthest = 1e9; // of all distances that are tried
+const steps = 40; // number of bisections
+const farthest = 1e9; // largest distance that is tried
 
-/// Corners are [right, up, forward] of a camera that stands `distance` behind the origin. It sees what lies within `low` and `high`
-/// times, to both sides `side` times, how far ahead it is.
+/// Points are [right, up, forward] in the axes of a camera at `distance` behind the origin. At depth d it sees the
+/// range `low` d to `high` d vertically, and -`side` d to `side` d horizontally.
 export class Frame {
   constructor({ low, high, side, inside, beside = [] }) {
     Object.assign(this, { low, high, side, inside, beside });
   }
 
-  /// Where the camera stands so that what is inside has as much room on all sides: {right, up}.
+  /// Position {right, up} of the camera that centres the points `inside` in the view.
   middleAt(distance) {
     const [right, up] = this.#rooms(this.inside, distance).map(([least, most]) => 0.5 * (least + most));
     return { right, up };
   }
 
-  /// From where on all is seen.
+  /// Least distance at which all points are visible.
   leastDistance() {
     let near = Math.max(...this.inside.map(([, , forward]) => -forward));
     let far = Math.max(1, 2 * near) + 1e-3;
@@ -36,7 +36,7 @@ export class Frame {
     return this.#rooms(this.beside, distance).every(([least, most], k) => least <= [right, up][k] && [right, up][k] <= most);
   }
 
-  // Between where and where the camera stands, to the right and upward, to see some corners: [least, most] each.
+  // Ranges of camera positions, right and up, from which all `corners` are visible: [least, most] each.
   #rooms(corners, distance) {
     const between = (axis, from, to) => [
       Math.max(...corners.map((c) => c[axis] - to * (distance + c[2]))), Math.min(...corners.map((c) => c[axis] - from * (distance + c[2])))];

@@ -1,6 +1,6 @@
-// How long frames take: mean and longest of the last second.
+// Frame times: mean and longest of the last second.
 
-const window = 1; // Unit: [s].
+const window = 1; // averaging window. Unit: [s].
 
 export class FrameTimes {
   mean = 0; // Unit: [s].
@@ -10,7 +10,7 @@ export class FrameTimes {
   #count = 0;
   #worst = 0;
 
-  /// To be called once a frame. Unit: [s].
+  /// Call once per frame. Unit: [s].
   add(now) {
     if (this.#last !== null) {
       this.#worst = Math.max(this.#worst, now - this.#last);

@@ -1,18 +1,18 @@
-// What a vibration can say of a force: that contact began, how strong it is, and that the tool slides.
+// Vibration cues of a force: onset of contact, magnitude, and sliding.
 //
-// A motor cannot push. Equal ratios of force are about equally far apart to a hand (Weber), so the strength
-// grows with the logarithm of the force; above the least force that is told at all it never says nothing.
+// A vibration motor cannot render a force. Equal ratios of force are perceived as about equal steps (Weber), so the
+// strength grows with the logarithm of the force; above the smallest rendered force it is never zero.
 
-const leastForce = 0.05; // below, nothing is told. Unit: [N].
-const ratioForce = 0.1; // above, equal ratios are equal steps. Unit: [N].
-const floor = 0.12; // below, motors do not start; a share of the strongest
-const click = { duration: 25, floor: 0.6 }; // when contact begins. Unit: [ms].
-const hum = 40; // a pulse outlasts a frame, so that it is felt as one. Unit: [ms].
-const grain = 0.003; // of the way that the tool slides between two grains. Unit: [m].
-const grainShare = 0.3; // by which a grain is stronger
-const kept = 400; // pulses that are remembered for a look at them
+const leastForce = 0.05; // smallest rendered force. Unit: [N].
+const ratioForce = 0.1; // force above which the strength is logarithmic. Unit: [N].
+const floor = 0.12; // least strength at which motors start, as a fraction of the strongest
+const click = { duration: 25, floor: 0.6 }; // pulse at the onset of contact. Unit: [ms].
+const hum = 40; // duration of a pulse: longer than a frame, so that pulses are felt as one. Unit: [ms].
+const grain = 0.003; // sliding distance between two grains. Unit: [m].
+const grainShare = 0.3; // additional strength of a grain
+const kept = 400; // number of pulses kept for inspection
 
-/// How strong a vibration tells a force, from 0 to 1: monotone in `force`, 1 at `forceMax` and above.
+/// Strength of the vibration for a force, from 0 to 1: monotonic in `force`, 1 at `forceMax` and above.
 export function intensity(force, forceMax) {
   if (force < leastForce) return 0;
   const share = Math.log1p(force / ratioForce) / Math.log1p(forceMax / ratioForce);
@@ -22,11 +22,11 @@ export function intensity(force, forceMax) {
 export class Haptics {
   pulses = [];
   #touching = false;
-  #quietUntil = 0; // a hum must not end the click
-  #way = 0; // slid since the last grain. Unit: [m].
+  #quietUntil = 0; // no hum before, as it would end the click
+  #way = 0; // sliding distance since the last grain. Unit: [m].
   #last = 0;
 
-  /// The pulse that is due at `now` in ms, as {t, intensity, duration, force, kind}, or null.
+  /// Pulse due at `now` in ms: {t, intensity, duration, force, kind}, or null.
   update({ force, forceMax, slidingSpeed, now }) {
     const seconds = Math.min((now - this.#last) / 1000, 0.1);
     this.#last = now;
@@ -54,7 +54,7 @@ export class Haptics {
   }
 }
 
-/// The speed of the tool across the force: how fast it slides. Unit: [m/s].
+/// Sliding speed: the tool's velocity component perpendicular to the force. Unit: [m/s].
 export function slidingSpeed(velocity, force) {
   if (!velocity || !force) return 0;
   const [magnitude, speed] = [Math.hypot(...force), Math.hypot(...velocity)];
@@ -63,10 +63,10 @@ export function slidingSpeed(velocity, force) {
   return Math.sqrt(Math.max(speed * speed - along * along, 0));
 }
 
-/// Plays a pulse on a gamepad: a headset's controller or one on the desk.
+/// Plays a pulse on a gamepad or a headset's controller.
 export function play(gamepad, { intensity: strength, duration }) {
   const motor = gamepad.hapticActuators?.[0];
   const played = motor?.pulse ? motor.pulse(strength, duration)
     : gamepad.vibrationActuator?.playEffect?.('dual-rumble', { duration, strongMagnitude: strength, weakMagnitude: strength });
-  played?.catch?.(() => {}); // one pulse less
+  played?.catch?.(() => {}); // a lost pulse is harmless
 }

@@ -1,8 +1,8 @@
-// WebXR: the scene in a headset or in the camera's picture, and the tool in a controller or a hand.
+// WebXR: the scene in a headset (VR) or in the camera's image (AR), with the tool in a controller or a tracked hand.
 //
-// Trigger or pinch: the tool is at the grip while it is pressed; with the other hand, squeeze or pinch grabs the world, and
-// both hands turn and scale it. Stick to the side: turns by 30 degrees; ahead: teleports. A or X: emergency stop, which never
-// resumes: that is a button on the panel at the left hand. B or Y: leave.
+// Trigger or pinch: the tool follows the grip while it is pressed. Squeeze, or pinch with the other hand: grabs the
+// world; both hands together rotate and scale it. Stick sideways: turns by 30 degrees; forward: teleports. A or X:
+// emergency stop, which never resumes; a button on the panel at the left hand does. B or Y: leave.
 
 import { Vector3 } from 'three';
 
@@ -17,8 +17,8 @@ import { Surroundings } from './vr_surroundings.js';
 import { Teleport } from './vr_teleport.js';
 
 const snap = Math.PI / 6;
-const button = { stop: 4, leave: 5 }; // of the mapping xr-standard
-const longestFrame = 0.1; // Unit: [s].
+const button = { stop: 4, leave: 5 }; // indices in the xr-standard mapping
+const longestFrame = 0.1; // largest time step, after a stall. Unit: [s].
 
 export const sessionModes = ['immersive-vr', 'immersive-ar'];
 
@@ -34,8 +34,8 @@ export class Headset {
   signs = new EyeSigns();
   surroundings = new Surroundings();
   teleport = new Teleport();
-  #holding = null; // the hand with the tool
-  #aiming = null; // the hand that aims at a place to go to
+  #holding = null; // hand that holds the tool
+  #aiming = null; // hand that aims a teleport
   #last = 0;
 
   /// `parts` are {view, room, hold, splats, felt, live, actions, statusBar, parameters}.
@@ -49,7 +49,7 @@ export class Headset {
     this.view.add(this.surroundings.group, this.teleport.group);
     this.hands = [0, 1].map((i) => new HeadsetHand(xr.getController(i), xr.getControllerGrip(i), xr.getHand(i)));
     for (const hand of this.hands) this.#attach(hand);
-    // A finger on a button of the page does not hold the tool as well.
+    // A touch on a control of the page must not take the tool as well.
     document.addEventListener('beforexrselect', (event) => {
       if (event.target.closest?.('.bar, .stop, .panels, .notices')) event.preventDefault();
     });
@@ -100,7 +100,7 @@ export class Headset {
     try {
       await this.view.renderer.xr.setSession(session);
     } catch (error) {
-      await session.end(); // nobody would see anything in it
+      await session.end(); // otherwise the session would stay open without an image
       throw error;
     }
     this.view.renderer.xr.setFoveation(1);
@@ -138,20 +138,20 @@ export class Headset {
     this.room.xrFromWorld.decompose(world.position, world.quaternion, world.scale);
   }
 
-  // A jump of the world, which is dark for a moment.
+  // After a jump of the world: fades in, and stores the new room.
   #jumped() {
     this.signs.fade();
     this.actions.setRoom(this.room.json);
   }
 
-  /// Puts the scene where it was put first.
+  /// Returns the scene to its initial placement.
   recentre() {
     this.room.set({ scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0] });
     this.room.placeFirst(this.splats.box);
     this.#jumped();
   }
 
-  // A button that it points at, the tool, or, while the other hand has that, the world.
+  // Presses the button pointed at, takes the tool, or, if the other hand holds the tool, grabs the world.
   #take(hand) {
     const pointed = this.#pointedAt(hand);
     if (pointed) pointed.press();
@@ -175,12 +175,12 @@ export class Headset {
 
   #grab(hand, on) {
     hand.squeezing = on ? this.room.toWorld(hand.pose.position) : null;
-    // What the others hold begins anew, too: two hands mean another thing than one.
+    // The other hand's grab is restarted too: one hand moves the world, two also rotate and scale it.
     for (const other of this.hands) if (other.squeezing) other.squeezing = this.room.toWorld(other.pose.position);
     if (!on) this.actions.setRoom(this.room.json);
   }
 
-  /// To be called before every frame. Unit of `now`: [s].
+  /// Call before every frame. Unit of `now`: [s].
   update(now) {
     if (!this.session) return;
     const seconds = Math.min(now - this.#last, longestFrame);
@@ -211,7 +211,7 @@ export class Headset {
     this.signs.update({ tool, stop: this.statusBar.stop, seconds });
   }
 
-  /// Plays a pulse in the hand that holds the tool.
+  /// Plays a pulse on the controller that holds the tool.
   pulse(pulse) {
     const gamepad = this.#holding?.gamepad;
     if (gamepad) play(gamepad, pulse);
@@ -229,7 +229,7 @@ export class Headset {
     this.#aim(hand, ahead);
   }
 
-  // While the stick is ahead it aims; once it comes back the person is there.
+  // Aims while the stick is forward; teleports once it is released.
   #aim(hand, ahead) {
     if (ahead) {
       this.#aiming = hand;

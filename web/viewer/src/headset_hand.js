@@ -1,16 +1,16 @@
-// A hand in a headset: its input source, where it is, and what it has pressed.
+// A hand in a headset: its input source, pose and buttons.
 
 import { Quaternion, Vector3 } from 'three';
 
-const pointingReach = 0.4; // where a screen's touch holds the tool: this far ahead. Unit: [m].
+const pointingReach = 0.4; // distance of the tool ahead of a touch on a screen. Unit: [m].
 const holdingTip = 'index-finger-tip';
-const stickOn = 0.7; // beyond, a stick means something; it must come back below stickOff before the next
+const stickOn = 0.7; // deflection that triggers; it must return below stickOff before the next trigger
 const stickOff = 0.3;
 
 export class HeadsetHand {
   source = null;
-  controller = null; // as it is drawn
-  squeezing = null; // the point of the world that it holds
+  controller = null; // drawn object, if any
+  squeezing = null; // grabbed point of the world, or null
   #pressed = new Set();
   #stickUsed = false;
 
@@ -26,13 +26,13 @@ export class HeadsetHand {
     return Boolean(this.source?.hand);
   }
 
-  /// What moves and turns with it: of a tracked hand three.js follows the joints, not the grip. Null before it knows them.
+  /// Object that follows the hand: for a tracked hand the wrist joint, null until three.js has it; else the grip.
   get anchor() {
     return this.isTracked ? this.joints.joints.wrist ?? null : this.grip;
   }
 
-  /// Where it is, in WebXR's space. A tracked hand holds with the tip of a finger; a finger on a screen has no grip: it holds
-  /// what it points at.
+  /// Pose in WebXR's space. A tracked hand holds the tool with the tip of a finger; a touch on a screen has no grip and
+  /// holds it at a distance along its ray.
   get pose() {
     const held = Boolean(this.source?.gripSpace) || this.isTracked;
     const from = (held && this.anchor) || this.ray;
@@ -45,14 +45,14 @@ export class HeadsetHand {
     return { position, orientation };
   }
 
-  /// Where it points from, and the direction, in WebXR's space.
+  /// Origin and direction of its pointing ray, in WebXR's space.
   get pointing() {
     this.ray.updateWorldMatrix(true, false);
     const origin = new Vector3().setFromMatrixPosition(this.ray.matrixWorld);
     return { origin, direction: new Vector3(0, 0, -1).transformDirection(this.ray.matrixWorld) };
   }
 
-  /// Whether a button has been pressed since the last call.
+  /// Returns whether a button has been pressed since the last call.
   pressedNow(index) {
     const [is, was] = [Boolean(this.gamepad?.buttons[index]?.pressed), this.#pressed.has(index)];
     if (is) this.#pressed.add(index);
@@ -60,7 +60,7 @@ export class HeadsetHand {
     return is && !was;
   }
 
-  /// {turn: -1, 0 or 1, once per push to the side; ahead: while it is pushed ahead}.
+  /// Returns {turn, ahead}: `turn` is -1 or 1 once per sideways push, else 0; `ahead` is true while pushed forward.
   readStick() {
     const [aside, along] = [this.gamepad?.axes[2] ?? 0, this.gamepad?.axes[3] ?? 0];
     const ahead = along < -stickOn && Math.abs(aside) < stickOn;

@@ -1,11 +1,11 @@
-// The hand that a person lends: where it is is published while the tool is held, and stops when it is let go.
+// The user's hand: its pose is published while it holds the tool.
 
 import { Quaternion, Vector3 } from 'three';
 
-const refusalShown = 1500; // after the last refusal. Unit: [ms].
+const refusalShown = 1500; // duration of the display after a refusal. Unit: [ms].
 
 export class Hold {
-  hand = new Vector3(); // in the world. Unit: [m].
+  hand = new Vector3(); // position in the world. Unit: [m].
   orientation = new Quaternion();
   #by = new Set(); // 'pointer', 'keys', 'headset', 'approach'
   #seq = 0;
@@ -17,7 +17,7 @@ export class Hold {
     this.connection = connection;
     this.live = live;
     connection.onChange((connected) => { if (!connected) this.endAll(); });
-    // A hand that nobody sees must not lean on anything.
+    // A hidden page must not keep pressing on a surface.
     window.addEventListener('blur', () => this.endAll());
     document.addEventListener('visibilitychange', () => { if (document.hidden) this.endAll(); });
   }
@@ -34,12 +34,12 @@ export class Hold {
     return this.#by.has(by);
   }
 
-  /// Whether more than one holds it.
+  /// Whether several input methods hold the tool.
   get isShared() {
     return this.#by.size > 1;
   }
 
-  /// Takes the tool where it is. False if it is not known where that is.
+  /// Takes the tool at its current pose. Returns false if that is unknown.
   begin(by) {
     if (!this.live.isFresh('measured_cp')) return false;
     if (!this.active) {
@@ -53,7 +53,7 @@ export class Hold {
 
   end(by) {
     if (!this.holds(by)) return;
-    this.publish(); // it stays where the hand is now
+    this.publish(); // the tool stays at the last pose
     this.#by.delete(by);
     this.#endedAt = performance.now();
     this.#tell();
@@ -70,12 +70,12 @@ export class Hold {
     for (const listener of this.#listeners) listener();
   }
 
-  /// The program has said that someone else holds the tool.
+  /// Called when the program has reported that someone else holds the tool.
   refused() {
     this.#refusedAt = performance.now();
   }
 
-  /// The program takes a hand that is silent for one that is still there for a second.
+  /// Whether the hand was released recently: the program still counts a silent hand as present for a second.
   get justLetGo() {
     return performance.now() - this.#endedAt < refusalShown;
   }
@@ -84,7 +84,7 @@ export class Hold {
     return performance.now() - this.#refusedAt < refusalShown;
   }
 
-  /// To be called before every frame.
+  /// Call before every frame.
   publish() {
     if (!this.active) return;
     const now = Date.now();

@@ -1,10 +1,10 @@
-// Panel: what can be taken along: a recording, and a configuration that starts the next run as things are now.
+// Panel: recordings, and download of a configuration file with the current settings.
 
 import { byId, element } from '../../shared/dom.js';
 import { recordingUrl } from './address.js';
 import { button, hint, setPressed } from './fields.js';
 
-const longEnough = 10000; // for a browser to take a file that is offered. Unit: [ms].
+const longEnough = 10000; // time for the browser to read an offered file. Unit: [ms].
 
 function download(text, name) {
   const url = URL.createObjectURL(new Blob([text], { type: 'application/toml' }));

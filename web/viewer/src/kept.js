@@ -1,14 +1,14 @@
-// What the hand can feel: the Gaussians that the program has kept, as ellipsoids. In the frame of the capture.
+// The Gaussians that the program's filter has kept, as the ellipsoids that can be felt. In the frame of the capture.
 
 import { extentOf } from './extent.js';
 import { RayBlocks } from './ray_blocks.js';
 
-const stride = 11; // of a Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
-const boxSample = 50000; // Gaussians that say where the others are
-const cutoff = 3; // a ray that passes farther from a centre does not see it. Unit: [standard deviations].
-const leastThickness = 1e-3; // of a Gaussian, as a share of its longest axis: some have none
-const rounding = 1.0001; // of single precision, that a box of what is seen has room for
-const leastSeen = 0.2; // opacity along a ray below which nothing is seen there
+const stride = 11; // numbers per Gaussian: centre, standard deviations, rotation as x, y, z, w, opacity
+const boxSample = 50000; // number of Gaussians sampled for the box
+const cutoff = 3; // distance from the centre beyond which a ray does not see a Gaussian. Unit: [standard deviations].
+const leastThickness = 1e-3; // least axis of a Gaussian relative to its longest: some are flat
+const rounding = 1.0001; // factor on visible radii, against rounding in single precision
+const leastSeen = 0.2; // least opacity of a visible surface along a ray
 
 /// Reads a SplatMesh once.
 export function readGaussians(mesh) {
@@ -24,9 +24,9 @@ export function readGaussians(mesh) {
 
 export class Kept {
   #data;
-  #rows = new Uint32Array(0); // of the kept ones
-  #isKept; // by row
-  #semiAxes; // of the ellipsoids, by row
+  #rows = new Uint32Array(0); // rows of the kept Gaussians
+  #isKept; // 1 for kept Gaussians, by row
+  #semiAxes; // semi-axes of the ellipsoids, by row
   #box = null;
   #blocks;
 
@@ -41,8 +41,7 @@ export class Kept {
     return this.#rows.length;
   }
 
-  /// `list` is an ArrayBuffer as the program gives it: of each Gaussian its row (uint32) and its three semi-axes
-  /// (float32).
+  /// Sets the kept Gaussians. `list` is an ArrayBuffer: row (uint32) and three semi-axes (float32) of each.
   keep(list) {
     const [rows, values] = [new Uint32Array(list), new Float32Array(list)];
     const known = this.#data.length / stride;
@@ -58,7 +57,7 @@ export class Kept {
     return { row, position: d.slice(0, 3), semiAxes: this.#semiAxes.slice(3 * row, 3 * row + 3), orientation: d.slice(6, 10) };
   }
 
-  /// The rows of the `most` kept Gaussians whose centres are nearest to a point.
+  /// Rows of the `most` kept Gaussians whose centres are nearest to a point.
   nearest([x, y, z], most) {
     if (this.count <= most) return this.#rows;
     const data = this.#data;
@@ -70,7 +69,7 @@ export class Kept {
     return firstOf(this.#rows, squares, most);
   }
 
-  /// The box that most of the kept centres lie in (extentOf()): {min, max}, or null if there are none.
+  /// Box of most of the kept centres, see extentOf(): {min, max}; null if there are none.
   get box() {
     return this.#box;
   }
@@ -82,13 +81,13 @@ export class Kept {
     return extentOf(Float32Array.from({ length: 3 * some.length }, (_, i) => this.#data[stride * some[Math.floor(i / 3)] + (i % 3)]));
   }
 
-  /// Where half of what is seen along a ray lies before, and half behind: {distance in units of `direction`, felt, opacity},
-  /// or null where nothing is seen. `felt` says whether what is seen up to there is mostly kept, `opacity` how much is seen.
+  /// Visible surface along a ray, at half of its opacity: {distance in units of `direction`, felt, opacity}, or null.
+  /// `felt` is true if most of the opacity up to there is of kept Gaussians; `opacity` is that of the whole ray.
   hit(origin, direction) {
     return this.#half(this.#along(origin, direction));
   }
 
-  /// The same of the kept ones alone, as if there were no others.
+  /// The same for the kept Gaussians only.
   hitKept(origin, direction) {
     return this.#half(this.#along(origin, direction).filter(({ row }) => this.#isKept[row]));
   }
@@ -109,13 +108,13 @@ export class Kept {
     return null;
   }
 
-  /// How much is seen along a ray before a distance, in units of `direction`: an opacity.
+  /// Opacity along a ray up to a distance, in units of `direction`.
   opacityBefore(origin, direction, distance) {
     const left = this.#along(origin, direction).reduce((share, one) => (one.distance < distance ? share * (1 - one.alpha) : share), 1);
     return 1 - left;
   }
 
-  /// Where the kept ellipsoids of `rows` are nearest to a point: {point, distance}, or null. Boxes stand in for them.
+  /// Nearest point of the ellipsoids of `rows`, approximated by their boxes: {point, distance}, or null.
   closest(rows, position) {
     let [nearest, least] = [null, Infinity];
     for (const row of rows) {
@@ -131,20 +130,20 @@ export class Kept {
     return nearest;
   }
 
-  // What a ray passes: {row, distance, alpha}, from the front to the back.
+  // Gaussians along a ray, front to back: {row, distance, alpha}.
   #along(origin, direction) {
     const met = [];
     this.#blocks.visit(origin, direction, (row) => this.#meet(row, origin, direction, met));
     return met.sort((a, b) => a.distance - b.distance);
   }
 
-  // How far from its centre a Gaussian is seen.
+  // Visible radius of a Gaussian.
   #reach(row) {
     const at = stride * row;
     return cutoff * Math.max(this.#data[at + 3], this.#data[at + 4], this.#data[at + 5]);
   }
 
-  // In the frame where the Gaussian is round: where |o + t d| is least, if that is small.
+  // Computed in the frame where the Gaussian is isotropic: the t for which |o + t u| is least.
   #meet(row, origin, direction, met) {
     const at = stride * row;
     const d = this.#data;
@@ -156,20 +155,21 @@ export class Kept {
     const round = (v) => rotate(inverse, v).map((c, k) => c / Math.max(d[at + 3 + k], (leastThickness * reach) / cutoff));
     const [o, u] = [round(offset), round(direction)];
     const distance = -dot(o, u) / dot(u, u);
-    const nearest = o.map((c, k) => c + distance * u[k]); // the difference of squares would be anything for a thin one
+    const nearest = o.map((c, k) => c + distance * u[k]); // a difference of squares would cancel for a thin one
     const least = dot(nearest, nearest);
     if (distance >= 0 && least < cutoff * cutoff) met.push({ row, distance, alpha: d[at + 10] * Math.exp(-0.5 * least) });
   }
 }
 
-// `most` of `rows` with the least `keys`, which are positive; those within a hundredth of the last are in no order.
-// Sorting millions would hold up the page: the upper bits of a positive float, which grow with it, are counted.
+// The `most` of `rows` with the smallest `keys`, which are positive; keys within 1 % of the last one are not
+// distinguished. Counts the upper bits of the floats, which are monotonic for positive ones: sorting millions would
+// block the page.
 function firstOf(rows, keys, most) {
   const bits = new Uint32Array(keys.buffer);
   const counts = new Uint32Array(1 << 16);
   for (const b of bits) ++counts[b >>> 16];
   let last = 0;
-  let left = most; // for what has the upper bits `last`
+  let left = most; // remaining count of rows with the upper bits `last`
   for (; counts[last] < left; ++last) left -= counts[last];
   return rows.filter((_, i) => bits[i] >>> 16 < last || (bits[i] >>> 16 === last && left-- > 0));
 }
@@ -177,7 +177,7 @@ function firstOf(rows, keys, most) {
 const conjugate = ([x, y, z, w]) => [-x, -y, -z, w];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-// v turned by a unit quaternion: v + 2 q x (q x v + w v).
+// v rotated by a unit quaternion: v + 2 q x (q x v + w v).
 function rotate([x, y, z, w], v) {
   const t = [y * v[2] - z * v[1] + w * v[0], z * v[0] - x * v[2] + w * v[1], x * v[1] - y * v[0] + w * v[2]];
   return [

@@ -1,13 +1,13 @@
-// The tool in the hand by keyboard and gamepad, while the button `Hold` is on: arrows and Page Up and Down move it; A, D, W, S, Q
-// and E turn it.
+// Holding the tool by keyboard and gamepad, while the button `Hold` is on: arrows, Page Up and Page Down move it; A, D,
+// W, S, Q and E rotate it.
 
 import { Quaternion, Vector3 } from 'three';
 
-const speed = 2; // in sizes of the tool a second
-const slow = 0.25; // of that, with Shift
+const speed = 2; // in tool sizes per second
+const slow = 0.25; // factor on it with Shift
 const turnSpeed = 1.2; // Unit: [rad/s].
 const deadZone = 0.12; // of a stick
-const longestFrame = 0.1; // a page that stood still does not leap. Unit: [s].
+const longestFrame = 0.1; // largest time step, so that a stalled page does not leap. Unit: [s].
 const moves = { // right, up, away
   ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowDown: [0, -1, 0], ArrowUp: [0, 1, 0],
   PageDown: [0, 0, -1], PageUp: [0, 0, 1],
@@ -42,7 +42,7 @@ export class Keys {
     window.addEventListener('blur', () => this.#down.clear());
   }
 
-  /// To be called before every frame.
+  /// Call before every frame.
   update(now) {
     const seconds = Math.min(now - this.#last, longestFrame);
     this.#last = now;
@@ -57,7 +57,7 @@ export class Keys {
     this.#turn([right, up, forward], turnSpeed * seconds * (this.slowly ? slow : 1));
   }
 
-  // What the keys that are down ask for.
+  // Sum of the table's entries of all pressed keys.
   #sum(table) {
     return [0, 1, 2].map((k) => [...this.#down].reduce((sum, key) => sum + (table[key]?.[k] ?? 0), 0));
   }
@@ -68,7 +68,7 @@ export class Keys {
     });
   }
 
-  // Left stick: along the screen. Right stick: in depth, and a turn about the vertical.
+  // Left stick: motion in the plane of the screen. Right stick: motion in depth, and rotation about the vertical.
   #addSticks({ axes }, wanted, seconds) {
     wanted[0] += live(axes[0] ?? 0);
     wanted[1] -= live(axes[1] ?? 0);

@@ -1,9 +1,9 @@
-// The list of what mouse, touch and keys do.
+// Dialog that lists the functions of mouse, touch and keys.
 
 import { byId } from '../../shared/dom.js';
 import { cancelledByEscape } from './escape.js';
 
-/// Returns what opens it.
+/// Returns a function that opens the dialog.
 export function createKeysDialog() {
   const dialog = byId('keys');
   let forget = () => {};
@@ -15,7 +15,7 @@ export function createKeysDialog() {
   dialog.addEventListener('close', () => forget());
   byId('show-keys').addEventListener('click', open);
   byId('keys-close').addEventListener('click', () => {
-    forget(); // at once: the next Escape stops
+    forget(); // not only on the close event: the next Escape must stop the force
     dialog.close();
   });
   return open;

@@ -1,11 +1,11 @@
-// How long a length and a force are drawn, and what the colours of contacts mean.
+// Legend: scale bars of length and force, and the colours of contacts.
 
 import { byId, element, svg } from '../../shared/dom.js';
 import { niceFloor } from '../../shared/format.js';
 import { formatFixed, formatLength } from './format.js';
 import { rampColors } from './ramp.js';
 
-const longest = 110; // of a bar. Unit: [px].
+const longest = 110; // largest length of a bar. Unit: [px].
 
 function bar(className) {
   const line = svg('svg', { class: `scale-bar ${className}` }, svg('path'));
@@ -26,7 +26,7 @@ function handRow({ name, color, force }) {
   return element('div', { className: 'scale-row' }, swatch, element('span', { text: `${name || 'first hand'} ${formatFixed(force, 1)} N` }));
 }
 
-// A gradient in an SVG needs no inline style, which the page's policy forbids.
+// SVG gradient: the page's policy forbids the inline style of a CSS gradient.
 function rampBar() {
   const stops = rampColors.map((color, i) => svg('stop', { offset: i / (rampColors.length - 1), 'stop-color': color }));
   return svg('svg', { class: 'ramp', viewBox: '0 0 24 1', preserveAspectRatio: 'none' },
@@ -44,7 +44,7 @@ export class Legend {
     byId('legend').append(this.length.node, this.force.node, element('div', { className: 'scale-row' }, this.from, rampBar(), this.to), this.hands);
   }
 
-  /// A line for each of the other hands: its colour, its name, and how large the force is that it is sent.
+  /// Shows a line per other hand: its colour, name and force.
   showHands(others) {
     const key = JSON.stringify(others.map(({ name, force }) => [name, formatFixed(force, 1)]));
     if (key === this.shownHands) return;

@@ -1,14 +1,14 @@
-// What the loop says while it runs: the newest message of every topic, and when it came.
+// State of the loop: the newest message of every topic, and its time of reception.
 
 import { isNumber } from '../../shared/format.js';
 import { ownHand } from './address.js';
 
-export const staleAfter = 500; // Unit: [ms].
-const added = 0; // visualization_msgs/Marker: ADD, DELETE, DELETEALL
+export const staleAfter = 500; // age at which a message is stale. Unit: [ms].
+const added = 0; // actions of visualization_msgs/Marker: ADD, DELETE, DELETEALL
 const deleted = 2;
 const deletedAll = 3;
-const metresPerNewton = 0.02; // of the arrows of hands
-const ownRate = 10; // least time between two wrenches; who holds the tool would get one a tick. Unit: [ms].
+const metresPerNewton = 0.02; // scale of the force arrows in the topic `hands`
+const ownRate = 10; // least interval of wrenches: the client that holds the tool would get one per tick. Unit: [ms].
 
 const vector = ({ x, y, z }) => [x, y, z];
 const quaternion = ({ x, y, z, w }) => [x, y, z, w];
@@ -25,7 +25,7 @@ function applyMarkers(known, { markers }) {
   }
 }
 
-// Values of a DiagnosticStatus are texts; those that are numbers become numbers.
+// Values of a DiagnosticStatus, with numeric texts converted to numbers.
 function diagnosticValues(status) {
   const asValue = (text) => (text !== '' && isNumber(Number(text)) ? Number(text) : text);
   return Object.fromEntries(status.values.map(({ key, value }) => [key, asValue(value)]));
@@ -36,17 +36,17 @@ function ellipsoid(marker) {
 }
 
 export class Live {
-  tool = null; // its pose
-  velocity = null; // [m/s]
-  proxy = null; // its pose
-  wrench = null; // {force, torque} in the world. Unit: [N], [N m].
+  tool = null; // pose of the tool
+  velocity = null; // of the tool. Unit: [m/s].
+  proxy = null; // pose of the proxy
+  wrench = null; // {force, torque}, world frame. Unit: [N], [N m].
   diagnostics = null; // {level, values}
   #toolMarkers = new Map();
   #contactMarkers = new Map();
-  #handMarkers = []; // of all hands, where there are several
-  #heard = new Map(); // topic: when
+  #handMarkers = []; // of all hands, if there are several
+  #heard = new Map(); // time of the last message, by topic
   #listeners = new Map();
-  #waiting = new Map(); // topic: who waits for its next message
+  #waiting = new Map(); // callbacks that wait for the next message, by topic
 
   constructor(connection) {
     this.connection = connection;
@@ -58,14 +58,14 @@ export class Live {
       this.wrench = { force: vector(m.wrench.force), torque: vector(m.wrench.torque) };
     }, { throttle_rate: ownRate });
     subscribe('tool', 'visualization_msgs/MarkerArray', (m) => applyMarkers(this.#toolMarkers, m));
-    // Markers are changes to what came before, so none may be left out.
+    // Markers are incremental changes, so no message may be dropped.
     subscribe('contacts', 'visualization_msgs/MarkerArray', (m) => applyMarkers(this.#contactMarkers, m),
       { queue_length: 10 });
     subscribe('hands', 'visualization_msgs/MarkerArray', (m) => { this.#handMarkers = m.markers; });
     subscribe('diagnostics', 'diagnostic_msgs/DiagnosticArray', ({ status: [status] }) => {
       this.diagnostics = { level: status.level, values: diagnosticValues(status) };
     });
-    // What a new connection says starts anew.
+    // A new connection starts with empty state.
     connection.onChange((connected) => { if (!connected) this.#forget(); });
   }
 
@@ -93,7 +93,7 @@ export class Live {
     this.#listeners.set(name, [...(this.#listeners.get(name) ?? []), listener]);
   }
 
-  /// Kept once a message of a topic has come, or after `most` ms without.
+  /// Resolves after the next message of a topic, or after `most` ms without one.
   next(name, most) {
     return new Promise((done) => {
       this.#waiting.set(name, [...(this.#waiting.get(name) ?? []), done]);
@@ -101,13 +101,13 @@ export class Live {
     });
   }
 
-  /// Whether what was last heard of a topic can still be taken for what is.
+  /// Returns whether the last message of a topic is still valid.
   isFresh(name) {
     const heard = this.#heard.get(name);
     return this.connection.connected && heard !== undefined && performance.now() - heard < staleAfter;
   }
 
-  /// The force, or null if it is not known.
+  /// Force on the tool, or null if it is unknown.
   get force() {
     return this.isFresh('spatial/servo_cf') ? this.wrench.force : null;
   }
@@ -117,7 +117,7 @@ export class Live {
     return [...this.#toolMarkers.values()].map(ellipsoid);
   }
 
-  /// The hands but this page's: [{name, color, force: in N, parts: as toolParts}].
+  /// All hands except this page's: [{name, color, force, parts}]. `force` in N; `parts` as in toolParts.
   get others() {
     const others = new Map();
     for (const marker of this.isFresh('hands') ? this.#handMarkers : []) {

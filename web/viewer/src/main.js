@@ -1,4 +1,4 @@
-// Puts the page together: what the program says goes to the view and the panels, what a person does to the program.
+// Builds the page and connects it: messages of the program to the view and the panels, user input to the program.
 
 import { byId, element } from '../../shared/dom.js';
 import { createActions } from './actions.js';
@@ -21,8 +21,8 @@ import { StatusBar } from './status_bar.js';
 import { showWorld } from './world.js';
 
 const poseTopic = rosName('client/measured_cp');
-const unseenPeriod = 100; // between updates of the panels where nothing is drawn. Unit: [ms].
-const drawn = ['frame-all', 'find', 'hold', 'sound']; // parts of the page that need the view
+const unseenPeriod = 100; // interval of panel updates without a 3D view. Unit: [ms].
+const drawn = ['frame-all', 'find', 'hold', 'sound']; // ids of controls that need the 3D view
 
 const connection = new Connection(webSocketUrl());
 const parameters = new Parameters(connection, notify);
@@ -40,7 +40,7 @@ followSheet();
 
 let shownMessage = '';
 parameters.onChange((p) => {
-  for (const fields of document.querySelectorAll('.fields[inert]')) fields.inert = false; // before, there is nothing to change
+  for (const fields of document.querySelectorAll('.fields[inert]')) fields.inert = false; // had no parameters before
   byId('scene-name').textContent = p.busy ? `${p.scene.name}: ${p.busy}` : p.scene.name;
   if (p.message && p.message !== shownMessage) notify(p.message, 'message');
   shownMessage = p.message;
@@ -62,7 +62,7 @@ function updatePanels() {
 try {
   showWorld({ connection, live, parameters, hold, statusBar, plots, actions, updatePanels });
 } catch (error) {
-  // The force can still be watched and stopped.
+  // Without the view, the force can still be monitored and stopped.
   byId('view').replaceChildren(element('p', { className: 'card missing', text: `The scene cannot be drawn: this needs WebGL 2. ${error.message}` }));
   for (const id of drawn) byId(id).hidden = true;
   setInterval(updatePanels, unseenPeriod);

@@ -1,4 +1,4 @@
-// Panel: the lines that the program has written to its terminal.
+// Panel: messages that the program has written to its terminal.
 
 import { byId, element } from '../../shared/dom.js';
 

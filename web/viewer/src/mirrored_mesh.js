@@ -1,8 +1,8 @@
-// Splats that are drawn right where they are placed with a reflection, too.
+// Splat mesh that can be placed with a reflection.
 //
-// Spark takes a rotation, a uniform scale and a translation out of a matrix. One that reflects, T, is therefore split
-// into T M, which does not, and M = diag(-1, 1, 1), which is applied to every splat before: a turn R becomes M R M, and
-// colours that depend on the direction are those seen from where M takes the eye.
+// Spark decomposes a matrix into rotation, uniform scale and translation. A reflecting matrix T is therefore split into
+// T M, which does not reflect, and M = diag(-1, 1, 1), which is applied to every splat first: a rotation R becomes
+// M R M, and view-dependent colours are evaluated from the camera position mapped by M.
 
 import { SplatMesh, SplatTransformer, dyno } from '@sparkjsdev/spark';
 import { Matrix4, Vector3, Vector4 } from 'three';
@@ -10,7 +10,7 @@ import { Matrix4, Vector3, Vector4 } from 'three';
 const { DynoVec3, DynoVec4, Gsplat, combineGsplat, dynoBlock, mul, splitGsplat } = dyno;
 const reflection = new Matrix4().makeScale(-1, 1, 1);
 
-// M or the identity, as factors of a centre and of a quaternion x, y, z, w.
+// M or the identity, as factors of centres and of quaternions x, y, z, w.
 class Mirror {
   on = false;
   #centre = new DynoVec3({ value: new Vector3(1, 1, 1) });
@@ -30,7 +30,7 @@ class Mirror {
   }
 }
 
-// T M, or T if it does not reflect.
+// Transform T M, or T if T does not reflect.
 class Placement extends SplatTransformer {
   constructor(mirror) {
     super();
@@ -45,7 +45,7 @@ class Placement extends SplatTransformer {
   }
 }
 
-// Where the eye is among the splats as they were captured; only its position is used.
+// Transform from the view to the captured splats; only the camera position is used.
 class Eye extends SplatTransformer {
   constructor(mirror) {
     super();

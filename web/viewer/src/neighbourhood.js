@@ -1,17 +1,17 @@
-// The kept Gaussians around a point that moves: chosen anew when it has moved a while, not at every step.
+// The kept Gaussians around a moving point, updated only after the point has moved far enough.
 
-const movedShare = 0.25; // of the way to the farthest chosen one, after which they are chosen anew
+const movedShare = 0.25; // motion that triggers an update, relative to the distance of the farthest selected Gaussian
 
 export class Neighbourhood {
   rows = [];
-  #at = null; // the point that they are nearest to, and how far they reach from it
+  #at = null; // query point of the selection; #reach is the distance of the farthest one
   #reach = 0;
 
   forget() {
     this.#at = null;
   }
 
-  /// The `most` of `kept` nearest to `point`, a Vector3 in its frame. Returns whether they were chosen anew.
+  /// Selects the `most` of `kept` nearest to `point`, a Vector3 in its frame. Returns whether it was updated.
   follow(kept, point, most) {
     if (this.#at && point.distanceTo(this.#at) <= movedShare * this.#reach) return false;
     this.rows = [...kept.nearest(point.toArray(), most)];

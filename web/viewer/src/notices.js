@@ -1,11 +1,11 @@
-// What the program refuses or has to tell a person, for a while.
+// Temporary notices: refusals and messages of the program.
 
 import { byId, element } from '../../shared/dom.js';
 
-const shownFor = 8000; // Unit: [ms].
+const shownFor = 8000; // duration of a notice. Unit: [ms].
 const most = 3;
 
-/// Shows `text` as a notice; the same text again only keeps it longer.
+/// Shows `text` as a notice; a repeated text extends the existing notice.
 export function notify(text, kind = 'refusal') {
   const host = byId('notices');
   const same = [...host.children].find((node) => node.dataset.text === text);

@@ -1,12 +1,12 @@
-// Marks over the view, in pixels of the page: a ring around a tool that is small, an arrow to one that is out of view,
-// and the distance to the surface.
+// Marks over the view, in pixels of the page: a ring around a small tool, an arrow to a tool out of view, and the
+// distance to the surface.
 
 import { svg } from '../../shared/dom.js';
 
-const leastRing = 14; // radius of a ring. Unit: [px].
-const large = 26; // a tool of this radius is seen by itself. Unit: [px].
-const nameRoom = 20; // that the name takes above the ring. Unit: [px].
-const margin = 30; // of the arrow to the border of the view. Unit: [px].
+const leastRing = 14; // least radius of the ring. Unit: [px].
+const large = 26; // radius of a tool from which on no ring is needed. Unit: [px].
+const nameRoom = 20; // space needed for the name above the ring. Unit: [px].
+const margin = 30; // distance of the arrow from the border of the view. Unit: [px].
 
 export class Overlay {
   #key = '';
@@ -18,11 +18,11 @@ export class Overlay {
     this.name = svg('text', { class: 'tool-name' }, 'Tool');
     this.distance = svg('text', { class: 'tool-distance' });
     this.node = svg('svg', { class: 'overlay', 'aria-hidden': 'true' }, this.ring, this.arrow, this.name, this.distance);
-    document.body.append(this.node); // not of the view, which the bar lies on
+    document.body.append(this.node); // not in the view, which is below the bar
   }
 
-  /// `tool` is {at: where it is on the page, towards: where it lies, radius: of it there, distant: text and where, or null, covered:
-  /// what the page takes of the view, {top, bottom}}; null hides all.
+  /// `tool` is {at, towards, radius, distant, covered}: its position on the page or null, its direction from the middle
+  /// of the view, its radius, the distance {text, at} or null, and the covered heights {top, bottom}. Null hides it.
   show(tool) {
     const key = JSON.stringify(tool);
     if (key === this.#key) return;
@@ -43,7 +43,7 @@ export class Overlay {
     place(this.name, { x, y: y - r < nameRoom ? y + r + 15 : y - r - 6 });
   }
 
-  // Where a line from the middle towards the tool leaves the view.
+  // Places the arrow where a line from the middle towards the tool leaves the view.
   #point([dx, dy], { left, top, width, height }) {
     const [halfX, halfY] = [0.5 * width - margin, 0.5 * height - margin];
     const share = Math.min(halfX / Math.max(Math.abs(dx), 1e-6), halfY / Math.max(Math.abs(dy), 1e-6));

@@ -1,8 +1,8 @@
-// The program's parameters as it last told them. What the page shows follows these, never its own wishes.
+// The program's parameters as last received. The page displays these, never its own pending requests.
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
 
-// `changes` on top of what was asked for before.
+// Merges `changes` into the pending request.
 function merged(before, changes) {
   const both = ([name, value]) => [name, isObject(value) ? { ...before[name], ...value } : value];
   return { ...before, ...Object.fromEntries(Object.entries(changes).map(both)) };
@@ -11,7 +11,7 @@ function merged(before, changes) {
 export class Parameters {
   current = null;
   #listeners = new Set();
-  #pending = null; // what to send when the answer to the last change is here
+  #pending = null; // changes to send after the response to the last request
   #sending = false;
 
   constructor(connection, onRefusal) {
@@ -25,8 +25,8 @@ export class Parameters {
     if (this.current) listener(this.current);
   }
 
-  /// Asks for `changes`; while an answer is awaited, later changes are put together and sent after it. Of an object,
-  /// such as the filter, the program changes what is named.
+  /// Requests `changes`. During a request, further changes are merged and sent after it. Of an object, such as the
+  /// filter, only the given members change.
   set(changes) {
     this.#pending = merged(this.#pending ?? {}, changes);
     if (!this.#sending) this.#send();
@@ -41,7 +41,7 @@ export class Parameters {
         await this.connection.ask('set_parameters', 'palpate/SetParameters', { json: JSON.stringify(changes) });
       } catch (error) {
         this.onRefusal(error.message);
-        this.#notify(); // the fields go back to what is
+        this.#notify(); // resets the fields to the current values
       }
     }
     this.#sending = false;

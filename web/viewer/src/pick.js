@@ -1,4 +1,4 @@
-// A point of the felt surface that a person clicks for a measurement, and marks at such points.
+// Picking of points on the felt surface for a measurement, and marks at these points.
 
 import { BufferAttribute, BufferGeometry, Points, PointsMaterial } from 'three';
 
@@ -21,7 +21,7 @@ export class Picker {
     return this.#waiting !== null;
   }
 
-  /// The next point that is given, in the world; null if something else comes first.
+  /// Resolves to the next picked point, in the world; null if picking is cancelled or restarted.
   point() {
     this.give(null);
     this.view.canvas.classList.add('picking');

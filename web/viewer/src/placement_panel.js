@@ -1,4 +1,4 @@
-// Panel: where the captured scene is in the world, and how large.
+// Panel: registration of the captured scene in the world.
 
 import { Euler, Quaternion } from 'three';
 
@@ -8,9 +8,9 @@ import { formatLength } from './format.js';
 import { createSetup } from './setup_proposal.js';
 
 const degree = Math.PI / 180;
-const scales = { min: 0.001, max: 100 }; // of the slider. Unit: [m] per captured unit.
+const scales = { min: 0.001, max: 100 }; // range of the slider. Unit: [m] per captured unit.
 
-// Turns about x, then y, then z of the world. Unit: [rad].
+// Angles of rotations about the world's x, then y, then z axis. Unit: [rad].
 const anglesOf = ([w, x, y, z]) => new Euler().setFromQuaternion(new Quaternion(x, y, z, w), 'ZYX').toArray().slice(0, 3);
 
 function rotationOf(angles) {
@@ -18,7 +18,7 @@ function rotationOf(angles) {
   return [w, x, y, z];
 }
 
-/// `pickPoint` promises a point of the world that a person clicks, or null; `propose` a setup as JSON, or null.
+/// `pickPoint` resolves to a clicked point of the world, or null; `propose` to a setup as JSON, or null.
 export function createPlacementPanel(parameters, { pickPoint, mark, propose }) {
   const set = (changes) => parameters.set({ registration: changes });
   const scale = numberField(
@@ -37,7 +37,7 @@ export function createPlacementPanel(parameters, { pickPoint, mark, propose }) {
     measured, scale.node, translation.node, rotation.node);
   let shownFrames = '';
   parameters.onChange(({ registration, frames: names }) => {
-    if (names.join() !== shownFrames) { // a button that has the focus stays
+    if (names.join() !== shownFrames) { // rebuilt only on a change, to keep the focus
       frames.replaceChildren(...names.map((frame) => button(frame, () => set({ frame }), { name: `frame-${frame}` })));
       shownFrames = names.join();
     }
@@ -49,12 +49,12 @@ export function createPlacementPanel(parameters, { pickPoint, mark, propose }) {
   });
 }
 
-// The metric scale from two points and their true distance.
+// Metric scale from two points and their true distance.
 function createMeasure({ pickPoint, mark, onLength }) {
   const said = hint('');
   said.setAttribute('role', 'status');
   let length = null;
-  let runs = 0; // what is begun anew ends what was before
+  let runs = 0; // a restarted measurement cancels the previous one
   const show = (points, text) => {
     mark(points);
     said.textContent = text;

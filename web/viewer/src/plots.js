@@ -1,4 +1,4 @@
-// The last seconds as curves, from the diagnostics.
+// Plots of the last seconds of the diagnostics.
 
 import uPlot from 'uplot';
 
@@ -7,12 +7,12 @@ import { isNumber, niceFloor } from '../../shared/format.js';
 import { followTheme, themeValue } from '../../shared/theme.js';
 import { formatFixed } from './format.js';
 
-const span = 20; // Unit: [s].
+const span = 20; // displayed time. Unit: [s].
 const height = 64; // of a plot. Unit: [px].
 const redrawEvery = 100; // Unit: [ms].
-const manyDigits = 100; // from which on a value is told without decimals: two of them fit a line
+const manyDigits = 100; // value from which on no decimals are shown, so that two values fit a line
 
-// `least` is the least that the height of a plot stands for: less is not magnified.
+// `least` is the smallest upper limit of the value axis: smaller values are not magnified.
 const plots = [
   { title: 'Force', unit: 'N', decimals: 2, least: 1, series: [['force_n', '--force', 'force']] },
   { title: 'Contacts', unit: '', decimals: 0, least: 5, series: [['contacts', '--colliding', 'contacts']] },
@@ -21,14 +21,14 @@ const plots = [
   { title: 'Stiffness margin', unit: '', times: true, decimals: 1, least: 2, series: [['margin', '--axis-z', 'margin', marginOf]] },
 ];
 
-// How many times as stiff the surface might be: known in contact only.
+// Stiffness margin: factor by which the surface could be stiffer. Known in contact only.
 function marginOf({ margin, contacts }) {
   return contacts > 0 && margin > 0 ? margin : null;
 }
 
 const numberOf = (value) => (isNumber(value) ? value : null);
 
-// Zero, and a round value on the side that reaches farther.
+// Axis labels: zero, and a round value on the larger side.
 const labelled = (low, high) => (high >= -low ? [0, niceFloor(high)] : [-niceFloor(-low), 0]);
 
 function options(plot, width) {
@@ -101,12 +101,12 @@ export class Plots {
     }
   }
 
-  /// What the top of every plot stands for, by its title.
+  /// Upper limit of every plot, by its title.
   get tops() {
     return Object.fromEntries(this.list.map(({ plot, chart }) => [plot.title, chart.scales.y.max]));
   }
 
-  /// To be called before every frame.
+  /// Call before every frame.
   update() {
     const now = performance.now();
     if (now - this.#drawnAt < redrawEvery || this.host.clientWidth === 0 || !this.list[0].chart) return;

@@ -1,26 +1,26 @@
-// Which of millions of Gaussians a ray may see: blocks of neighbours, each with a box that they are seen in.
+// Acceleration structure for rays: blocks of neighbouring Gaussians, each with a bounding box of their visible extents.
 
-const bits = 6; // of a cell's number along each axis
+const bits = 6; // bits of a cell index along each axis
 const cells = 1 << bits;
-const block = 128; // Gaussians
-const sample = 50000; // that say where the others are
-const outermost = 0.01; // of them along each axis, that share the cells of the border
-const large = 2; // cells, from which on a Gaussian would make the box of its neighbours much larger
+const block = 128; // Gaussians per block
+const sample = 50000; // Gaussians sampled for the grid
+const outermost = 0.01; // fraction at each end of an axis that is clamped to the border cells
+const large = 2; // reach in cells above which a Gaussian is stored separately, as it would enlarge its block's box
 
-// The bits of a number, each at three times its place: x, y and z interleaved number neighbours in a row.
+// Bits of an index spread to every third place: interleaved x, y and z give a Morton order.
 const spread = Uint32Array.from({ length: cells }, (_, n) => Array.from({ length: bits }, (_, k) => ((n >> k) & 1) << (3 * k)).reduce((a, b) => a | b));
 
 export class RayBlocks {
   #rows;
-  #boxes; // of a block: least x, y, z, greatest x, y, z
+  #boxes; // per block: least x, y, z, greatest x, y, z
 
-  /// `data` has `stride` numbers a Gaussian, of which the first three are its centre; `reach(row)` is how far from there it is seen.
+  /// `data` has `stride` numbers per Gaussian, the first three its centre; `reach(row)` is its visible radius.
   constructor(data, stride, reach) {
     this.#rows = inOrder(data, stride, reach);
     this.#boxes = boxesOf(this.#rows, data, stride, reach);
   }
 
-  /// Calls `see(row)` for all that a ray may pass, and others.
+  /// Calls `see(row)` for a superset of the Gaussians that a ray meets.
   visit(origin, direction, see) {
     const rows = this.#rows;
     for (let first = 0, at = 0; first < rows.length; first += block, at += 6) {
@@ -46,7 +46,7 @@ export class RayBlocks {
   }
 }
 
-// The rows by the cells that their centres are in; large ones last.
+// Rows sorted by the cell of their centre; large Gaussians last.
 function inOrder(data, stride, reach) {
   const count = data.length / stride;
   const step = Math.ceil(count / sample);

@@ -1,8 +1,8 @@
-// From the room a headset stands in to the world that is felt, and back.
+// Transform between the physical room of a headset and the world.
 //
 // The program keeps `room` as {scale, rotation, translation}: world = scale * rotation * p + translation, where p
-// is a point of the room in metres with x to the right, y ahead and z up from the floor. WebXR has y up and z
-// back; `upright` is between the two.
+// is a point of the room in metres with x to the right, y forward and z up from the floor. WebXR has y up and z
+// backward; `upright` converts between the two.
 
 import { Matrix4, Quaternion, Vector3 } from 'three';
 
@@ -11,8 +11,8 @@ const uprightTurn = new Quaternion().setFromRotationMatrix(upright);
 const z = new Vector3(0, 0, 1);
 const smallest = 0.01;
 const largest = 100;
-const aheadOfHands = new Vector3(0, 0.5, 1.1); // where a small scene is put first. Unit: [m] in the room.
-const handheld = 1.5; // a scene below this size is put there; a larger one is walked in. Unit: [m].
+const aheadOfHands = new Vector3(0, 0.5, 1.1); // initial place of a small scene. Unit: [m] in the room.
+const handheld = 1.5; // diagonal below which a scene is placed there; larger ones are walked in. Unit: [m].
 
 export class Room {
   scale = 1;
@@ -34,27 +34,27 @@ export class Room {
     return this.scale === 1 && this.translation.lengthSq() === 0 && Math.abs(this.rotation.w) === 1;
   }
 
-  /// From WebXR's space to the world.
+  /// Transform from WebXR's space to the world.
   get worldFromXr() {
     return new Matrix4().compose(this.translation, this.rotation, new Vector3().setScalar(this.scale)).multiply(upright);
   }
 
-  /// From the world to WebXR's space.
+  /// Transform from the world to WebXR's space.
   get xrFromWorld() {
     return this.worldFromXr.invert();
   }
 
-  /// A point of WebXR's space in the world.
+  /// Transforms a point of WebXR's space to the world.
   toWorld(point) {
     return point.clone().applyMatrix4(this.worldFromXr);
   }
 
-  /// An orientation in WebXR's space in the world.
+  /// Transforms an orientation in WebXR's space to the world.
   turnToWorld(orientation) {
     return this.rotation.clone().multiply(uprightTurn).multiply(orientation);
   }
 
-  /// Puts the middle of a scene of the world where hands are, or its floor under the feet.
+  /// Initial placement: the centre of a small scene within reach of the hands, or the floor of a large one at the feet.
   placeFirst(box) {
     const size = box.getSize(new Vector3());
     const middle = box.getCenter(new Vector3());
@@ -62,8 +62,8 @@ export class Room {
     else this.translation.set(middle.x, middle.y, box.min.z);
   }
 
-  /// Changes the room so that what was at `before` in the world is at the hands at `now` in WebXR's space: one hand
-  /// moves the world, two turn it about the vertical and scale it, too. Gravity stays down.
+  /// Changes the room so that the world points `before` are at the hands, at `now` in WebXR's space: one hand moves the
+  /// world; two also rotate it about the vertical and scale it. The vertical is preserved.
   grab(before, now) {
     const inRoom = now.map((p) => p.clone().applyMatrix4(upright));
     if (now.length === 2) {
@@ -80,7 +80,7 @@ export class Room {
     this.translation.copy(mean(before)).sub(held);
   }
 
-  /// Turns the world by `angle` about the vertical through a point of WebXR's space.
+  /// Rotates the world by `angle` about the vertical through a point of WebXR's space.
   turn(angle, about) {
     const centre = this.toWorld(about);
     const turn = new Quaternion().setFromAxisAngle(z, angle);

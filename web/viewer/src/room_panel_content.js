@@ -1,9 +1,9 @@
-// What the panel in the room says, and its buttons.
+// Text and buttons of the panel in the room.
 
 import { formatFixed } from './format.js';
 
-const stiffer = 1.25; // by a press
-const legendForce = 1; // Unit: [N].
+const stiffer = 1.25; // factor on the stiffness per press
+const legendForce = 1; // force of the legend. Unit: [N].
 const millisecond = 1e-3;
 
 /// `headset` has {statusBar, live, frames, felt, room}.
@@ -20,7 +20,7 @@ export function roomPanelContent({ statusBar, live, frames, felt, room }) {
   };
 }
 
-/// Of `headset`, which calls them when it is pointed at them.
+/// Buttons of the panel. `headset` calls `press` when one is pointed at and selected.
 export function roomPanelButtons(headset) {
   const { actions, parameters } = headset;
   const set = (changes) => parameters.set(changes);

@@ -1,11 +1,11 @@
-// A scene file that a person hands over: to the program, which reads it and feels it.
+// Upload of a scene file to the program, which opens it.
 
 import { httpUrl } from './address.js';
 
-// What other tools write. The program does not read it; its own refusal would come once all of it has been sent.
+// File types of other tools, rejected here: the program would reject them only after the upload.
 const foreign = /\.(spz|sog|ksplat|glb|gltf|lcc|usdz|obj)$/i;
 
-/// Why a file of that name is not worth sending, or an empty text.
+/// Reason to reject a file of that name; empty if there is none.
 export function refusalOf(name) {
   if (/\.(ply|splat)$/i.test(name)) return '';
   const kind = foreign.exec(name)?.[0];
@@ -13,10 +13,11 @@ export function refusalOf(name) {
     : `${name} is no scene. Give a 3DGS .ply or .splat file.`;
 }
 
-/// Promises that the program has all of `file` and opens it; rejected with what it says. `onProgress` gets shares.
+/// Uploads `file`. Resolves once the program has received it and opens it; rejects with its message. `onProgress`
+/// receives fractions.
 export function handOver(file, onProgress, signal) {
   return new Promise((resolve, reject) => {
-    const request = new XMLHttpRequest(); // fetch() does not say how much has been sent
+    const request = new XMLHttpRequest(); // fetch() does not report upload progress
     request.upload.addEventListener('progress', ({ loaded, total }) => onProgress(total > 0 ? loaded / total : 0));
     request.addEventListener('load', () => (request.status === 200 ? resolve() : reject(new Error(request.responseText.trim() || `status ${request.status}`))));
     request.addEventListener('error', () => reject(new Error(`${file.name} could not be sent.`)));

@@ -1,21 +1,20 @@
-// Loads the scene that the program has, once, and shows how far it is; and which of it can be felt, whenever that
-// changes.
+// Loads the program's scene once, with a progress bar, and the list of its Gaussians that can be felt on every change.
 
 import { byId } from '../../shared/dom.js';
 import { notify } from './notices.js';
 
-const retryAfter = 2000; // Unit: [ms].
+const retryAfter = 2000; // delay before a retry. Unit: [ms].
 
 export class SceneLoader {
   #wanted = '';
   #wantedList = '';
   #loading = new AbortController();
-  #loaded = false; // the wanted one
-  #isLoading = false; // the wanted one
+  #loaded = false; // whether the wanted scene is loaded
+  #isLoading = false; // whether the wanted scene is being loaded
   #asking = new AbortController();
   #parameters = null;
 
-  /// `onLoaded` is called once a scene is there, and what of it can be felt is known.
+  /// `onLoaded` is called once a scene and the list of what can be felt are loaded.
   constructor(splats, onLoaded) {
     Object.assign(this, { splats, onLoaded });
   }
@@ -31,12 +30,12 @@ export class SceneLoader {
     }
     this.#wanted = wanted;
     this.#loaded = false;
-    this.#loading.abort(); // what came before is not wanted any more
+    this.#loading.abort(); // the previous scene is obsolete
     this.#loading = new AbortController();
     this.#load(parameters.scene, this.#loading.signal);
   }
 
-  // What the program is still reading, before there is anything to load.
+  // Shows the progress of the program while it is still opening the scene.
   #showOpening(busy) {
     if (this.#isLoading) return;
     const [box, bar, text] = ['progress', 'progress-bar', 'progress-text'].map(byId);
@@ -67,7 +66,7 @@ export class SceneLoader {
     box.hidden = true;
   }
 
-  // The program says which list is the newest as soon as it has one.
+  // Loads the list if the program has announced a newer one.
   async #followList() {
     const { felt } = this.#parameters;
     if (!felt || felt.tag === this.#wantedList || !this.#loaded) return;

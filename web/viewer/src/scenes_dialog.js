@@ -1,4 +1,4 @@
-// Another scene: picked from those that the program offers, or a file that is dropped or chosen. It is felt without a restart.
+// Opening of another scene: from the program's list, or a dropped or chosen file. No restart is needed.
 
 import { byId, element } from '../../shared/dom.js';
 import { cancelledByEscape } from './escape.js';
@@ -6,12 +6,12 @@ import { formatBytes } from './format.js';
 import { notify } from './notices.js';
 import { handOver, refusalOf } from './scene_file.js';
 
-/// `list` promises the scenes as JSON, or null; `open` opens one by its id. Returns what opens the dialog.
+/// `list` resolves to the scenes as JSON, or null; `open` opens one by its id. Returns a function that shows it.
 export function createScenesDialog({ list, open, parameters }) {
   const dialog = byId('scenes');
   let forget = () => {};
   const close = () => {
-    forget(); // at once: the next Escape stops
+    forget(); // not only on the close event: the next Escape must stop the force
     dialog.close();
   };
   const show = async () => {
@@ -55,7 +55,7 @@ function row({ name, bytes, refusal }, current, pick) {
   return element('li', {}, node, ...(refusal ? [element('p', { className: 'hint', text: refusal })] : []));
 }
 
-// Sends files to the program, one at a time, and shows how far it is.
+// Uploads files to the program, one at a time, with a progress bar.
 function createSender() {
   const [box, bar, text, cancel] = ['sending', 'sending-bar', 'sending-text', 'sending-cancel'].map(byId);
   let sending = null;
@@ -80,7 +80,7 @@ function createSender() {
   };
 }
 
-// A file may be dropped anywhere on the page.
+// Accepts files dropped anywhere on the page.
 function followDrops(take) {
   const hasFile = (event) => [...(event.dataTransfer?.types ?? [])].includes('Files');
   const mark = (on) => document.body.classList.toggle('dropping', on);

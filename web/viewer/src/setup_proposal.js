@@ -1,4 +1,4 @@
-// What `palpate setup` proposes for a scene of which nothing is known: asked for, read, and taken.
+// Display of the proposals of `palpate setup` for an unknown scene, with a button to apply them.
 
 import { element } from '../../shared/dom.js';
 import { button, hint } from './fields.js';
@@ -9,14 +9,14 @@ const placed = ['frame', 'scale']; // parts of the registration; the others are 
 const shown = (value) => (Array.isArray(value) ? value.map((v) => Number(v.toPrecision(3))).join(', ')
   : typeof value === 'number' ? String(Number(value.toPrecision(3))) : value);
 
-/// The parameters that a proposal comes to. What it does not propose stays as it is.
+/// Changes of parameters for a proposal. Parameters without a proposed value do not change.
 export function changesOf(proposal) {
   const wanted = (isPlaced) => Object.fromEntries(Object.entries(proposal)
     .filter(([name, { value }]) => value !== null && placed.includes(name) === isPlaced).map(([name, { value }]) => [name, value]));
   return { registration: wanted(true), filter: wanted(false) };
 }
 
-/// `propose` promises the proposal as JSON, or null; `apply` takes changes of parameters.
+/// `propose` resolves to the proposal as JSON, or null; `apply` receives changes of parameters.
 export function createSetup({ propose, apply }) {
   const list = element('dl', { className: 'help' });
   const take = button('Take these', () => {

@@ -1,4 +1,4 @@
-// On a phone the panels are a sheet: from below where it is held upright, at the side where it lies.
+// On a phone, the panels are a sheet: at the bottom in portrait, at the side in landscape orientation.
 
 import { byId } from '../../shared/dom.js';
 
@@ -8,7 +8,7 @@ export function followSheet() {
   const [panels, handle] = [byId('panels'), byId('sheet')];
   const open = (on) => {
     panels.classList.toggle('closed', !on);
-    document.body.classList.toggle('panels-open', on); // the view has the rest
+    document.body.classList.toggle('panels-open', on); // leaves the rest to the view
     handle.setAttribute('aria-expanded', String(on));
   };
   handle.addEventListener('click', () => open(panels.classList.contains('closed')));

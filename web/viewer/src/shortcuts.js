@@ -1,8 +1,8 @@
-// Keys of the page, which work wherever nothing is typed.
+// Keyboard shortcuts of the page, inactive in text fields.
 
 const isTyping = (node) => node instanceof HTMLElement && node.matches('input:not([type=checkbox], [type=range]), select, textarea');
 
-/// `actions` by key. A key that is held down counts once.
+/// `actions` are functions by key. Key repeats are ignored.
 export function followShortcuts(actions) {
   window.addEventListener('keydown', (event) => {
     const { key, repeat, ctrlKey, metaKey, altKey, target } = event;

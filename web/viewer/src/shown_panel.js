@@ -1,10 +1,10 @@
-// Panel: what is drawn.
+// Panel: visibility of the objects in the view.
 
 import { byId, element } from '../../shared/dom.js';
 import { formatCount } from '../../shared/format.js';
 import { checkbox, hint } from './fields.js';
 
-/// Returns {shown, update(splats)}; `shown` says what is on. `changed` is called after every click.
+/// Returns {shown, update()}; `shown` has a flag per object. `changed` is called after every change.
 export function createShownPanel({ splats, felt, changed }) {
   const shown = { contacts: true, normals: true, force: true, torque: true, proxy: true };
   const toggles = Object.entries({ contacts: 'Contacts', normals: 'Normals', force: 'Force', torque: 'Torque', proxy: 'Proxy' })

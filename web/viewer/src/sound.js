@@ -1,17 +1,18 @@
-// Force as sound: a knock when contact begins, a tone that rises with the force, and noise that follows how fast the tool slides.
+// Force as sound: a knock at the onset of contact, a tone that rises with the force, and noise that follows the sliding
+// speed.
 
 import { intensity } from './haptics.js';
 
-const tone = { lowest: 110, highest: 440, gain: 0.12 }; // Unit of the first two: [Hz].
-const noise = { fastest: 0.2, gain: 0.25, centre: 1400 }; // speed of sliding that is loudest, in m/s; centre in Hz
-const knock = { gain: 0.5, length: 0.05 }; // Unit of the length: [s].
-const follow = 0.03; // in which a level follows. Unit: [s].
+const tone = { lowest: 110, highest: 440, gain: 0.12 }; // lowest and highest in [Hz]
+const noise = { fastest: 0.2, gain: 0.25, centre: 1400 }; // sliding speed of the loudest noise in [m/s]; centre in [Hz]
+const knock = { gain: 0.5, length: 0.05 }; // length in [s]
+const follow = 0.03; // time constant of levels. Unit: [s].
 
 export class Sound {
-  level = 0; // of the tone, from 0 to 1
-  texture = 0; // of the noise
+  level = 0; // level of the tone, from 0 to 1
+  texture = 0; // level of the noise
   knocks = 0;
-  on = false; // browsers allow sound after a click or a key only
+  on = false; // off at first: browsers allow sound only after a click or a key
   #context = null;
   #touching = false;
 
@@ -21,7 +22,7 @@ export class Sound {
     return this.on ? this.#context.resume() : this.#context.suspend();
   }
 
-  /// To be called before every frame.
+  /// Call before every frame.
   update({ force, forceMax, slidingSpeed }) {
     const magnitude = force && this.on ? Math.hypot(...force) : 0;
     this.level = intensity(magnitude, forceMax);
@@ -60,7 +61,7 @@ export class Sound {
   }
 }
 
-// A second of it.
+// Buffer of one second of white noise.
 function whiteNoise(context) {
   const buffer = new AudioBuffer({ length: context.sampleRate, sampleRate: context.sampleRate });
   const samples = buffer.getChannelData(0);

@@ -1,5 +1,5 @@
-// The scene as it was captured, unfiltered, placed by the program's registration; and what of it can be felt, as the
-// program says.
+// The captured scene, unfiltered, placed by the program's registration; and the part of it that can be felt, as
+// reported by the program.
 
 import { Box3, Group, Ray, Vector3 } from 'three';
 
@@ -11,10 +11,10 @@ import { readGaussians } from './kept.js';
 import { MirroredMesh } from './mirrored_mesh.js';
 import { Neighbourhood } from './neighbourhood.js';
 
-const mostFelt = { desk: 50000, headset: 8000 }; // ellipsoids that are drawn
-const splatBudget = 500000; // of a headset that draws by itself
+const mostFelt = { desk: 50000, headset: 8000 }; // largest number of drawn ellipsoids
+const splatBudget = 500000; // largest number of splats on a standalone headset
 const standalone = /Quest|OculusBrowser|Android|Pico|VisionOS/i;
-const searched = 4000; // ellipsoids around the tool, of which the nearest is looked for
+const searched = 4000; // ellipsoids around the tool that closest() examines
 
 async function request(url, signal) {
   const response = await fetch(httpUrl(url), { signal });
@@ -22,8 +22,8 @@ async function request(url, signal) {
   return response;
 }
 
-// The scene's bytes as {stream, length, failure()}. What breaks off only ends the stream, and is kept as the failure: Spark
-// does not look at a stream that fails, and the worker that waits for its next piece would be lost.
+// Download of the scene as {stream, length, failure()}. An interruption ends the stream and is stored as the failure:
+// Spark does not handle a failing stream, and the worker that waits for its next chunk would leak.
 async function download(scene, onProgress, signal) {
   const response = await request(scene.url, signal);
   const length = Number(response.headers.get('Content-Length')) || scene.bytes;
@@ -53,16 +53,16 @@ async function download(scene, onProgress, signal) {
 
 export class Splats {
   sceneShown = true;
-  knowsFelt = false; // which of the loaded Gaussians can be felt
-  group = new Group(); // from the captured frame to the world
+  knowsFelt = false; // whether it is known which of the loaded Gaussians can be felt
+  group = new Group(); // transform from the captured frame to the world
   #mesh = null;
   #kept = null;
-  #felt = null; // as drawn
+  #felt = null; // the drawn ellipsoids
   #drawn = new Neighbourhood();
   #around = new Neighbourhood();
   #most = mostFelt.desk;
 
-  /// Centres stay in single precision through all of Spark: halves would drift from what is felt.
+  /// accumExtSplats keeps centres in single precision: in half precision they would deviate from the felt ellipsoids.
   constructor(renderer, onDirty) {
     this.onDirty = onDirty;
     this.spark = new BatchedSpark({ renderer, accumExtSplats: true, onDirty });
@@ -70,7 +70,7 @@ export class Splats {
     this.group.matrixAutoUpdate = false;
   }
 
-  /// Rejected if `signal` ends it: what has been loaded so far is let go.
+  /// Loads a scene. Rejects, and discards the loaded data, if `signal` aborts it.
   async load(scene, onProgress, signal) {
     const { stream, length, failure } = await download(scene, onProgress, signal);
     const mesh = new MirroredMesh({ stream, streamLength: length, fileType: scene.format, fileName: scene.name, extSplats: true, enableLod: false });
@@ -92,7 +92,7 @@ export class Splats {
     this.group.add(mesh);
   }
 
-  /// Asks which of the loaded Gaussians can be felt.
+  /// Loads the list of Gaussians that can be felt.
   async feel(url, signal) {
     const kept = this.#kept;
     const list = await (await request(url, signal)).arrayBuffer();
@@ -110,7 +110,7 @@ export class Splats {
     this.onDirty();
   }
 
-  /// Where the program has it.
+  /// Places the scene with the program's registration.
   place(registration) {
     this.group.matrix.fromArray(registration.matrix);
     this.group.matrixWorldNeedsUpdate = true;
@@ -123,17 +123,17 @@ export class Splats {
     this.#around.forget();
   }
 
-  // A point of the world among the Gaussians as they were captured.
+  // Transforms a point of the world to the captured frame.
   #local(point) {
     return new Vector3(...point).applyMatrix4(this.group.matrix.clone().invert());
   }
 
-  /// Whether what is drawn is still to be sorted for where it is seen from.
+  /// Whether the splats are still to be sorted for the current camera.
   get isSorting() {
     return this.spark.sorting || this.spark.sortDirty;
   }
 
-  /// To be called when the graphics card has lost what was drawn.
+  /// Call when the graphics context has been restored.
   drawAnew() {
     if (this.#mesh) this.#mesh.needsUpdate = true;
     this.onDirty();
@@ -143,7 +143,7 @@ export class Splats {
     return this.#kept?.count ?? 0;
   }
 
-  /// The diameters of the ellipsoid of a Gaussian, in the world.
+  /// Diameters of the ellipsoid of a Gaussian, in the world. Unit: [m].
   feltScale(row) {
     const size = this.group.matrix.getMaxScaleOnAxis();
     return [...this.#kept.at(row).semiAxes].map((s) => 2 * size * s);
@@ -168,14 +168,14 @@ export class Splats {
     return felt;
   }
 
-  /// Draws the felt ellipsoids nearest to a point of the world, if they are on. Returns whether they are others than before.
+  /// Draws the felt ellipsoids nearest to a point of the world, if enabled. Returns whether anything changed.
   update(point) {
     if (!this.#felt?.visible || !this.#kept) return false;
     if (!this.#drawn.follow(this.#kept, this.#local(point), this.#most)) return false;
     return this.#felt.show(this.#drawn.rows.map((row) => this.#kept.at(row)));
   }
 
-  /// Where what can be felt is nearest to a point of the world: {point, distance} in the world, or null.
+  /// Nearest point of the felt ellipsoids to a point of the world: {point, distance} in the world, or null.
   closest(point) {
     if (this.keptCount === 0) return null;
     const local = this.#local(point);
@@ -186,12 +186,12 @@ export class Splats {
     return { point: at, distance: at.distanceTo(new Vector3(...point)) };
   }
 
-  /// What is seen along a ray of the world: {point, felt, opacity}, or null where it sees nothing. `felt` says whether it can be felt.
+  /// Visible surface along a ray of the world: {point, felt, opacity}, or null. `felt` is true if it can be felt.
   look(ray) {
     return this.#along(ray, (kept, ...line) => kept.hit(...line));
   }
 
-  /// The same of what can be felt alone: it may lie behind what is cut off.
+  /// The same for felt Gaussians only: they may lie behind filtered ones.
   lookForFelt(ray) {
     return this.#along(ray, (kept, ...line) => kept.hitKept(...line));
   }
@@ -203,25 +203,25 @@ export class Splats {
     return seen && { ...seen, point: local.at(seen.distance, new Vector3()).applyMatrix4(this.group.matrix) };
   }
 
-  /// How much is seen between two points of the world: an opacity.
+  /// Opacity between two points of the world.
   opacityBetween(from, to) {
     const [start, end] = [this.#local(from), this.#local(to)];
     return this.#kept?.opacityBefore(start.toArray(), end.sub(start).toArray(), 1) ?? 0;
   }
 
-  /// Where a ray of the world meets what is seen and can be felt, or null.
+  /// Visible point along a ray of the world, if it can be felt; else null.
   pick(ray) {
     const seen = this.look(ray);
     return seen?.felt ? seen.point : null;
   }
 
-  /// The box of what can be felt, in the world; empty before anything is loaded.
+  /// Bounding box of the felt ellipsoids' main part, in the world; empty before a scene is loaded.
   get box() {
     const box = this.#kept?.box;
     return box ? new Box3(new Vector3(...box.min), new Vector3(...box.max)).applyMatrix4(this.group.matrix) : new Box3();
   }
 
-  /// Fewer splats and ellipsoids for a headset that draws by itself.
+  /// Limits the number of ellipsoids, and on a standalone headset that of splats.
   async enterHeadset() {
     this.#most = mostFelt.headset;
     this.#drawn.forget();
@@ -229,7 +229,7 @@ export class Splats {
     if (!standalone.test(navigator.userAgent) || !mesh || mesh.numSplats <= splatBudget) return;
     this.spark.lodSplatCount = splatBudget;
     if (!mesh.extSplats.lodSplats) await mesh.createLodSplats();
-    mesh.enableLod = this.#most === mostFelt.headset; // it may have been left meanwhile
+    mesh.enableLod = this.#most === mostFelt.headset; // the headset may have been left meanwhile
   }
 
   leaveHeadset() {

@@ -1,9 +1,9 @@
-// What state the program is in, who holds the tool, and what to do about a fault.
+// Status bar: state of the program, holder of the tool, and advice on faults.
 
 import { byId } from '../../shared/dom.js';
 
-const levels = ['good', 'waiting', 'bad']; // of DiagnosticStatus
-const unexplained = 1000; // for which the force may be held back without a word. Unit: [ms].
+const levels = ['good', 'waiting', 'bad']; // by level of DiagnosticStatus
+const unexplained = 1000; // time without force before an explanation is shown. Unit: [ms].
 const lift = { text: 'waiting: lift the tool', level: 'waiting', advice: 'the force comes back once the tool touches nothing' };
 
 function setText(node, text) {
@@ -11,7 +11,7 @@ function setText(node, text) {
 }
 
 export class StatusBar {
-  #waitsSince = null; // for the tool to be lifted. Unit: [ms].
+  #waitsSince = null; // time since which the force waits for the tool to be lifted. Unit: [ms].
 
   constructor({ connection, live, parameters, hold }) {
     Object.assign(this, { connection, live, parameters, hold });
@@ -28,7 +28,7 @@ export class StatusBar {
     return Boolean(this.parameters.current?.paused) || (this.live.isFresh('diagnostics') && this.live.diagnostics.level === 2);
   }
 
-  /// {text, level, advice} of what can be said now.
+  /// Current status: {text, level, advice}.
   get said() {
     if (!this.connection.connected) return { text: 'disconnected', level: 'bad', advice: 'No connection to the program; trying again' };
     if (!this.live.isFresh('diagnostics')) return { text: 'no data', level: 'waiting', advice: '' };
@@ -43,7 +43,7 @@ export class StatusBar {
     return this.#waitsSince !== null && performance.now() - this.#waitsSince > unexplained;
   }
 
-  // Whether there is no force although nothing is wrong: after a stop the tool may be deep in something.
+  // Detects that there is no force without a fault: after a stop, the tool may be inside a surface.
   #watch() {
     const { fault, state } = (this.live.isFresh('diagnostics') && this.live.diagnostics.values) || {};
     if (state !== 'waiting' || (fault && fault !== 'none')) this.#waitsSince = null;
@@ -59,7 +59,7 @@ export class StatusBar {
     return demo === undefined ? '' : demo ? 'demo: the simulated hand explores' : 'the tool stays where it is';
   }
 
-  /// Why there is no force until someone resumes, or an empty text.
+  /// Reason why there is no force until a resume; empty if there is none.
   get stop() {
     return this.needsResume ? `No force: ${this.said.text.replace(/^\w+: /, '')}.` : '';
   }

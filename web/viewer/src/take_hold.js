@@ -1,4 +1,4 @@
-// The first things that a person does at a desk: find the tool, look at the object, bring the tool to where they click.
+// First steps of a user: find the tool, frame the object, bring the tool to a clicked point.
 
 import { Vector3 } from 'three';
 
@@ -11,19 +11,19 @@ import { notify } from './notices.js';
 import { Overlay } from './overlay.js';
 import { boxAround } from './view.js';
 
-const findShare = 0.12; // of the height of the view, that the tool fills once it is looked for
-const focusShare = 0.5; // of the way to what is double-clicked, that is left
-const mostTimes = 300; // that a scene is larger than the tool, where its unit is probably not the metre
-const patience = 1000; // with a program that has not said where the tool is. Unit: [ms].
-const leastForce = 0.05; // from which on a person has felt something. Unit: [N].
-const nearest = 8; // a double click goes no nearer. In sizes of the tool.
-const toolRoom = 1.2; // around the middle of the tool, that is kept in view. In sizes of the tool.
-const mostBehind = 5; // what is cut off, that is clicked through. In sizes of the tool.
-const solid = 0.8; // opacity along a ray from which on it is no haze
-const [ringCount, ringPoints] = [8, 8]; // around the middle, where a key looks for something to feel
-const mostCovered = { top: 0.2, bottom: 0.15 }; // of the height, that is kept free: on a small page things are seen behind the rest
+const findShare = 0.12; // fraction of the view's height that the tool fills after "Find tool"
+const focusShare = 0.5; // factor on the distance to a double-clicked point
+const mostTimes = 300; // ratio of scene and tool size above which the scene's unit is probably not the metre
+const patience = 1000; // longest wait for the tool's position. Unit: [ms].
+const leastForce = 0.05; // force above which a user has felt something. Unit: [N].
+const nearest = 8; // least distance after a double click. In tool sizes.
+const toolRoom = 1.2; // margin around the tool's centre that is kept in view. In tool sizes.
+const mostBehind = 5; // largest thickness of filtered splats that a click passes through. In tool sizes.
+const solid = 0.8; // opacity along a ray above which it is not haze
+const [ringCount, ringPoints] = [8, 8]; // rings of points around the middle that touchMiddle() examines
+const mostCovered = { top: 0.2, bottom: 0.15 }; // largest fraction of the height that is left free for controls
 
-// Points on rings about the middle, nearest first: [x, y] in pixels.
+// Points [x, y] on rings around the middle, nearest first. Unit: [px].
 function rings(farthest) {
   const points = [[0, 0]];
   for (let k = 1; k <= ringCount; k += 1) {
@@ -51,15 +51,15 @@ export class TakeHold {
     return { f: () => this.frameAll(), t: () => this.findTool(), h: () => this.toggleKeys(), c: () => this.touchMiddle() };
   }
 
-  /// To be called once a scene is there.
+  /// Call once a scene is loaded.
   open() {
     this.frameAll();
-    if (this.parameters.current.registration.assumed?.includes('scale')) return; // it gets a size
+    if (this.parameters.current.registration.assumed?.includes('scale')) return; // FirstSize sets the scale
     const times = this.splats.box.getSize(new Vector3()).length() / this.felt.size;
     if (times > mostTimes) notify(`The tool is ${formatCount(Number(times.toPrecision(2)))} times smaller than the scene. “Propose a setup” in Placement finds a scale.`, 'message');
   }
 
-  /// The whole object in the middle, and the tool if it is near.
+  /// Frames the whole object, and the tool if it is near.
   frameAll() {
     const { live, felt, splats, view } = this;
     view.frameAll(splats.box, this.covered.rows(mostCovered), live.tool ? boxAround([live.tool.position], toolRoom * felt.size) : undefined);
@@ -77,7 +77,8 @@ export class TakeHold {
     else if (!hold.begin('keys')) notify('The tool can be held as soon as the program says where it is.');
   }
 
-  /// Brings the tool to what can be felt in the middle of the view, or nearest to it: to haze only where there is nothing else.
+  /// Brings the tool to the surface that can be felt at or nearest to the middle of the view; to haze only if there is
+  /// no other.
   touchMiddle() {
     const { left, top, width, height } = this.view.canvas.getBoundingClientRect();
     const rayAt = ([x, y]) => this.view.rayAt({ clientX: left + 0.5 * width + x, clientY: top + 0.5 * height + y });
@@ -102,13 +103,13 @@ export class TakeHold {
   }
 
   #touch(seen, ray) {
-    if (this.parameters.current?.demo === undefined || this.view.renderer.xr.isPresenting) return; // a device has a hand of its own
+    if (this.parameters.current?.demo === undefined || this.view.renderer.xr.isPresenting) return; // a real device
     const there = seen.felt ? seen : this.splats.lookForFelt(ray);
     if (there && there.point.distanceTo(seen.point) < mostBehind * this.felt.size) this.#approach(there.point, ray.direction);
     else notify('What is seen there is cut off by the filter: it cannot be felt.');
   }
 
-  // A page that has just taken long to draw has not heard meanwhile where the tool is.
+  // After a long frame, the tool's position may be stale: waits for the next message.
   async #approach(point, direction) {
     if (!this.live.isFresh('measured_cp')) await this.live.next('measured_cp', patience);
     if (!this.approach.to(point, direction)) notify('The tool can be moved as soon as the program says where it is.');
@@ -123,7 +124,7 @@ export class TakeHold {
     view.focus(seen.point, Math.max(distance, nearest * felt.size));
   }
 
-  /// To be called before every frame.
+  /// Call before every frame.
   update() {
     this.overlay.show(this.#seenTool());
     if (this.#isFeltByHand) byId('hint').hidden = true;

@@ -1,14 +1,14 @@
-// The shape of a tool: ellipsoids {semi_axes, position, orientation: [w, x, y, z]} around its handle.
+// Shape of a tool: ellipsoids {semi_axes, position, orientation: [w, x, y, z]} around its handle.
 
 import { Quaternion, Vector3 } from 'three';
 
-/// Half of the extent of a tool, at least a tenth of a millimetre.
+/// Size of a tool: about its largest extent from the handle, at least 0.1 mm. Unit: [m].
 export function toolSize(parts) {
   const reach = ({ semi_axes: s, position: p }) => Math.hypot(...p) + Math.hypot(...s) / Math.sqrt(3);
   return Math.max(1e-4, ...parts.map(reach));
 }
 
-/// How far it reaches from its handle in a direction of unit length, while the handle is turned by a Quaternion.
+/// Extent of a tool from its handle in a world direction, for the orientation `handle`, a Quaternion.
 export function reachOf(parts, handle, direction) {
   const along = direction.clone().normalize().applyQuaternion(handle.clone().invert());
   return Math.max(0, ...parts.map(({ semi_axes: s, position: p, orientation: [w, x, y, z] }) => {

@@ -1,5 +1,5 @@
-// The 3D view: camera, light, frames. The world is drawn as it is, z up and in metres; only in a headset the
-// group `world` is moved, to where the room wants it.
+// The 3D view: camera, light, frames. The world is drawn in its own frame, z up and in metres; only in a headset the
+// group `world` is moved, as set by the room.
 
 import {
   Box3, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
@@ -14,27 +14,27 @@ import { Frame } from './frame.js';
 const fieldOfView = 45; // vertical. Unit: [deg].
 const firstDirection = new Vector3(0.62, -0.78, 0.5).normalize(); // from the middle to the camera
 const fitMargin = 1.06;
-const mostSmaller = 1.75; // times, that a thing is seen for another to be in view beside it
-const keyTurn = Math.PI / 36; // a press of an arrow key. Unit: [rad].
+const mostSmaller = 1.75; // largest factor by which an object appears smaller to keep another one in view
+const keyTurn = Math.PI / 36; // rotation per press of an arrow key. Unit: [rad].
 const keyZoom = 1.1;
-const axisReach = 22; // of the axes in the corner. Unit: [px].
+const axisReach = 22; // length of the axes in the corner. Unit: [px].
 
 export class View {
-  frames = 0; // that have been drawn
-  sceneFrames = 0; // in which the scene was, too
-  idle = 0; // times in a row that there was nothing to draw
+  frames = 0; // number of drawn frames
+  sceneFrames = 0; // number of frames in which the scene was redrawn
+  idle = 0; // number of consecutive ticks without a redraw
   world = new Group();
   #scene = new Scene();
   #dirty = true;
   #sceneDirty = true;
   #perFrame = [];
   #opaque = true;
-  #atDesk = null; // the camera before a headset had it
+  #atDesk = null; // copy of the camera before entering a headset
 
   constructor(host, canvas) {
     this.host = host;
     this.canvas = canvas;
-    // Splats are soft by themselves: multisampling would only cost time.
+    // No multisampling: splats have soft edges.
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true });
     this.camera = new PerspectiveCamera(fieldOfView, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
@@ -72,18 +72,18 @@ export class View {
     this.#perFrame.push(work);
   }
 
-  /// All is to be drawn anew.
+  /// Requests a redraw of everything.
   invalidate() {
     this.#sceneDirty = true;
     this.invalidateFront();
   }
 
-  /// What lies before the scene is.
+  /// Requests a redraw of the objects in front of the scene.
   invalidateFront() {
     this.#dirty = true;
   }
 
-  /// Gives the themed materials below `root` the colours of the theme that is on.
+  /// Sets the themed materials below `root` to the current theme.
   applyTheme(root) {
     applyTheme(root);
     this.setBackground(this.#opaque);
@@ -95,8 +95,9 @@ export class View {
     this.invalidate();
   }
 
-  /// Moves the camera so that it sees all of a Box3 from where it looks now, in the middle of the part of the view that `covered`
-  /// leaves free: {top, bottom} in pixels. The Box3 `beside` is in view, too, where that makes the first at most `mostSmaller` smaller.
+  /// Moves the camera, without rotating it, to show all of a Box3 in the middle of the part of the view that `covered`,
+  /// {top, bottom} in pixels, leaves free. The Box3 `beside` is also in view unless `box` became more than
+  /// `mostSmaller` times smaller.
   frameAll(box, covered = { top: 0, bottom: 0 }, beside = new Box3()) {
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
@@ -115,7 +116,7 @@ export class View {
     this.invalidate();
   }
 
-  // From how far, and how far beside the middle of a box, a camera has all of it in the middle, and all of `beside` in view.
+  // Camera position relative to the centre of a box that centres the box and shows all of `beside`, see frameAll().
   #fit(box, covered, beside) {
     const middle = box.getCenter(new Vector3());
     const alone = new Frame({ ...this.#sides(covered), inside: this.#cornersOf(box, middle) });
@@ -125,14 +126,14 @@ export class View {
     return { distance, ...alone.middleAt(distance) };
   }
 
-  // What a camera sees one unit ahead, {low, high, side}, with a margin.
+  // Bounds {low, high, side} of the free part of the view at depth 1, with a margin.
   #sides({ top, bottom }) {
     const half = Math.tan((0.5 * fieldOfView * Math.PI) / 180) / fitMargin;
     const height = Math.max(this.canvas.clientHeight, 1);
     return { low: half * (-1 + (2 * bottom) / height), high: half * (1 - (2 * top) / height), side: half * this.camera.aspect };
   }
 
-  // Of a Box3, seen from `origin` along the camera's axes: [right, up, forward] each; none of an empty one.
+  // Corners of a Box3 relative to `origin` in the camera's axes: [right, up, forward] each; none for an empty box.
   #cornersOf(box, origin) {
     if (box.isEmpty()) return [];
     const axes = Object.values(this.axesOfCamera);
@@ -142,7 +143,7 @@ export class View {
     });
   }
 
-  /// Turns to a point of the world and looks at it from `distance`, from the side that it is seen from now.
+  /// Looks at a point of the world from `distance`, keeping the viewing direction.
   focus(point, distance) {
     const away = this.camera.position.clone().sub(this.orbit.target).normalize();
     this.orbit.target.copy(point);
@@ -154,18 +155,18 @@ export class View {
     this.invalidate();
   }
 
-  /// From where something of a radius fills a share of the height of the view. Unit: [m].
+  /// Distance at which an object of a radius fills a fraction of the view's height. Unit: [m].
   distanceFor(radius, share) {
     return radius / (share * Math.tan((0.5 * fieldOfView * Math.PI) / 180));
   }
 
-  /// The way from the middle of the view to a point of the world, as on the page, wherever the point is.
+  /// Direction on the page from the middle of the view to a point of the world, also for points behind the camera.
   towards(point) {
     const seen = new Vector3(...point).applyMatrix4(this.camera.matrixWorldInverse);
     return [seen.x, -seen.y];
   }
 
-  /// In a headset the camera is the head, and the room's size says how near and far it sees.
+  /// Saves the camera, which a headset controls, and sets its near and far planes for a room.
   enterHeadset(opaque) {
     this.#atDesk = this.camera.clone();
     Object.assign(this.camera, { near: 0.02, far: 1000 });
@@ -221,14 +222,14 @@ export class View {
     this.#sceneDirty = this.renderer.xr.isPresenting;
   }
 
-  /// Where a point of the world is, in pixels from the top left of the page; null behind the camera.
+  /// Position of a world point, in pixels from the top left of the page; null behind the camera.
   project(point) {
     const p = new Vector3(...point).project(this.camera);
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     return Math.abs(p.z) > 1 ? null : [left + 0.5 * (p.x + 1) * width, top + 0.5 * (1 - p.y) * height];
   }
 
-  /// The ray through a point of the page, in the world.
+  /// Ray through a point of the page, in the world.
   rayAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
@@ -237,13 +238,13 @@ export class View {
     return caster.ray;
   }
 
-  /// The size of a pixel at a point of the world. Unit: [m].
+  /// Size of a pixel at the depth of a world point. Unit: [m].
   pixelAt(point) {
     const depth = new Vector3(...point).sub(this.camera.position).dot(this.camera.getWorldDirection(new Vector3()));
     return (2 * Math.max(depth, this.camera.near) * Math.tan((0.5 * fieldOfView * Math.PI) / 180)) / this.canvas.clientHeight;
   }
 
-  /// The camera's right, up and forward in the world.
+  /// Right, up and forward axes of the camera, in the world.
   get axesOfCamera() {
     const [right, up, back] = [new Vector3(), new Vector3(), new Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, back);
@@ -251,7 +252,7 @@ export class View {
   }
 }
 
-/// The box around some points of the world with room to all sides.
+/// Bounding box of points of the world, expanded by `room`.
 export function boxAround(points, room) {
   return new Box3().setFromPoints(points.map((p) => new Vector3(...p))).expandByScalar(room);
 }

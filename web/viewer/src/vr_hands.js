@@ -1,4 +1,4 @@
-// Controllers and hands as they are seen in a headset.
+// Drawing of controllers and hands in a headset.
 
 import {
   BufferGeometry, CapsuleGeometry, CylinderGeometry, Group, Line, LineBasicMaterial, Mesh, MeshLambertMaterial, SphereGeometry, TorusGeometry, Vector3,
@@ -7,9 +7,9 @@ import {
 import { themeValue } from '../../shared/theme.js';
 
 const rayLength = 1.5; // Unit: [m].
-const slimmer = 0.7; // than the radius of a joint, so that fingers can be told apart
-const usualJoint = 0.008; // radius of a joint that says none. Unit: [m].
-const faint = 0.25; // opacity of a controller that holds the tool, which is where it is
+const slimmer = 0.7; // factor on the radius of joints, to separate the fingers
+const usualJoint = 0.008; // default radius of a joint. Unit: [m].
+const faint = 0.25; // opacity of a controller that holds the tool, as they coincide
 const order = 12;
 const fingers = ['thumb', 'index-finger', 'middle-finger', 'ring-finger', 'pinky-finger'];
 const bones = ['metacarpal', 'phalanx-proximal', 'phalanx-intermediate', 'phalanx-distal', 'tip']; // a thumb has no intermediate one
@@ -19,7 +19,7 @@ function solid(geometry, color) {
   return new Mesh(geometry, new MeshLambertMaterial({ color: themeValue(color), transparent: true }));
 }
 
-/// A handle with a ring, along the axes of the grip.
+/// Controller: a handle with a ring, along the axes of the grip.
 export function drawnController() {
   const group = new Group();
   const handle = solid(new CapsuleGeometry(0.016, 0.075, 6, 14), '--ink');
@@ -33,7 +33,7 @@ export function drawnController() {
   return group;
 }
 
-/// Lets the tool be seen through what drawnController() has made, while that holds it.
+/// Makes an object of drawnController() translucent while it holds the tool.
 export function showHolding(controller, holds) {
   for (const { material } of controller.children) material.opacity = holds ? faint : 1;
 }
@@ -45,8 +45,8 @@ export function drawnRay() {
   return line;
 }
 
-/// Gives the joints of a tracked hand, as three.js has them, a ball each, and a bone to the one before. Called before every frame:
-/// joints come one by one.
+/// Draws the three.js joints of a tracked hand as balls, with bones between them. Call before every frame: joints
+/// appear one by one.
 export function drawHand({ joints }) {
   for (const joint of Object.values(joints)) {
     if (joint.children.length === 0) joint.add(part(new SphereGeometry(1, 12, 8)));

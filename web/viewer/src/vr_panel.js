@@ -1,4 +1,4 @@
-// A panel in the room: what the page's panels say, and buttons that a ray presses. It is at the left hand.
+// Panel at the left hand in a headset: status text, and buttons pressed by a ray.
 
 import { CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, Raycaster, SRGBColorSpace, Vector3 } from 'three';
 
@@ -14,7 +14,7 @@ const buttons = { top: 270, height: 62, gap: 10, columns: 2 }; // Unit: [px].
 const redrawEvery = 150; // Unit: [ms].
 
 export class RoomPanel {
-  hovered = null; // the name of a button
+  hovered = null; // name of the button pointed at, or null
   lines = [];
   #drawn = '';
   #drawnAt = -Infinity;
@@ -33,14 +33,14 @@ export class RoomPanel {
     this.mesh.renderOrder = 20;
   }
 
-  /// Whether it is seen from somewhere.
+  /// Whether the panel is in a scene and visible.
   get isShown() {
     let part = this.mesh;
     while (part.visible && part.parent) part = part.parent;
     return part.isScene === true;
   }
 
-  /// The button that a ray of WebXR's space points at, or null.
+  /// Button that a ray in WebXR's space points at, or null.
   buttonAt(origin, direction) {
     if (!this.mesh.parent) return null;
     this.mesh.updateWorldMatrix(true, false);
@@ -51,7 +51,7 @@ export class RoomPanel {
     return this.buttons.find((_, i) => isIn(boxOf(i), x, y)) ?? null;
   }
 
-  /// Where the middle of a button is, in WebXR's space.
+  /// Centre of a button, in WebXR's space.
   placeOf(name) {
     const [x, y, w, h] = boxOf(this.buttons.findIndex((b) => b.name === name));
     this.mesh.updateWorldMatrix(true, false);
@@ -59,7 +59,7 @@ export class RoomPanel {
     return local.applyMatrix4(this.mesh.matrixWorld);
   }
 
-  /// Shows lines of text, the first with a colour of its own, and the legend.
+  /// Shows lines of text, the first in the colour of `level`, and the legend.
   show({ lines, level, legend }, now) {
     this.lines = lines;
     const key = JSON.stringify([lines, level, legend, this.hovered, this.buttons.map((b) => b.label())]);
@@ -106,7 +106,7 @@ function fillBox(context, [x, y, w, h], color, radius) {
   context.fill();
 }
 
-// How long a force is drawn, and what the colours of contacts mean.
+// Scale of the force arrows and colours of contacts.
 function drawLegend(context, { newtons, centimetres }) {
   const y = size[1] - 62;
   context.font = '24px system-ui, sans-serif';

@@ -1,13 +1,13 @@
-// What is in front of the eyes in a headset: a fade at every jump, a frame while the force is stopped, an arrow to the tool
-// when it is out of view.
+// Signs in front of the eyes in a headset: a fade at every jump, a frame while the force is stopped, an arrow to a tool
+// out of view.
 
 import { CanvasTexture, ConeGeometry, Group, Mesh, MeshBasicMaterial, PlaneGeometry, RingGeometry, SRGBColorSpace, Vector3 } from 'three';
 
 import { themeValue } from '../../shared/theme.js';
 
-const fadeTime = 0.25; // Unit: [s].
-const outOfView = Math.cos((32 * Math.PI) / 180); // from the middle of the view
-const arrowAt = 0.16; // from the middle, at a distance of 0.5 m. Unit: [m].
+const fadeTime = 0.25; // duration of a fade. Unit: [s].
+const outOfView = Math.cos((32 * Math.PI) / 180); // cosine of the angle from the viewing direction
+const arrowAt = 0.16; // distance from the middle, at a depth of 0.5 m. Unit: [m].
 const ahead = new Vector3(0, 0, -1);
 const up = new Vector3(0, 1, 0);
 const textSize = [760, 170]; // Unit: [px].
@@ -22,7 +22,7 @@ function inFront(geometry, color, order, options = {}) {
 }
 
 export class EyeSigns {
-  group = new Group(); // to be put in the camera
+  group = new Group(); // to be added to the camera
   #fade = 0;
   #text = '';
 
@@ -44,7 +44,8 @@ export class EyeSigns {
     this.#fade = 1;
   }
 
-  /// `tool` is where it is seen from the eyes, a Vector3, or null; `stop` says why there is no force, or is empty.
+  /// `tool` is its position in the camera frame, a Vector3, or null; `stop` is the reason for a stopped force, or
+  /// empty.
   update({ tool, stop, seconds }) {
     this.#fade = Math.max(0, this.#fade - seconds / fadeTime);
     this.dark.material.opacity = this.#fade;
@@ -54,7 +55,7 @@ export class EyeSigns {
     this.#point(tool);
   }
 
-  // By how much the head is to be turned and nodded: behind the head, to a side.
+  // Points the arrow along the yaw and pitch that turn the head to the tool; for a tool behind the head, to a side.
   #point(tool) {
     const direction = tool?.clone().normalize();
     this.arrow.visible = Boolean(direction) && direction.dot(ahead) < outOfView;

@@ -1,13 +1,13 @@
-// Floor and horizon of the room in a headset, so that it is clear what is level and how far things are.
+// Floor and horizon in a headset, as references for the vertical and for distances.
 
 import { BackSide, BufferAttribute, BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, SphereGeometry } from 'three';
 
 import { themeValue } from '../../shared/theme.js';
 
-const reach = 8; // of the floor's lines to each side. Unit: [m].
-const farAway = 400; // where the sky is. Unit: [m].
-const order = -10; // before the splats
-const deepest = 0.25; // of the ink, in the sky
+const reach = 8; // extent of the floor's lines to each side. Unit: [m].
+const farAway = 400; // radius of the sky. Unit: [m].
+const order = -10; // drawn before the splats
+const deepest = 0.25; // largest fraction of the ink colour in the sky
 
 export class Surroundings {
   group = new Group();
@@ -22,7 +22,7 @@ export class Surroundings {
     this.group.visible = false;
   }
 
-  /// In the colours of the theme: sky and ground are darker than the horizon between them.
+  /// Sets the colours of the theme: sky and ground are darker than the horizon.
   applyTheme() {
     const [view, ink] = ['--view', '--ink'].map((name) => new Color(themeValue(name)));
     const isDark = view.g < ink.g;
@@ -40,7 +40,7 @@ export class Surroundings {
   }
 }
 
-// Every side of every square metre by itself: a line from behind the eyes to before them is not drawn everywhere.
+// Grid of separate segments of 1 m: long lines that start behind the camera are not drawn on all systems.
 function gridLines() {
   const points = [];
   for (let k = -reach; k <= reach; ++k) {

@@ -1,14 +1,14 @@
-// Where a throw from a hand meets the floor: a person in a headset goes there.
+// Teleport in a headset: to the point where a ballistic arc from a hand meets the floor.
 
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, RingGeometry, Vector3 } from 'three';
 
 import { themeValue } from '../../shared/theme.js';
 
-const speed = 5; // of the throw. Unit: [m/s].
+const speed = 5; // initial speed of the arc. Unit: [m/s].
 const gravity = new Vector3(0, -9.81, 0);
-const points = 24; // of the drawn arc
+const points = 24; // number of points of the drawn arc
 
-/// Where it lands on the floor, and after how long: {target, time}. WebXR's space.
+/// Landing point on the floor, in WebXR's space, and flight time: {target, time}.
 export function landing(origin, direction) {
   const v = direction.clone().normalize().multiplyScalar(speed);
   const height = Math.max(origin.y, 0);
@@ -45,7 +45,7 @@ export class Teleport {
     this.group.visible = true;
   }
 
-  /// The place that was aimed at, or null.
+  /// Ends aiming. Returns the target, or null.
   end() {
     const { target } = this;
     this.target = null;

@@ -1,4 +1,4 @@
-// The scene and the tool in 3D, and the tool in the hand. Needs WebGL 2: throws where there is none.
+// Builds the 3D view with its objects and input methods. Throws without WebGL 2.
 
 import { byId } from '../../shared/dom.js';
 import { exposeApi } from './api.js';
@@ -56,7 +56,7 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
     felt.follow(p);
     loader.follow(p);
     size.follow(p);
-    // The room that a person in a headset moves is theirs until they let it go.
+    // Only a changed room is applied, so that other updates do not interrupt a user who moves the world.
     if (JSON.stringify(p.room) !== knownRoom) room.set(p.room);
     knownRoom = JSON.stringify(p.room);
   });
