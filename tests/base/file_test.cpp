@@ -301,5 +301,12 @@ TEST(Error, IsOneLineOfPrintableText) {
   EXPECT_STREQ(error.what(), "name?: line 7?second?[0m?tab");
 }
 
+TEST(Error, HasNoCharactersThatReorderOrBreakTheLine) {
+  for (const char* sign : {"\u2028", "\u202e", "\u2066", "\u2067", "\u2068", "\u2069"})
+    EXPECT_EQ(printable(std::string("a") + sign + "b"), "a???b");
+  for (const char* sign : {"\u2027", "\u202f", "\u2065", "\u206a", "\u20ac"})
+    EXPECT_EQ(printable(sign), sign);
+}
+
 }  // namespace
 }  // namespace palpate

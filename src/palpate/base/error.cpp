@@ -24,7 +24,9 @@ std::size_t printable_bytes(std::string_view text) {
   if (first == 0xf0 && byte(1) < 0x90) return 0;   // overlong
   if (first == 0xf4 && byte(1) >= 0x90) return 0;  // beyond Unicode
   if (first == 0xe2 && byte(1) == 0x80 && byte(2) >= 0xa8 && byte(2) <= 0xae)
-    return 0;  // line separators, bidirectional controls
+    return 0;  // line separators, bidirectional embeddings
+  if (first == 0xe2 && byte(1) == 0x81 && byte(2) >= 0xa6 && byte(2) <= 0xa9)
+    return 0;  // bidirectional isolates
   return length;
 }
 

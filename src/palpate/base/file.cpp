@@ -201,9 +201,10 @@ void OutputFile::commit(Sync sync) {
       }
     }
   }
+  // Some file systems report a full disk only here.
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", errno);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail("write", errno);
   temporary_.clear();
-  ::close(std::exchange(descriptor_, -1));
 }
 
 namespace {
