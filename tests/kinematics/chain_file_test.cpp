@@ -2,6 +2,7 @@
 #include <palpate/kinematics/chain_file.h>
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,12 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   const std::size_t at = text.find(what);
   EXPECT_NE(at, std::string::npos) << what;
   return text.replace(at, what.size(), by);
+}
+
+std::string repeated(std::string_view text, int times) {
+  std::string all;
+  for (int k = 0; k < times; ++k) all += text;
+  return all;
 }
 
 constexpr const char* kUrdf = R"(<?xml version="1.0"?>
@@ -61,6 +68,11 @@ TEST(ChainFile, ReadsUrdfAndJoinsWhatIsFixed) {
   EXPECT_TRUE(at.tip().position.isApprox(
       Eigen::Vector3d(1.5 + 0.4 * std::cos(0.5), 0, 1.2 + 0.4 * std::sin(0.5)), 1e-12))
       << at.tip().position.transpose();
+}
+
+TEST(ChainFile, CommentsInUrdfDoNotNest) {
+  const std::string comment = "<!--" + repeated("<a>", 1000) + "-->";
+  EXPECT_EQ(parse_chain("two.urdf", replaced(kUrdf, "</robot>", comment + "</robot>")).size(), 2);
 }
 
 TEST(ChainFile, TomlAndFileOnDiskAreTheSame) {
@@ -131,14 +143,13 @@ std::vector<Bad> bad_chains() {
        replaced(urdf, "<limit lower=\"-1\" upper=\"1\" velocity=\"2\" effort=\"10\"/>", ""),
        {"hinge", "limit"}},
       {"urdf floating", replaced(urdf, "type=\"revolute\"", "type=\"floating\""), {"'hinge'"}},
-      {"urdf garbage", std::string(100, '<') + "a>", {"deep"}},
-      {"urdf nested",
-       [] {
-         std::string s;
-         for (int k = 0; k < 1000; ++k) s += "<a>";
-         return s;
-       }(),
-       {"deep"}},
+      {"urdf garbage", std::string(100, '<') + "a>", {"URDF"}},
+      {"urdf nested", repeated("<a>", 1000), {"deep"}},
+      {"urdf nested, ends in comments", repeated("<a><!--</a>-->", 1000), {"deep"}},
+      {"urdf nested, ends in data", repeated("<a><![CDATA[</a>]]>", 1000), {"deep"}},
+      {"urdf nested, ends in quotes", repeated("<a b='></a>'>", 1000), {"deep"}},
+      {"urdf nested, after a quote in what is no tag", "<!x \">" + repeated("<a>", 1000) + "\">", {"deep"}},
+      {"urdf without an end of any tag", repeated("<a ", 1 << 20), {"URDF"}},
   };
 }
 

@@ -1,8 +1,10 @@
 #include <palpate/kinematics/urdf_listing.h>
 
 #include <algorithm>
+#include <cctype>
 #include <mutex>
 #include <numbers>
+#include <utility>
 
 #include <console_bridge/console.h>
 #include <urdf_model/link.h>
@@ -32,19 +34,52 @@ class FirstError final : public console_bridge::OutputHandler {
   std::string first_;
 };
 
-/// Nesting depth of the elements, estimated without parsing: tags in comments count, too.
+/// True if the '<' before `next` begins an element for TinyXML, which urdfdom uses.
+bool begins_element(char next) {
+  return std::isalpha(static_cast<unsigned char>(next)) != 0 || next == '_' ||
+         static_cast<unsigned char>(next) >= 0x7f;
+}
+
+/// Returns the position of the '>' that ends the start tag at `k`: those within quotes do not. npos if there
+/// is none.
+std::size_t end_of_start_tag(std::string_view text, std::size_t k) {
+  char quote = '\0';
+  for (; k < text.size(); ++k) {
+    if (quote != '\0') {
+      if (text[k] == quote) quote = '\0';
+    } else if (text[k] == '"' || text[k] == '\'') {
+      quote = text[k];
+    } else if (text[k] == '>') {
+      return k;
+    }
+  }
+  return std::string_view::npos;
+}
+
+/// Returns the position of the last character of what begins with the '<' at `k`; npos if it has no end.
+std::size_t end_of_markup(std::string_view text, std::size_t k) {
+  using Ends = std::pair<std::string_view, std::string_view>;
+  for (const auto& [begin, end] : {Ends{"<!--", "-->"}, Ends{"<![CDATA[", "]]>"}}) {
+    if (!text.substr(k).starts_with(begin)) continue;
+    const std::size_t at = text.find(end, k + begin.size());
+    return at == std::string_view::npos ? at : at + end.size() - 1;
+  }
+  return k + 1 < text.size() && begins_element(text[k + 1]) ? end_of_start_tag(text, k) : text.find('>', k);
+}
+
+/// Nesting depth of the elements, found without recursion. For text that is not well-formed, it is that of
+/// the part that a parser reads before it refuses it.
 int depth(std::string_view text) {
   int now = 0, deepest = 0;
-  for (std::size_t k = 0; k + 1 < text.size(); ++k) {
-    if (text[k] != '<' || text[k + 1] == '!' || text[k + 1] == '?') continue;
-    if (text[k + 1] == '/') {
-      --now;
-      continue;
+  for (std::size_t k = text.find('<'); k != std::string_view::npos; k = text.find('<', k)) {
+    const std::size_t end = end_of_markup(text, k);
+    if (end == std::string_view::npos) break;
+    if (text[k + 1] == '/') --now;
+    if (begins_element(text[k + 1])) {
+      deepest = std::max(deepest, now + 1);
+      if (text[end - 1] != '/') ++now;
     }
-    const std::size_t end = text.find('>', k);
-    const bool closed = end != std::string_view::npos && text[end - 1] == '/';
-    deepest = std::max(deepest, now + 1);
-    if (!closed) ++now;
+    k = end;
   }
   return deepest;
 }
