@@ -183,13 +183,25 @@ class Figures {
 
   int color_of(const std::string& model) const { return index_of(models_, model) % PlotSeries::kColors; }
 
+  /// The colour `first`, or the next one below, cyclically, that no line of `plot` has; `first` if all are
+  /// taken.
+  static int free_color(const Plot& plot, int first) {
+    for (int k = 0; k < PlotSeries::kColors; ++k) {
+      const int color = (PlotSeries::kColors + first - k) % PlotSeries::kColors;
+      if (std::none_of(plot.series.begin(), plot.series.end(),
+                       [&](const PlotSeries& s) { return s.color == color; }))
+        return color;
+    }
+    return first;
+  }
+
   /// Adds a line for the model and spacing of `row`, for positions within `shown` mm.
   void draw_crossing(Plot& plot, const EvaluationRow& row, const Curve& curve, double shown) const {
     if (curve.empty()) return;
-    // The first line has its model's colour; further ones take colours of no model as long as there are some.
-    const int color = (PlotSeries::kColors + color_of(row.model) - static_cast<int>(plot.series.size())) %
-                      PlotSeries::kColors;
-    PlotSeries line{fmt::format("{}, {:.3g} mm", row.model, kToMm * row.spacing), Style::kLine, color, {}};
+    PlotSeries line{fmt::format("{}, {:.3g} mm", row.model, kToMm * row.spacing),
+                    Style::kLine,
+                    free_color(plot, color_of(row.model)),
+                    {}};
     for (const CurvePoint& p : curve) {
       if (std::abs(kToMm * p.at) <= shown)
         line.points.emplace_back(kToMm * p.at, kToMm * p.value.p50, kToMm * p.value.p05, kToMm * p.value.p95);
@@ -223,16 +235,17 @@ class Figures {
 
 std::string table_of(const EvaluationSection& section, const Rows& rows) {
   std::string html =
-      "<div class='table' tabindex='0'><table>\n<tr><th>shape</th><th>spacing</th><th>model</th>";
+      "<div class='table' tabindex='0'><table>\n<tr><th>shape</th><th>spacing</th><th "
+      "class='name'>model</th>";
   for (const EvaluationColumn& c : section.columns)
     html += fmt::format("<th>{}</th>", markup_escaped(c.heading));
   html += "</tr>\n";
   std::string last;
   for (const EvaluationRow& row : rows) {
     if (!section.has(row)) continue;
-    html +=
-        fmt::format("<tr{}><td>{}</td><td>{:.3g} mm</td><td>{}</td>", row.shape == last ? "" : " class='new'",
-                    markup_escaped(row.shape), kToMm * row.spacing, markup_escaped(row.model));
+    html += fmt::format("<tr{}><td>{}</td><td>{:.3g} mm</td><td class='name'>{}</td>",
+                        row.shape == last ? "" : " class='new'", markup_escaped(row.shape),
+                        kToMm * row.spacing, markup_escaped(row.model));
     for (const EvaluationColumn& c : section.columns)
       html += fmt::format("<td>{}</td>", markup_escaped(text_of(c, row)));
     html += "</tr>\n";

@@ -23,7 +23,7 @@ figure svg{display:block;width:100%;height:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;white-space:nowrap;width:100%}
 th,td{padding:4px 10px;text-align:right}th{color:var(--muted);font-weight:600}
 th:first-child,td:first-child{text-align:left;position:sticky;left:0;background:var(--card)}
-th:nth-child(3),td:nth-child(3){text-align:left}
+th.name,td.name{text-align:left}
 td.text,th.text{white-space:normal;text-align:left;min-width:22ch}
 pre{padding:8px 12px;font:12px/1.5 ui-monospace,monospace}
 tr.new td{border-top:1px solid var(--border)}

@@ -66,8 +66,9 @@ class Scale {
     return ticks;
   }
 
-  /// Label of a power of ten times a digit, in few characters: 20k, 0.05, 1e-5.
+  /// Label of a power of ten times a digit, in few characters: 2M, 20k, 0.05, 1e-5.
   static std::string decade_text(double value) {
+    if (value >= 999e3) return fmt::format("{:.3g}M", value / 1e6);
     if (value >= 999.0) return fmt::format("{:.3g}k", value / 1000.0);
     if (value > 0.00099) return fmt::format("{:.3g}", value);
     const double power = std::floor(std::log10(value) + 1e-9);

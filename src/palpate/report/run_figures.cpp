@@ -11,6 +11,8 @@ namespace palpate {
 namespace {
 
 using Value = std::function<double(const RunRow&)>;
+/// True if rows of that run have a value; the columns of a run are those of its first row.
+using Has = bool (*)(const RunRow&);
 
 constexpr std::size_t kColumns = 600;  // intervals of a line
 constexpr double kLeastCount = 0.5;    // shown for 0 on a logarithmic axis
@@ -21,8 +23,11 @@ double count(std::size_t n) { return std::max(kLeastCount, static_cast<double>(n
 double contacts(const RunRow& row) { return count(row.colliding); }
 double compute(const RunRow& row) { return std::max(kLeastTime, row.compute_us); }
 Eigen::Vector3d force(const RunRow& row) { return row.wrench.force; }
-Eigen::Vector3d user(const RunRow& row) { return row.user_force.value_or(Eigen::Vector3d::Zero()); }
-Eigen::Vector3d sent(const RunRow& row) { return row.live ? row.live->sent.force : Eigen::Vector3d::Zero(); }
+bool always(const RunRow&) { return true; }
+bool has_user(const RunRow& row) { return row.user_force.has_value(); }
+Eigen::Vector3d user(const RunRow& row) { return *row.user_force; }
+bool has_sent(const RunRow& row) { return row.live.has_value(); }
+Eigen::Vector3d sent(const RunRow& row) { return row.live->sent.force; }
 
 std::string name_of(const Run& run) { return std::filesystem::path(run.source).filename().string(); }
 
@@ -44,8 +49,9 @@ PlotSeries line(const Run& run, const std::string& name, int color, const Value&
 
 class Figures {
  public:
-  explicit Figures(const std::vector<Run>& runs) : runs_(runs), of_(name_of(runs.front())) {
-    for (std::size_t i = 1; i < runs.size(); ++i) of_ += ", " + name_of(runs[i]);
+  /// \pre not empty, nor is any of the runs
+  explicit Figures(const std::vector<Run>& runs) : runs_(runs) {
+    for (const Run& run : runs) of_ += (of_.empty() ? "" : ", ") + name_of(run);
   }
 
   Plot counts() const {
@@ -63,10 +69,13 @@ class Figures {
     return with_lines(std::move(plot), compute);
   }
 
-  Plot vector(const std::string& name, const std::string& title, Eigen::Vector3d (*of)(const RunRow&)) const {
+  Plot vector(const std::string& name, const std::string& title, Eigen::Vector3d (*of)(const RunRow&),
+              Has has) const {
     const bool several = runs_.size() > 1;
     Plot plot = over_time(name, title, {several ? "magnitude, N" : "N", false, {}, {}, {}});
-    if (several) return with_lines(std::move(plot), [=](const RunRow& row) { return of(row).norm(); });
+    if (several)
+      return with_lines(
+          std::move(plot), [=](const RunRow& row) { return of(row).norm(); }, has);
     for (int axis = 0; axis < 3; ++axis) {
       plot.series.push_back(line(runs_.front(), kAxes[static_cast<std::size_t>(axis)], axis,
                                  [=](const RunRow& row) { return of(row)[axis]; }));
@@ -76,7 +85,6 @@ class Figures {
     return plot;
   }
 
-  template <class Has>
   bool any(Has has) const {
     return std::any_of(runs_.begin(), runs_.end(), [&](const Run& run) { return has(run.rows.front()); });
   }
@@ -86,9 +94,10 @@ class Figures {
     return {name, title, of_, {"time, s", false, {}, {}, {}}, std::move(y), {}};
   }
 
-  Plot with_lines(Plot plot, const Value& value) const {
+  Plot with_lines(Plot plot, const Value& value, Has has = always) const {
     for (std::size_t i = 0; i < runs_.size(); ++i)
-      plot.series.push_back(line(runs_[i], name_of(runs_[i]), static_cast<int>(i), value));
+      if (has(runs_[i].rows.front()))
+        plot.series.push_back(line(runs_[i], name_of(runs_[i]), static_cast<int>(i), value));
     return plot;
   }
 
@@ -100,11 +109,9 @@ class Figures {
 
 std::vector<Plot> run_figures(const std::vector<Run>& runs) {
   const Figures figures(runs);
-  std::vector<Plot> plots{figures.counts(), figures.vector("force", "Repulsive force", force)};
-  if (figures.any([](const RunRow& row) { return row.user_force.has_value(); }))
-    plots.push_back(figures.vector("user", "User force", user));
-  if (figures.any([](const RunRow& row) { return row.live.has_value(); }))
-    plots.push_back(figures.vector("sent", "Force sent", sent));
+  std::vector<Plot> plots{figures.counts(), figures.vector("force", "Repulsive force", force, always)};
+  if (figures.any(has_user)) plots.push_back(figures.vector("user", "User force", user, has_user));
+  if (figures.any(has_sent)) plots.push_back(figures.vector("sent", "Force sent", sent, has_sent));
   plots.push_back(figures.times());
   return plots;
 }

@@ -151,15 +151,16 @@ Plot traces_of(const std::vector<StabilityTrace>& traces, const std::string& sub
 std::string rows_table(const std::vector<StabilityRow>& rows) {
   std::string html =
       "<div class='table' "
-      "tabindex='0'><table>\n<tr><th>profile</th><th>hand</th><th>model</th><th>contacts</th>"
+      "tabindex='0'><table>\n<tr><th>profile</th><th>hand</th><th class='name'>model</th><th>contacts</th>"
       "<th>limit cycle mm</th><th>energy mJ</th><th>changes</th><th>rest N</th><th>slide "
       "off</th><th>fault</th>"
       "<th>Z-width N/m</th></tr>\n";
   std::string last;
   for (const StabilityRow& r : rows) {
     html += fmt::format(
-        "<tr{}><td>{}</td><td>{}</td><td>{}</td><td>{} {:g} ms</td><td>{:.4f}</td><td>{:.4f}</td><td>{}</td>"
-        "<td>{:.2f}</td><td>{:.1f} %</td><td>{}</td><td>{}</td></tr>\n",
+        "<tr{}><td>{}</td><td>{}</td><td class='name'>{}</td><td>{} {:g} "
+        "ms</td><td>{:.4f}</td><td>{:.4f}</td>"
+        "<td>{}</td><td>{:.2f}</td><td>{:.1f} %</td><td>{}</td><td>{}</td></tr>\n",
         r.profile == last ? "" : " class='new'", markup_escaped(r.profile), hand_text(r.hand),
         markup_escaped(r.model), to_string(r.source), kMilli * r.delay, kMilli * r.limit_cycle,
         kMilli * r.port_energy, r.contact_changes, r.rest_force, 100.0 * r.force_off, traits(r.fault).name,

@@ -225,8 +225,10 @@ CaptureLikeness capture_likeness(CaptureEvaluation& first, CaptureEvaluation& se
     }
   }
   CaptureLikeness result;
-  result.p10 = quantile(ratios, 0.1);
-  result.p90 = quantile(ratios, 0.9);
+  if (!ratios.empty()) {
+    result.p10 = quantile(ratios, 0.1);
+    result.p90 = quantile(ratios, 0.9);
+  }
   result.ratio = spread_of(std::move(ratios));
   result.silent_in_one = share_of(silent, aims.size());
   return result;

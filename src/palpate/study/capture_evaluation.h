@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -127,9 +128,10 @@ class CaptureEvaluation {
 
 /// Similarity of the forces of two captures of one object at the same poses.
 struct CaptureLikeness {
-  Spread ratio;                 ///< |F| of the second over the first, both felt and deeper than 5 mm
-  double p10 = 0.0, p90 = 0.0;  ///< quantiles of that
-  double silent_in_one = 0.0;   ///< share of pushes that are silent 5 mm deep in exactly one of the two
+  Spread ratio;  ///< |F| of the second over the first, both felt and deeper than 5 mm
+  /// Quantiles of that; NaN if there is none.
+  double p10 = std::numeric_limits<double>::quiet_NaN(), p90 = std::numeric_limits<double>::quiet_NaN();
+  double silent_in_one = 0.0;  ///< share of pushes that are silent 5 mm deep in exactly one of the two
 };
 
 /// Compares pushes along `aims`, which are of the first.

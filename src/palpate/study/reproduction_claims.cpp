@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <palpate/base/quantile.h>
 
@@ -33,10 +34,14 @@ std::vector<double> values_of(const ReproductionRun& run, const Value& value) {
   return values;
 }
 
+/// The q-quantile; NaN if nothing was measured.
+double measured_quantile(std::vector<double> values, double q) {
+  return values.empty() ? kNone : quantile(values, q);
+}
+
 template <class Value>
 double most(const ReproductionRun& run, const Value& value) {
-  const std::vector<double> values = values_of(run, value);
-  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  return measured_quantile(values_of(run, value), 1.0);
 }
 
 double mean(const std::vector<double>& values) {
@@ -130,12 +135,14 @@ double without_contact(const ReproductionRun& run) {
 
 /// Least user force at rest of all contacts, over the median of the user force without contact.
 double spike(const ReproductionRun& run) {
-  std::vector<double> free = values_of(run, [&](const ReproductionTick& tick) {
-    return tick.colliding == 0 && tick.force.isZero(0.0) ? tick.user.norm() : kNone;
-  });
-  const double usual = quantile(free, 0.5);
-  double least = std::numeric_limits<double>::infinity();
-  for (const ReproductionContact& contact : run.contacts) least = std::min(least, contact.user);
+  const double usual = measured_quantile(
+      values_of(run,
+                [&](const ReproductionTick& tick) {
+                  return tick.colliding == 0 && tick.force.isZero(0.0) ? tick.user.norm() : kNone;
+                }),
+      0.5);
+  double least = kNone;
+  for (const ReproductionContact& contact : run.contacts) least = std::fmin(least, contact.user);
   return usual > 0.0 ? least / usual : kNone;
 }
 
@@ -154,12 +161,11 @@ double first_ms(const ReproductionRun& run) {
       if (tick.t >= contact.begins && tick.t < contact.begins + kFirst) times.push_back(cpu_ms(tick));
     }
   }
-  return quantile(times, 0.95);
+  return measured_quantile(std::move(times), 0.95);
 }
 
 double cpu_quantile(const ReproductionRun& run, double q) {
-  std::vector<double> times = values_of(run, cpu_ms);
-  return quantile(times, q);
+  return measured_quantile(values_of(run, cpu_ms), q);
 }
 
 }  // namespace
