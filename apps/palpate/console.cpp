@@ -83,8 +83,8 @@ void Console::draw() {
   std::string text = line_of(0);
   for (std::size_t k = 1; k < shown; ++k) text += "\n\r" + line_of(k);
   if (shown < count) text += fmt::format("  (and {} more)", count - shown);
-  // Several lines are clipped to the width of the terminal: erased() does not count wrapped lines.
-  stderr_.write(erased() + (count > 1 ? "\033[?7l" + text + "\033[?7h" : text));
+  // Clipped to the width of the terminal: erased() does not count wrapped lines.
+  stderr_.write(erased() + "\033[?7l" + text + "\033[?7h");
   drawn_ = shown;
 }
 
@@ -100,12 +100,12 @@ std::string Console::line_of(std::size_t hand) const {
   const std::string_view held_by = system->device_held_by();
   const std::string held = held_by.empty() ? "" : fmt::format("  held: {}", held_by);
   return fmt::format(
-      "{:7.1f} s  {}{}{}  {} {:.0f} N/m  {:5.2f} N  {:3} contacts  tick {:.0f}/{:.0f} us  {} overruns  "
-      "margin {}{}",
+      "{:7.1f} s  {}{}{}  {} {:.0f} N/m  {:5.2f} N{}  {:3} contacts  margin {}  tick {:.0f}/{:.0f} us  "
+      "{} overruns",
       now.t, said_of(name), to_string(now.state), why, to_string(settings.force.model),
-      settings.force.proxy.stiffness, now.sent.force.norm(), now.contacts,
+      settings.force.proxy.stiffness, now.sent.force.norm(), held, now.contacts, margin,
       kMicro * statistics.whole.quantile(0.5), kMicro * statistics.whole.quantile(0.99),
-      statistics.overruns.load(), margin, held);
+      statistics.overruns.load());
 }
 
 bool Console::act(char key) {

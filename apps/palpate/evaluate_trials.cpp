@@ -137,6 +137,7 @@ void TrialOptions::declare(CLI::App& app) {
 void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
   if (!(task.force.proxy.stiffness > 0.0)) throw Error("--stiffness 0: forces are held against it");
   check_output(task.csv, {task.common.config}, "--csv");
+  for (const std::string& tool : options.tools) check_output(task.csv, {tool}, "--csv");
   std::vector<TrialRow> rows = rows_of(options, task);
   ResultFile csv(task.csv);
   if (options.stroke >= 0) {

@@ -108,6 +108,13 @@ Provenance provenance_of(const Options& options, const Ground& ground) {
 }
 
 void run(Options options) {
+  const LiveConfig& given = options.live;
+  check_output(options.csv,
+               {given.scene.path, given.device.chain, given.force.materials, options.common.config}, "--csv");
+  check_output(
+      options.html,
+      {given.scene.path, given.device.chain, given.force.materials, options.common.config, options.csv},
+      "--html");
   ResultFile csv(options.csv), html(options.html);
   check_figure_folder(options.svg);
   const Progress progress = terminal_progress(options.common.quiet);

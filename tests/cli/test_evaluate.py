@@ -308,6 +308,8 @@ class Trials(Evaluate):
 
     def test_what_makes_no_sense_is_refused(self):
         self.refuse(1, "spoon", *self.AMOUNTS, "--trial-tools", "spoon")
+        self.write("two.toml", '[[ellipsoid]]\nname = "a"\nsemi_axes = [0.01, 0.01, 0.01]\n')
+        self.refuse(1, "is also an input", *self.AMOUNTS, "--trial-tools", "two.toml", "--csv", "two.toml")
         self.refuse(2, "--trial-places", *self.AMOUNTS, "--trial-places", "moon")
         self.refuse(2, "--like", *self.AMOUNTS, "--like", "dust")
         self.refuse(1, "--stroke", *self.AMOUNTS, "--stroke", "0")

@@ -39,6 +39,8 @@ class Reproduce(Case):
             (("--virtual-damping", "1", "--stiffness", "5000"), "not stable"),
             (("--translate", "0,0,50"), "can be reached"),
             (("--chain", "nothing.toml"), "nothing.toml"),
+            (("--csv", "box.ply"), "is also an input"),
+            (("--html", "box.ply"), "is also an input"),
         ):
             with self.subTest(arguments=arguments):
                 self.refuse(1, words, "reproduce", "box.ply", *QUICK, *arguments)

@@ -273,6 +273,21 @@ class Hands(Live):
         rows = self.rows("run.csv")
         self.assertEqual({float(row["sfz"]) for row in rows[-200:]}, {0.0})
 
+    def test_the_status_line_does_not_wrap(self):
+        master, process = self.on_a_terminal("--seconds", "1", "--no-gateway")
+        drawn = b""
+        try:
+            while piece := os.read(master, 65536):
+                drawn += piece
+        except OSError:  # its end of the terminal is closed
+            pass
+        process.communicate(timeout=30)
+        os.close(master)
+        lines = [line for line in drawn.split(b"\r\x1b[K") if b" N/m" in line]
+        self.assertGreater(len(lines), 2)
+        for line in lines:
+            self.assertTrue(line.startswith(b"\x1b[?7l") and b"\x1b[?7h" in line, line)
+
     def test_keys_are_heard_on_a_terminal(self):
         master, process = self.on_a_terminal()
         seen = b""
