@@ -28,6 +28,8 @@ namespace {
 constexpr double kLook = 0.2;
 /// Queue length of subscriptions; only the newest pose counts.
 constexpr int kQueue = 8;
+/// Type that the master takes for any; publishers tell it the true one.
+constexpr const char* kAnyType = "*";
 
 /// True once the loss of the master has been reported; one flag per process, shared by all links.
 std::atomic<bool> lost{false};
@@ -183,23 +185,18 @@ class Link::Implementation {
 
   void watch_master() {
     watch_ = std::make_unique<MasterWatch>(
-        [this] { tell_lost("the ROS master is gone; what is connected stays so, and it is waited for"); },
+        [this] { tell_lost("lost the ROS master; existing connections persist; waiting for it"); },
         [this](bool another) {
           if (another) register_anew();
           tell_found();
         });
   }
 
-  /// Registers this link's subscriptions and all publications with a restarted master; connections persist.
-  void register_anew() {
-    for (const ros::Subscriber& subscriber : subscriptions_) {
-      const std::string topic = subscriber.getTopic();
-      const std::string type = topic == subscriptions_[0].getTopic()   ? "geometry_msgs/PoseStamped"
-                               : topic == subscriptions_[1].getTopic() ? "geometry_msgs/TwistStamped"
-                                                                       : "std_msgs/Header";
-      update(topic, register_as("registerSubscriber", topic, type));
-    }
+  /// Registers all topics of the process with a restarted master; connections persist.
+  static void register_anew() {
     std::vector<std::string> topics;
+    ros::this_node::getSubscribedTopics(topics);
+    for (const std::string& topic : topics) update(topic, register_as("registerSubscriber", topic, kAnyType));
     ros::this_node::getAdvertisedTopics(topics);
     for (const std::string& topic : topics)
       if (const auto publication = ros::TopicManager::instance()->lookupPublication(topic))
@@ -236,7 +233,7 @@ class Link::Implementation {
     if (!lost.exchange(true)) listener_.say(line);
   }
   void tell_found() {
-    if (lost.exchange(false)) listener_.say("the ROS master is there");
+    if (lost.exchange(false)) listener_.say("connected to the ROS master");
   }
   static void sleep() { std::this_thread::sleep_for(std::chrono::duration<double>(kLook)); }
 

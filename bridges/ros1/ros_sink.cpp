@@ -216,7 +216,7 @@ class Ros1Sink final : public node::NodeSink {
   std::vector<ros::ServiceServer> servers_;
   std::vector<ros::Subscriber> listeners_;
   ros::AsyncSpinner spinner_{1, &queue_}, slow_spinner_{1, &slow_queue_};
-  /// Advertises the services again after a restart of the master; Link does so for publications.
+  /// Advertises the services again after a restart of the master; Link does so for topics.
   MasterWatch watch_{[] {},
                      [this](bool another) {
                        if (another) serve();

@@ -284,7 +284,7 @@ class Node(unittest.TestCase):
         self.wait(lambda: self.status("palpate: scene")[1]["recording"] == path)
         self.lean()
         open_scene = self.publisher("/palpate/open_scene")
-        self.says("open_scene: a recording is of one scene: end it first", lambda: open_scene.publish(""))
+        self.says("open_scene: a recording contains one scene only; stop it first", lambda: open_scene.publish(""))
         self.wait(lambda: len(rows_of(path)) > 100)  # while it is made
         self.assertEqual(self.call("/palpate/record", False), path)
         rows = rows_of(path)
@@ -312,7 +312,7 @@ class Node(unittest.TestCase):
             self.wait_said("the recording has ended: ")
         finally:
             resource.prlimit(self.run_.pid, resource.RLIMIT_FSIZE, limit)
-        self.assertIn(f"what it has until then is in {path}", self.text())
+        self.assertIn(f"the data up to then is in {path}", self.text())
         self.refuse("nothing is being recorded", "/palpate/record", False)
         self.assertEqual(self.parameters()["recording"], "")
         self.assertGreater(len(rows_of(path)), 100)
@@ -331,7 +331,7 @@ class Node(unittest.TestCase):
             def wait_centers(height):
                 self.wait(lambda: all(abs(p[2] - height) < 1e-6 for p in struct.iter_unpack("<3f", centers.all[-1].data)))
             wait_centers(0.0)
-            self.says("low.ply is felt", lambda: open_scene.publish(known["low.ply"]))
+            self.says("low.ply is active", lambda: open_scene.publish(known["low.ply"]))
             self.assertEqual(self.parameters()["scene"], {"name": "low.ply", "path": os.path.join(self.scenes, "low.ply")})
             self.wait(lambda: self.status("palpate: scene")[1]["scene"].endswith("low.ply"))
             wait_centers(LOW)
@@ -343,7 +343,7 @@ class Node(unittest.TestCase):
             wait_centers(0.0)
             self.lean()
             self.wait(lambda: any(m.action == Marker.ADD for m in contacts.all[-1].markers))
-        self.says("wall.ply is felt", lambda: open_scene.publish(self.scene))  # by its path
+        self.says("wall.ply is active", lambda: open_scene.publish(self.scene))  # by its path
         self.assertEqual(self.parameters()["registration"]["translation"], [0, 0, 0])
         self.lean()
 
@@ -405,17 +405,21 @@ class Node(unittest.TestCase):
     def test_6_the_master_is_killed_and_started_again(self):
         self.lean()
         self.master.kill()
-        self.wait_said("the ROS master is gone")
+        self.wait_said("lost the ROS master")
         wrenches, statuses = self.driver.wrenches, len(self.diagnostics.all)
         self.wait(lambda: self.driver.wrenches > wrenches + 20 and len(self.diagnostics.all) > statuses + 3)  # connections stay
         self.master.start()
-        self.wait_said("the ROS master is there")
+        self.wait_said("connected to the ROS master")
         self.wait(lambda: {"/palpate/emergency_stop", "/palpate/record"} <= set(rosservice.get_service_list()))
         self.call("/palpate/pause", True)
         self.wait(lambda: self.driver.force == 0.0)
         self.call("/palpate/pause", False)
         found = subprocess.run(["timeout", "20", "rostopic", "echo", "-n", "1", "/palpate/tool"], capture_output=True, text=True, check=False)
         self.assertIn("ns: \"tool\"", found.stdout, found.stderr)
+        for stiffness in (400, 500):  # a publisher that the new master alone knows
+            subprocess.run(["timeout", "20", "rostopic", "pub", "-1", "/palpate/set_parameters", "std_msgs/String",
+                            f'data: "{{\\"stiffness\\": {stiffness}}}"'], capture_output=True, check=True)
+            self.wait(lambda: self.parameters()["stiffness"] == stiffness)
 
     def test_7_every_pose_is_answered_or_counted(self):
         self.lean()
@@ -453,21 +457,21 @@ class Refusals(unittest.TestCase):
         for argument, words in {
             "_stifness:=300": "there is no parameter 'stifness'",
             "_stiffness:=much": "parameter 'stiffness'",
-            "_cloud_decimation:=0": "parameter 'cloud_decimation': 0 is no whole number of 1 or more",
+            "_cloud_decimation:=0": "parameter 'cloud_decimation': 0 is not a whole number of 1 or more",
             "_device:=omni": "wants the prefix of the device's topics",
             "_device_frame:=/base": "parameter 'device_frame'",
-            "_recordings:=/nowhere": "parameter 'recordings': '/nowhere' is no folder",
+            "_recordings:=/nowhere": "parameter 'recordings': '/nowhere' is not a folder",
             "_scenes:=/nowhere": "parameter 'scenes': /nowhere",
             "_scene:=/nowhere.ply": "/nowhere.ply",
             "_config:=/nowhere.toml": "/nowhere.toml",
-            "--help": "'--help' is no argument",
+            "--help": "'--help' is not an argument",
         }.items():
             with self.subTest(argument=argument):
                 self.refuse(words, argument)
 
     def test_no_master_is_named(self):
         self.refuse("ROS_MASTER_URI is not set", env={"ROS_MASTER_URI": ""})
-        self.refuse("ROS_MASTER_URI is no http://HOST:PORT", env={"ROS_MASTER_URI": "somewhere"})
+        self.refuse("ROS_MASTER_URI is not of the form http://HOST:PORT", env={"ROS_MASTER_URI": "somewhere"})
 
 
 if __name__ == "__main__":
