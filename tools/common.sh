@@ -2,7 +2,8 @@
 # Functions shared by ./run, ./test and tools/: package installation, builds, generated parts of pages. To be sourced.
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libfmt-dev libnanoflann-dev libtbb-dev libhwy-dev libxxhash-dev
-  libboost-dev libssl-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev)
+  libboost-dev libssl-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev
+  libconsole-bridge-dev)
 
 say() { printf '\033[1m==> %s\033[0m\n' "$*" >&2; }
 die() {

@@ -204,7 +204,7 @@ TEST(ToolTracker, OfSoManyPairsFindsThoseThatComeFirst) {
   std::vector<std::size_t> of_part(balls.size()), pairs;
   for (const Contact& contact : all.contacts) ++of_part[contact.part];
   for (const ToolPart& ball : balls) {
-    ToolTracker(index, Tool({ball})).query(pose, some);
+    ToolTracker(index, Tool(std::vector{ball})).query(pose, some);
     pairs.push_back(some.filtered);
     ASSERT_GT(some.contacts.size(), 4 * kBuffer);
   }

@@ -44,7 +44,7 @@ echo "$felt"
 
 # A consumer of `collision` alone gets the same contacts, bit by bit, whatever it is compiled with, and needs none of the other packages.
 alone=(--no-warn-unused-cli -G Ninja "-DCMAKE_PREFIX_PATH=$work/prefix")
-for package in Boost OpenSSL nlohmann_json orocos_kdl urdfdom; do alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+for package in Boost OpenSSL nlohmann_json orocos_kdl urdfdom console_bridge; do alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
 contacts_of() { # NAME CMAKE_OPTION...
   cmake -S "$root/tests/project/consumer" -B "$work/$1" "${alone[@]}" "${@:2}" >/dev/null
   cmake --build "$work/$1" >/dev/null

@@ -27,6 +27,29 @@ struct Centers {
   }
 };
 
+/// Result set for nanoflann: the points within a radius, unsorted. Those of nanoflann differ between versions
+/// 1.4 (Debian 12) and 1.7 (Debian 13).
+class PointsWithin {
+ public:
+  using DistanceType = double;
+
+  PointsWithin(double squared_radius, std::vector<std::uint32_t>& found)
+      : squared_radius_(squared_radius), found_(found) {}
+
+  bool full() const { return true; }
+  double worstDist() const { return squared_radius_; }
+  void sort() {}
+  /// \returns true: go on.
+  bool addPoint(double squared_distance, std::uint32_t i) {
+    if (squared_distance < squared_radius_) found_.push_back(i);
+    return true;
+  }
+
+ private:
+  double squared_radius_;
+  std::vector<std::uint32_t>& found_;
+};
+
 /// Least K over [0, 1] after `iterations` golden sections (paper III-B2).
 KMinimum golden_section(const KFunction& k, int iterations) {
   constexpr double kRatio = 1.0 / std::numbers::phi;
@@ -77,14 +100,14 @@ PaperPipeline::~PaperPipeline() = default;
 void PaperPipeline::query(const Ellipsoid& tool, ContactSet& result) const {
   result.clear();
   if (scene_.size() == 0) return;
-  std::vector<std::pair<std::uint32_t, double>> found;
-  tree_->index.radiusSearch(tool.center.data(), search_radius_ * search_radius_, found,
-                            nanoflann::SearchParams(0, 0.0F, false));
+  std::vector<std::uint32_t> found;
+  PointsWithin within(search_radius_ * search_radius_, found);
+  tree_->index.findNeighbors(within, tool.center.data(), {});
   result.candidates = found.size();
 
   const WhitenedTool whitened(tool);
   const double tool_radius = tool.radius();
-  for (const auto& [i, squared_distance] : found) {
+  for (const std::uint32_t i : found) {
     const Ellipsoid& gaussian = scene_.ellipsoids[i];
     if (!spheres_overlap(gaussian, radius_[i], tool, tool_radius)) continue;
     ++result.filtered;
