@@ -70,13 +70,13 @@ License: Apache-2.0
  /usr/share/common-licenses/Apache-2.0.
 ]])
 
-set(about "Palpate lets a hand feel a captured 3D Gaussian Splatting scene: every
-Gaussian is an ellipsoid, so is the tool, and what the tool touches becomes a
-force.")
+set(about "Palpate renders the forces of captured 3D Gaussian Splatting scenes on haptic
+devices. Every Gaussian is an ellipsoid, the tool is one or more ellipsoids,
+and a force model turns their contacts into a force.")
 
 # Dependencies found by palpateConfig.cmake, and those linked by the libraries themselves.
 set(needed libeigen3-dev libfmt-dev libtbb-dev libhwy-dev libtomlplusplus-dev liborocos-kdl-dev liburdfdom-dev
-  nlohmann-json3-dev libssl-dev)
+  libconsole-bridge-dev nlohmann-json3-dev libssl-dev)
 if(TARGET palpate_mujoco)
   list(APPEND needed libmujoco-dev)
 endif()
@@ -86,7 +86,7 @@ if(BUILD_SHARED_LIBS)
   set(libraries libpalpate${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   palpate_package(palpate_libraries ${libraries} libs "haptic rendering of 3D Gaussian Splatting scenes (libraries)" "${about}
 .
-These are its shared libraries.")
+This package contains the shared libraries.")
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
   file(WRITE ${documents}/triggers "activate-noawait ldconfig\n")
   set(CPACK_DEBIAN_PALPATE_LIBRARIES_PACKAGE_CONTROL_EXTRA ${documents}/triggers)
@@ -101,19 +101,20 @@ These are its shared libraries.")
 endif()
 palpate_package(palpate_dev libpalpate-dev libdevel "haptic rendering of 3D Gaussian Splatting scenes (development)" "${about}
 .
-These are the headers, libraries and CMake files, for programs that embed it." ${needed} ${own})
+This package contains the headers, libraries and CMake files for programs that
+embed it." ${needed} ${own})
 
 if(TARGET palpate_cli)
   palpate_package(palpate_program palpate science "haptic rendering of 3D Gaussian Splatting scenes" "${about}
 .
-This is the command line program, with the page it serves." ${own})
+This package contains the command line program and its web viewer." ${own})
 endif()
 
 if(TARGET device_ros1 OR TARGET device_ros2)
   palpate_package(palpate_ros palpate-ros science "haptic rendering of 3D Gaussian Splatting scenes (ROS)" "${about}
 .
-These are the nodes for ROS 1 and ROS 2, and the device drivers with which the
-program feels through any that speaks CRTK." "palpate (= ${PROJECT_VERSION})" ${own})
+This package contains the nodes for ROS 1 and ROS 2, and the device drivers
+that connect the program to any CRTK device." "palpate (= ${PROJECT_VERSION})" ${own})
   palpate_overrides(palpate_ros palpate-ros
     "# CPack calls it for every library in a folder of /usr/lib."
     "palpate-ros: maintscript-calls-ldconfig *")

@@ -105,7 +105,7 @@ row() {
 
 {
   printf '%s\n\n' "$(processor), $(nproc) cores, $(date -u +%Y-%m-%d)"
-  printf '| link, each way | poses/s | force | age p50 ms | p99 | felt N/m | at rest µm | put out at rest mJ | in all, less absorbed, mJ | drops | cut, to zero ms |\n'
+  printf '| link, each way | poses/s | force | age p50 ms | p99 | rendered N/m | at rest µm | net output at rest, mJ | total net output, mJ | drops | cut, to zero ms |\n'
   printf '|---|---|---|---|---|---|---|---|---|---|---|\n'
   row '0 ms' 1000 0 0 0
   row '1 ms' 1000 1 0 0

@@ -101,7 +101,7 @@ The same poses in random order: none is near the one before, which a tracker doe
 
 $(table shuffled)
 
-Every pose somewhere else in the scene: nothing is in a cache, for anybody.
+Every pose somewhere else in the scene: cold caches for every pipeline.
 
 $(table whole_scene)
 
@@ -132,7 +132,7 @@ END
   fi
   cat <<END
 
-## How far from the limit
+## Distance from the theoretical limit
 
 What is the least that the mathematics needs? Count the arithmetic of each stage from its formulas (\`bench/limit.cpp\`
 has the counts), multiply by how often a query of the first table needs it, and divide by what one core does when

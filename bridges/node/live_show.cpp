@@ -104,7 +104,7 @@ SinkStatus LiveShow::device_status(std::string name, double now) {
   if (dropped != std::exchange(dropped_, dropped)) dropped_at_ = now;
   const std::string fault(hand_.system.device_fault());
   const NodeNotices::Said said = hand_.notices.said();
-  SinkStatus status{0, std::move(name), "poses come", device.capabilities().name, {}};
+  SinkStatus status{0, std::move(name), "receiving poses", device.capabilities().name, {}};
   if (!fault.empty()) {
     status.level = 2;
     status.message = fault;
@@ -113,7 +113,7 @@ SinkStatus LiveShow::device_status(std::string name, double now) {
     status.message = "poses are dropped";
   } else if (hand_.view.newest().fault == Fault::kStalePose) {
     status.level = 1;
-    status.message = "no poses come";
+    status.message = "no poses received";
   }
   status.values = {{"taken", fmt::format("{}", device.taken())},
                    {"dropped", fmt::format("{}", dropped)},
@@ -125,7 +125,7 @@ SinkStatus LiveShow::device_status(std::string name, double now) {
 SinkStatus LiveShow::scene_status(std::string name) const {
   const std::string busy = hand_.system.busy();
   const std::string failure = hand_.system.message();
-  SinkStatus status{0, std::move(name), "felt", hand_.device.capabilities().name, {}};
+  SinkStatus status{0, std::move(name), "scene active", hand_.device.capabilities().name, {}};
   if (!failure.empty()) status = {1, status.name, failure, status.hardware_id, {}};
   if (!busy.empty()) status.message = busy;
   status.values = {{"scene", felt_name(hand_.system)}, {"recording", hand_.recording.path()}};

@@ -58,8 +58,8 @@ std::string NodeRecording::end() {
   std::string said;
   switch_.end([&](const std::string& failure) {
     if (!failure.empty())
-      said = fmt::format("the recording has ended: {}; what it has until then is in {}", failure,
-                         switch_.path());
+      said =
+          fmt::format("the recording has ended: {}; the data up to then is in {}", failure, switch_.path());
   });
   show();
   return said;

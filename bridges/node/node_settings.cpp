@@ -65,21 +65,21 @@ std::string frame_name(const std::string& text) {
   if (text.empty() || text.front() == '/' ||
       std::any_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' '; }))
     throw BadValue("'" + printable(text) +
-                   "' is no name of a frame of tf: letters and digits, no slash first");
+                   "' is not a tf frame name: it must not be empty, begin with a slash or contain spaces");
   return text;
 }
 
 int decimation_of(const std::string& text) {
   const double number = parse_number(text);
   if (!(number >= 1.0 && number <= kMostDecimation) || number != static_cast<int>(number))
-    throw BadValue(printable(text) + " is no whole number of 1 or more");
+    throw BadValue(printable(text) + " is not a whole number of 1 or more");
   return static_cast<int>(number);
 }
 
 std::string folder_of(const std::string& text) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(text, ignored))
-    throw BadValue("'" + printable(text) + "' is no folder; make it first");
+    throw BadValue("'" + printable(text) + "' is not a folder; create it first");
   return text;
 }
 

@@ -67,14 +67,14 @@ std::string parameters(const LiveSystem& system, const NodeRecording& recording)
 void add_slow_services(NodeServices& services, const NodeParts& node, const HandParts& hand, bool first) {
   services.record = [&node, &recording = *hand.recording](bool on) {
     if (on && node.hands.is_opening_scene())
-      throw Error("another scene is being opened: record once it is felt");
+      throw Error("another scene is being opened; start the recording once it is active");
     return recording.set(on);
   };
   if (!first) return;
   services.list_scenes = [&node] { return node.scenes.list(); };
   services.open_scene = [&node, &notices = hand.notices](const std::string& which) {
     say_refusal(notices, "open_scene", [&] {
-      if (node.is_recording()) throw Error("a recording is of one scene: end it first");
+      if (node.is_recording()) throw Error("a recording contains one scene only; stop it first");
       node.scenes.open(which);
     });
   };

@@ -26,8 +26,9 @@ void SceneShow::update() {
     const Made made = making_.get();
     publish(made);
     std::string name = felt_name(first_);
-    if (!made.scene) notices_.say(fmt::format("warning: {}: there is not enough memory to show it", name));
-    if (name != name_) notices_.say(fmt::format("{} is felt", name));
+    if (!made.scene)
+      notices_.say(fmt::format("warning: {}: not enough memory to publish its centres and contacts", name));
+    if (name != name_) notices_.say(fmt::format("{} is active", name));
     name_ = std::move(name);
   }
   std::shared_ptr<const SceneIndex> felt = first_.felt()->index();

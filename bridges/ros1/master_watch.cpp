@@ -32,7 +32,7 @@ void require_master_uri() {
   if (uri == nullptr || *uri == '\0')
     throw std::runtime_error("ROS_MASTER_URI is not set; export ROS_MASTER_URI=http://HOST:11311");
   if (!ros::network::splitURI(uri, host, port))
-    throw std::runtime_error("ROS_MASTER_URI is no http://HOST:PORT");
+    throw std::runtime_error("ROS_MASTER_URI is not of the form http://HOST:PORT");
 }
 
 MasterWatch::MasterWatch(std::function<void()> lost, std::function<void(bool)> found)

@@ -34,7 +34,7 @@ std::string text_of(const std::string& name, XmlRpcValue& value) {
     }
     default:
       throw std::runtime_error("parameter '" + name +
-                               "': is neither a number nor text, true, false or an array of these");
+                               "': must be a number, text, true, false or an array of these");
   }
 }
 
@@ -42,7 +42,7 @@ void wait_for_master() {
   for (bool said = false; !ros::master::check(); said = true) {
     if (!said)
       std::fprintf(stderr,
-                   "palpate_ros1: there is no ROS master at %s, and it is waited for; start roscore, or set "
+                   "palpate_ros1: there is no ROS master at %s; waiting for it; start roscore, or set "
                    "ROS_MASTER_URI\n",
                    ros::master::getURI().c_str());
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
@@ -53,7 +53,7 @@ std::vector<node::NodeParameter> private_parameters() {
   const std::string prefix = ros::this_node::getName() + "/";
   std::vector<std::string> keys;
   if (!ros::param::getParamNames(keys))
-    throw std::runtime_error("the ROS master does not tell the parameters; start again");
+    throw std::runtime_error("cannot read parameters from the ROS master; restart the node");
   std::vector<node::NodeParameter> all;
   for (const std::string& key : keys) {
     if (key.compare(0, prefix.size(), prefix) != 0) continue;
@@ -75,8 +75,9 @@ std::vector<node::NodeParameter> init_node(int& argc, char** argv) {
     throw std::runtime_error(error.what());
   }
   if (argc > 1)
-    throw std::runtime_error(std::string("'") + argv[1] +
-                             "' is no argument; it takes remappings, FROM:=TO, and parameters, _NAME:=VALUE");
+    throw std::runtime_error(
+        std::string("'") + argv[1] +
+        "' is not an argument; expected remappings FROM:=TO and parameters _NAME:=VALUE");
   wait_for_master();
   return private_parameters();
 }

@@ -28,7 +28,7 @@ std::uint32_t domain() {
   std::uint32_t number = 0;
   const auto [end, error] = std::from_chars(all.data(), all.data() + all.size(), number);
   if (error != std::errc() || end != all.data() + all.size() || number > kMostDomain)
-    throw Error("ROS_DOMAIN_ID: '{}' is no whole number from 0 to {}", printable(text), kMostDomain);
+    throw Error("ROS_DOMAIN_ID: '{}' is not a whole number from 0 to {}", printable(text), kMostDomain);
   return number;
 }
 
@@ -83,10 +83,10 @@ struct Participant::Told {
     const std::string topic = topic_of(endpoint);
     const std::scoped_lock lock(mutex);
     if (!topics.insert(topic + who).second) return;
-    say(
-        fmt::format("{} of {} wants another quality of service ({}), and is not connected; set it to best "
-                    "effort or reliable, volatile, keep last",
-                    who, topic, policy_name(policy)));
+    say(fmt::format(
+        "{} of {} has an incompatible quality of service ({}) and is not connected; set it to best "
+        "effort or reliable, volatile, keep last",
+        who, topic, policy_name(policy)));
   }
   static void on_reader(dds_entity_t reader, const dds_requested_incompatible_qos_status_t status,
                         void* told) {
@@ -120,7 +120,7 @@ Participant::~Participant() { dds_delete(id_); }
 dds_entity_t Participant::make_topic(std::string_view prefix, std::string_view name,
                                      const dds_topic_descriptor_t& type) {
   const std::string full = fmt::format("{}{}", prefix, name);
-  return checked(dds_create_topic(id_, &type, full.c_str(), nullptr, nullptr), "make the topic " + full);
+  return checked(dds_create_topic(id_, &type, full.c_str(), nullptr, nullptr), "create the topic " + full);
 }
 
 dds_entity_t Participant::make_reader(std::string_view prefix, std::string_view name,
@@ -128,7 +128,7 @@ dds_entity_t Participant::make_reader(std::string_view prefix, std::string_view 
   const dds_entity_t topic = make_topic(prefix, name, type);
   const Qos qos = qos_of(quality);
   set_type_hash(*qos, type.m_typename);
-  return checked(dds_create_reader(id_, topic, qos.get(), nullptr), fmt::format("subscribe {}", name));
+  return checked(dds_create_reader(id_, topic, qos.get(), nullptr), fmt::format("subscribe to {}", name));
 }
 
 dds_entity_t Participant::make_writer(std::string_view prefix, std::string_view name,

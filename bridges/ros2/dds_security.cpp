@@ -65,7 +65,7 @@ std::string missing_in(const fs::path& folder) {
   std::error_code ignored;
   for (const SecurityFile& file : kFiles)
     if (!fs::exists(folder / file.name, ignored))
-      return fmt::format("{} is not there", printable((folder / file.name).string()));
+      return fmt::format("{} does not exist", printable((folder / file.name).string()));
   return {};
 }
 
@@ -80,12 +80,13 @@ Enclave enclave_of_environment(const std::string& name) {
   const std::string missing = keystore.empty() ? "ROS_SECURITY_KEYSTORE is not set" : missing_in(folder);
   if (missing.empty()) return {folder, {}};
   if (variable("ROS_SECURITY_STRATEGY") == "Enforce")
-    throw Error("ROS_SECURITY_ENABLE: {}; make the enclave {} with `ros2 security create_enclave`", missing,
+    throw Error("ROS_SECURITY_ENABLE: {}; create the enclave {} with `ros2 security create_enclave`", missing,
                 printable(inside));
   return {{},
-          fmt::format("NOT SECURED though ROS_SECURITY_ENABLE asks for it: {}; ROS_SECURITY_STRATEGY=Enforce "
-                      "ends the program instead",
-                      missing)};
+          fmt::format(
+              "NOT SECURED although ROS_SECURITY_ENABLE is true: {}; with ROS_SECURITY_STRATEGY=Enforce the "
+              "program ends instead",
+              missing)};
 }
 
 void set_security(dds_qos_t& qos, const Enclave& enclave) {

@@ -9,7 +9,7 @@
 namespace palpate::ros2 {
 namespace {
 
-constexpr std::string_view kUsage = "it takes --ros-args -r FROM:=TO -p NAME:=VALUE --enclave NAME";
+constexpr std::string_view kUsage = "expected --ros-args -r FROM:=TO -p NAME:=VALUE --enclave NAME";
 
 bool is_name(std::string_view text) {
   return !text.empty() && text.back() != '/' && text.find("//") == std::string_view::npos &&
@@ -55,13 +55,14 @@ Names names_of(const std::vector<Rule>& rules) {
     if (from != "__node" && from != "__name" && from != "__ns") continue;
     const bool space = from == "__ns";
     if (!is_name(to) || (to.front() == '/') != space || (!space && to.find('/') != std::string::npos))
-      throw Error("'{}' is no name of a {}", printable(to), space ? "namespace: /left" : "node: palpate");
+      throw Error("'{}' is not a valid {}", printable(to),
+                  space ? "namespace, such as /left" : "node name, such as palpate");
     (space ? names.space : names.node) = to;
   }
   for (const auto& [from, to] : rules) {
     if (from.rfind("__", 0) == 0) continue;
     if (!is_name(from) || !is_name(to))
-      throw Error("'{}:={}' are no names of topics or services", printable(from), printable(to));
+      throw Error("'{}:={}' are not names of topics or services", printable(from), printable(to));
     names.remaps[in_space(names.space, from)] = in_space(names.space, to);
   }
   return names;
@@ -94,7 +95,7 @@ NodeArguments read_arguments(int argc, const char* const* argv) {
     } else if (ros && (argument == "-e" || argument == "--enclave") && k + 1 < argc) {
       result.enclave = argv[++k];
     } else {
-      throw Error("'{}' is no argument; {}", printable(argument), kUsage);
+      throw Error("'{}' is not an argument; {}", printable(argument), kUsage);
     }
   }
   result.names = names_of(rules);

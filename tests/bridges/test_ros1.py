@@ -137,11 +137,11 @@ class Ros1(unittest.TestCase):
 
     def test_4_the_master_is_killed_and_started_again(self):
         self.master.kill()
-        self.wait_said("the ROS master is gone")
+        self.wait_said("lost the ROS master")
         wrenches = self.driver.wrenches
         self.wait(lambda: self.driver.wrenches > wrenches + 20)  # connections stay
         self.master.start()
-        self.wait_said("the ROS master is there", 2)
+        self.wait_said("connected to the ROS master", 2)
         # A node that comes now finds it through the new master.
         found = subprocess.run(["timeout", "20", "rostopic", "echo", "-n", "1", "/omni/spatial/servo_cf"], capture_output=True,
                                text=True, check=False)

@@ -96,7 +96,7 @@ describe('a driver on ROS 2', () => {
     const other = new Peer();
     context.after(() => other.kill());
     other.tell(`reader late rt/omni/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} reliable kept`);
-    await palpate.says('a subscriber of rt/omni/spatial/servo_cf wants another quality of service (durability)');
+    await palpate.says('a subscriber of rt/omni/spatial/servo_cf has an incompatible quality of service (durability)');
   });
 });
 
@@ -115,5 +115,5 @@ test('bad settings are one line', () => {
   };
   refuse("wants the prefix of the device's topics, as ros2:/omni", 'ros2:omni');
   refuse("there is no option 'weight'", 'ros2:/omni,weight=3');
-  refuse("ROS_DOMAIN_ID: 'many' is no whole number from 0 to 232", 'ros2:/omni', { ROS_DOMAIN_ID: 'many' });
+  refuse("ROS_DOMAIN_ID: 'many' is not a whole number from 0 to 232", 'ros2:/omni', { ROS_DOMAIN_ID: 'many' });
 });

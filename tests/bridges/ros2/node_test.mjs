@@ -207,7 +207,7 @@ describe('the node', () => {
     assert.equal((await status('palpate: scene')).recording, path);
     await eventually(async () => await driver.number('matched open') > 0, 'a listener');
     open(low.path);
-    await node.says('open_scene: a recording is of one scene: end it first');
+    await node.says('open_scene: a recording contains one scene only; stop it first');
     await eventually(() => rowsOf(path).length > 100, 'rows, while it is made');
     assert.equal(await call('record', false), path);
     const rows = rowsOf(path);
@@ -226,7 +226,7 @@ describe('the node', () => {
     const { id } = list.find(({ name }) => name === 'low.ply');
     await driver.lean();
     open(id);
-    await node.says('low.ply is felt');
+    await node.says('low.ply is active');
     assert.equal(JSON.parse(await call('get_parameters')).scene.path, low.path);
     await driver.noForce();
     await eventually(async () => (await status('palpate: scene')).scene === low.path, 'its name');
@@ -234,7 +234,7 @@ describe('the node', () => {
     await node.says('open_scene: /nowhere/at/all.ply');
     assert.equal(JSON.parse(await call('get_parameters')).scene.path, low.path);
     open(wall.path);
-    await node.says('wall.ply is felt');
+    await node.says('wall.ply is active');
     await driver.lean();
   });
 
@@ -277,9 +277,9 @@ test('bad arguments are one line', async () => {
     ["there is no parameter 'stifness'", '-p', 'stifness:=300'],
     ["parameter 'stiffness'", '-p', 'stiffness:=much'],
     ["'scene' is not NAME:=VALUE", '-p', 'scene'],
-    ["'1bad:=x y' are no names", '-r', '1bad:=x y'],
-    ["'left' is no name of a namespace", '-r', '__ns:=left'],
-    ["'--params-file' is no argument", '--params-file', 'x.yaml'],
+    ["'1bad:=x y' are not names of topics", '-r', '1bad:=x y'],
+    ["'left' is not a valid namespace", '-r', '__ns:=left'],
+    ["'--params-file' is not an argument", '--params-file', 'x.yaml'],
     ["wants the prefix of the device's topics, as ros2:/omni", '-p', 'device:=omni'],
   ]) {
     const node = new Program(process.env.PALPATE_ROS2, '--ros-args', ...args);

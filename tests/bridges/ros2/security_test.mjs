@@ -110,10 +110,10 @@ describe('a domain that is secured', () => {
       const refused = start();
       const [code] = await refused.ended;
       assert.equal(code, 1);
-      assert.match(refused.said, /^palpate_ros2: ROS_SECURITY_ENABLE: .*enclaves\/nobody\/identity_ca\.cert\.pem is not there; .*\n$/);
+      assert.match(refused.said, /^palpate_ros2: ROS_SECURITY_ENABLE: .*enclaves\/nobody\/identity_ca\.cert\.pem does not exist; .*\n$/);
       environment.ROS_SECURITY_STRATEGY = 'Permissive';
       const open = start();
-      await open.says('NOT SECURED though ROS_SECURITY_ENABLE asks for it');
+      await open.says('NOT SECURED although ROS_SECURITY_ENABLE is true');
       await open.end();
     } finally {
       delete environment.ROS_SECURITY_ENCLAVE_OVERRIDE;

@@ -30,7 +30,7 @@ describe('the first size', () => {
     await openUnknown();
     await waitFor(() => asked().length === 1, 'the size');
     assert.deepEqual(asked(), [{ registration: { scale: 0.25, frame: 'y-down' } }]);
-    await desk.page.getByText(/does not say how large .* across, and stands upright: the tool is as large in it as in a hand/).waitFor();
+    await desk.page.getByText(/does not state its scale\. .* across and upright, to suit the size of the tool/).waitFor();
     const [, said] = /now ([\d.]+) cm across/.exec(await card().textContent());
     assert.ok(Math.abs(said / (100 * 0.25 * 2 * radius * Math.sqrt(3)) - 1) < 0.1, `${said} cm from corner to corner`);
     await settle(desk.page, 4);
@@ -53,7 +53,7 @@ describe('the first size', () => {
     await waitFor(() => asked().length === before + 1, 'one change');
     const { scale } = desk.gateway.parameters.registration;
     assert.ok(Math.abs(scale / (0.25 * 30 ** 0.4) - 1) < 0.02, `${scale}`);
-    await card().getByText(/^It is now .* across\.$/).waitFor();
+    await card().getByText(/^The scene is now .* across\.$/).waitFor();
     await settle(desk.page, 4);
     const { height } = await desk.page.locator('#canvas').boundingBox();
     assert.ok(await shown() > 0.2 * height && await shown() < height, 'it is seen whole again');

@@ -85,7 +85,7 @@ describe('bringing the tool', () => {
     desk.gateway.change({ filter: { opacity_min: 0.99 } });
     await until(desk.page, () => window.palpateViewer.kept() === 0);
     await desk.page.mouse.click(...await middleOfView());
-    await desk.page.getByText('cut off by the filter').waitFor();
+    await desk.page.getByText('The filter removes the Gaussians at this point').waitFor();
     assert.deepEqual(desk.gateway.poses, []);
   });
 

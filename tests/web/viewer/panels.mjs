@@ -69,8 +69,8 @@ describe('panels', () => {
     assert.ok(tops.Force >= 1 && tops.Contacts >= 5 && tops.Energy >= 1 && tops['Stiffness margin'] >= 2, JSON.stringify(tops));
   });
 
-  test('an opacity cut of 1 says that nothing is left to feel', async () => {
-    const said = desk.page.getByText('Nothing is left to feel');
+  test('an opacity cut of 1 says that no Gaussian can be touched', async () => {
+    const said = desk.page.getByText('No touchable Gaussians');
     assert.equal(await said.count(), 0);
     await enter('opacity_min', '1');
     await said.waitFor();
@@ -90,11 +90,11 @@ describe('panels', () => {
     await openSection('Placement');
     await desk.page.getByRole('button', { name: 'Propose a setup' }).click();
     await desk.page.getByText('the usual Gaussian is 7 times smaller').waitFor();
-    await desk.page.getByText('Largest Gaussian: as it is').waitFor();
-    await desk.page.getByRole('button', { name: 'Leave it as it is' }).click();
+    await desk.page.getByText('Largest Gaussian: unchanged').waitFor();
+    await desk.page.locator('.setup').getByRole('button', { name: 'Dismiss' }).click();
     assert.equal(requests('set_parameters').length, 0);
     await desk.page.getByRole('button', { name: 'Propose a setup' }).click();
-    await desk.page.getByRole('button', { name: 'Take these' }).click();
+    await desk.page.locator('.setup').getByRole('button', { name: 'Apply' }).click();
     await waitFor(() => requests('set_parameters').length === 1, 'the change');
     assert.deepEqual(JSON.parse(requests('set_parameters')[0].args.json), {
       registration: { frame: 'y-down', scale: 0.25 }, filter: { opacity_min: 0.2, crop_box: [-1, -1, -1, 1, 1, 1] },
@@ -151,9 +151,9 @@ describe('panels', () => {
   });
 
   test('a recording is begun and ended, and a configuration taken along', async () => {
-    await openSection('Record and keep');
+    await openSection('Recording and settings');
     await desk.page.locator('[data-action=record]').click();
-    await desk.page.getByRole('button', { name: 'End the recording' }).click();
+    await desk.page.getByRole('button', { name: 'Stop recording' }).click();
     await waitFor(() => requests('record').length === 2, 'both');
     assert.deepEqual(requests('record').map((r) => r.args.data), [true, false]);
     const [download] = await Promise.all([desk.page.waitForEvent('download'), desk.page.locator('[data-action=config]').click()]);

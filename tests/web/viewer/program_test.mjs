@@ -212,7 +212,7 @@ describe('at a desk', () => {
     await page.getByRole('button', { name: 'Propose a setup' }).click();
     await page.getByText(/^Scale: \d/).waitFor();
     assert.ok(await page.locator('.setup dd').count() === 5);
-    await page.getByRole('button', { name: 'Leave it as it is' }).click();
+    await page.locator('.setup').getByRole('button', { name: 'Dismiss' }).click();
   });
 
   test('what is set in the panels is what the program has', async () => {

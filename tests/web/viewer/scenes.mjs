@@ -18,7 +18,7 @@ describe('another scene', () => {
 
   test('is picked from what the program offers', async () => {
     await desk.page.keyboard.press('o');
-    const dialog = desk.page.getByRole('dialog', { name: 'Feel another scene' });
+    const dialog = desk.page.getByRole('dialog', { name: 'Open another scene' });
     await dialog.getByText('cup.spz').waitFor();
     assert.equal(await dialog.getByRole('button', { name: /cup.spz/ }).isDisabled(), true);
     await dialog.getByText('.spz cannot be read; convert it first').waitFor();
@@ -52,7 +52,7 @@ describe('another scene', () => {
     await drop('cup.spz', 64);
     await desk.page.getByText('npx @playcanvas/splat-transform cup.spz scene.ply').waitFor();
     await drop('cup.txt', 64);
-    await desk.page.getByText('cup.txt is no scene').waitFor();
+    await desk.page.getByText('cup.txt is not a scene file').waitFor();
     desk.gateway.uploadRefusal = 'there is no room for it';
     await drop('cup.ply', 64);
     await desk.page.getByText('there is no room for it').waitFor();

@@ -51,7 +51,7 @@ function chartSpecs(run) {
   ];
   if (run.hasLive) {
     specs.push({
-      id: 'sent', title: 'Force sent', unit: 'N, world frame, after safety', height: 130, format: newtons,
+      id: 'sent', title: 'Force sent', unit: 'N, world frame, after safety limits', height: 130, format: newtons,
       series: [
         ...forceSeries(run, 'sf').map((s) => ({ ...s, symbol: ['s', s.symbol[1]] })),
         { name: 'sent', symbol: ['|S|'], values: run.col.sent, color: '--magnitude' },
@@ -93,7 +93,7 @@ function liveSpecs(run) {
       series: [{ name: 'speed', symbol: ['speed'], values: run.col.speed, color: '--compute' }],
     },
     {
-      id: 'energy', title: 'Energy', unit: 'mJ, put into the hand and stored', height: 110, format: (v) => formatFixed(v, 2),
+      id: 'energy', title: 'Energy', unit: 'mJ, net output and stored', height: 110, format: (v) => formatFixed(v, 2),
       series: [
         { name: 'energy', symbol: ['energy'], values: thousandths(run.col.energy), color: '--colliding' },
         { name: 'stored', symbol: ['stored'], values: thousandths(run.col.stored), color: '--filtered' },

@@ -28,7 +28,7 @@ function showNotice(text) {
 function readRun() {
   const text = byId('run').textContent.trim();
   if (text.startsWith('<')) {
-    showNotice('This page holds no run. It is the template that palpate report fills.');
+    showNotice('This page contains no run: it is the template of palpate report.');
     return null;
   }
   try {
@@ -61,8 +61,8 @@ function showInstant(run, row) {
 function showHints(run) {
   const notes = [];
   if (run.episodes.length > 0) notes.push('Shaded: in contact.');
-  if (run.governor?.faults.length > 0) notes.push('Named lines: faults.');
-  if (run.timeIsRow) notes.push('The times are incomplete or not in order, so the rows are numbered instead.');
+  if (run.governor?.faults.length > 0) notes.push('Labelled lines: faults.');
+  if (run.timeIsRow) notes.push('The times are incomplete or not in order: the axis shows row numbers instead.');
   byId('bands-hint').append(notes.join(' '), ...(run.governor ? [governorLegend(run.governor)] : []));
 }
 

@@ -50,7 +50,7 @@ function kMinLegend(run) {
 function legendNote(run) {
   if (run.contacts.length === 0) return null;
   const text = run.contactsRecorded ? 'Contact points'
-    : 'No contact points given: tool centres of the rows in contact';
+    : 'No contact points recorded; showing tool centres of the rows in contact';
   return element('p', { className: 'view-legend' }, element('span', { text }), kMinLegend(run));
 }
 
@@ -58,7 +58,7 @@ function showMissing({ host, reset }) {
   reset.hidden = true;
   host.classList.add('missing');
   host.append(element('p', {
-    text: 'The 3D view needs WebGL 2, which this browser does not offer or has switched off. The charts and the table work without it.',
+    text: 'The 3D view needs WebGL 2, which this browser does not support or has disabled. The charts and the table work without it.',
   }));
   return { available: false, setMarker() {}, redraw() {} };
 }

@@ -25,7 +25,7 @@ export function createActions({ connection, parameters, statusBar, hold }) {
     proposeSetup: () => ask('propose_setup', 'std_srvs/Trigger'),
     setRoom: (changes) => parameters.set({ room: changes }),
     async loadTool(text, name) {
-      if (text === '') notify(`${name} is empty or larger than a tool file may be.`);
+      if (text === '') notify(`${name} is empty or too large for a tool file.`);
       else await ask('load_tool', 'palpate/SetString', { data: text });
     },
   };

@@ -116,7 +116,7 @@ export class Connection {
     if (ros !== this.#ros) return;
     this.#ros = null;
     this.#topics.clear();
-    for (const reject of this.#pending) reject(new Error('The connection broke off.'));
+    for (const reject of this.#pending) reject(new Error('The connection was lost.'));
     this.#pending.clear();
     this.#change(false);
     setTimeout(() => this.#attempt(), this.#delay);

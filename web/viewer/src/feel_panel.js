@@ -16,7 +16,7 @@ export function createFeelPanel(parameters) {
   const detail = numberField({ label: 'Detail', unit: 'mm (0 = automatic)', name: 'detail', scale: 1000, min: 0 }, set('detail'));
   const opacity = numberField(
     { label: 'Opacity cut', name: 'opacity_min', min: 0, max: 1, slide: { min: 0, max: 1 } }, setFilter('opacity_min'));
-  const sigma = numberField({ label: 'Ellipsoids at', unit: 'σ', name: 'sigma', min: 0, slide: { min: 0.2, max: 3 } }, setFilter('sigma'));
+  const sigma = numberField({ label: 'Ellipsoid size', unit: 'σ', name: 'sigma', min: 0, slide: { min: 0.2, max: 3 } }, setFilter('sigma'));
   const iso = hint('');
   const nothing = element('p', { className: 'hint nothing', attributes: { role: 'alert' } });
   const fields = [model, stiffness, friction, detail, opacity, sigma];
@@ -29,8 +29,8 @@ export function createFeelPanel(parameters) {
     detail.show(p.detail);
     opacity.show(p.filter.opacity_min);
     sigma.show(p.filter.sigma);
-    nothing.textContent = isNothingLeft(p) ? 'Nothing is left to feel: no Gaussian is above the opacity cut and within the filter.' : '';
-    iso.textContent = p.filter.iso > 0 ? `Now out to where an opacity of ${p.filter.iso} is seen (--iso); setting σ ends that.` : '';
+    nothing.textContent = isNothingLeft(p) ? 'No touchable Gaussians: none passes the opacity cut and the filter.' : '';
+    iso.textContent = p.filter.iso > 0 ? `Ellipsoids extend to a visible opacity of ${p.filter.iso} (--iso); setting σ overrides this.` : '';
   });
 }
 

@@ -76,9 +76,9 @@ export class FirstSize {
 
   #say() {
     const across = formatLength(this.splats.box.getSize(new Vector3()).length());
-    const upright = this.#proposal.turned ? ', and stands upright' : '';
+    const upright = this.#proposal.turned ? ' and upright' : '';
     this.said.textContent = this.#shown === this.#proposal.scale
-      ? `The file does not say how large this is. It is now ${across} across${upright}: the tool is as large in it as in a hand.`
-      : `It is now ${across} across.`;
+      ? `The file does not state its scale. The scene is now ${across} across${upright}, to suit the size of the tool.`
+      : `The scene is now ${across} across.`;
   }
 }

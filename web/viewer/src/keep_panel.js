@@ -20,13 +20,13 @@ export function createKeepPanel(parameters, actions) {
     const text = await actions.config();
     if (text !== null) download(text, 'palpate.toml');
   }, { name: 'config' });
-  const use = hint('The next run starts as things are now with ');
+  const use = hint('To start the next run with these settings: ');
   use.append(element('code', { text: '--config palpate.toml' }), '.');
   byId('keep').append(
     element('div', { className: 'buttons' }, record, report, raw), element('div', { className: 'buttons' }, config),
     use);
   parameters.onChange(({ recording, recorded }) => {
-    record.textContent = recording ? 'End the recording' : 'Record';
+    record.textContent = recording ? 'Stop recording' : 'Record';
     setPressed(record, recording);
     record.classList.toggle('recording', recording);
     report.hidden = raw.hidden = !recorded;

@@ -26,14 +26,14 @@ export function createPlacementPanel(parameters, { pickPoint, mark, propose }) {
   const translation = vectorField({ label: 'Translation', unit: 'm', names: ['x', 'y', 'z'], name: 'translation' }, (value) => set({ translation: value }));
   const rotation = vectorField({ label: 'Rotation', unit: '° about x, y, z', names: ['x', 'y', 'z'], scale: 1 / degree, name: 'rotation' },
     (value) => set({ rotation: rotationOf(value) }));
-  const frames = element('div', { className: 'buttons', attributes: { role: 'group', 'aria-label': 'Which captured axis points up' } });
+  const frames = element('div', { className: 'buttons', attributes: { role: 'group', 'aria-label': 'Captured axis that points up' } });
   const mirrored = button('Mirrored', () => set({ mirrored: !parameters.current.registration.mirrored }), { name: 'mirrored' });
-  mirrored.title = 'The capture is a mirror image, as from a left-handed tool: its x axis is reversed';
+  mirrored.title = 'Reverse the x axis of the capture, for files written by left-handed tools';
   const measured = createMeasure({ pickPoint, mark, onLength: (has, is) => set({ scale: (parameters.current.registration.scale * is) / has }) });
 
   const setup = createSetup({ propose, apply: (changes) => parameters.set(changes) });
 
-  byId('placement').append(setup, element('p', { className: 'label', text: 'Upright' }), frames, element('div', { className: 'buttons' }, mirrored),
+  byId('placement').append(setup, element('p', { className: 'label', text: 'Up axis' }), frames, element('div', { className: 'buttons' }, mirrored),
     measured, scale.node, translation.node, rotation.node);
   let shownFrames = '';
   parameters.onChange(({ registration, frames: names }) => {
@@ -74,11 +74,11 @@ function createMeasure({ pickPoint, mark, onLength }) {
       points.push(point);
     }
     length = points[0].distanceTo(points[1]);
-    show(points, `They are ${formatLength(length)} apart as it is. Their true distance:`);
+    show(points, `Measured: ${formatLength(length)}. Enter the actual distance:`);
     truth.node.hidden = !(length > 0);
     truth.node.querySelector('input').focus();
   }, { name: 'measure' });
-  const truth = numberField({ label: 'True distance', unit: 'mm', scale: 1000, min: 0, name: 'true_distance' }, (is) => {
+  const truth = numberField({ label: 'Actual distance', unit: 'mm', scale: 1000, min: 0, name: 'true_distance' }, (is) => {
     if (!(is > 0)) return;
     onLength(length, is);
     truth.node.hidden = true;

@@ -9,7 +9,7 @@ const millisecond = 1e-3;
 /// `headset` has {statusBar, live, frames, felt, room}.
 export function roomPanelContent({ statusBar, live, frames, felt, room }) {
   const { text, level } = statusBar.said;
-  const force = live.force ? `${formatFixed(Math.hypot(...live.force), 2)} N` : 'no force known';
+  const force = live.force ? `${formatFixed(Math.hypot(...live.force), 2)} N` : 'unknown';
   return {
     lines: [
       statusBar.stop || text, statusBar.whoHolds, `Force ${force}`,

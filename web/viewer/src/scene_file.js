@@ -10,7 +10,7 @@ export function refusalOf(name) {
   if (/\.(ply|splat)$/i.test(name)) return '';
   const kind = foreign.exec(name)?.[0];
   return kind ? `${kind} cannot be read. Convert it first: npx @playcanvas/splat-transform ${name} scene.ply`
-    : `${name} is no scene. Give a 3DGS .ply or .splat file.`;
+    : `${name} is not a scene file. Use a 3DGS .ply or .splat file.`;
 }
 
 /// Uploads `file`. Resolves once the program has received it and opens it; rejects with its message. `onProgress`
@@ -20,8 +20,8 @@ export function handOver(file, onProgress, signal) {
     const request = new XMLHttpRequest(); // fetch() does not report upload progress
     request.upload.addEventListener('progress', ({ loaded, total }) => onProgress(total > 0 ? loaded / total : 0));
     request.addEventListener('load', () => (request.status === 200 ? resolve() : reject(new Error(request.responseText.trim() || `status ${request.status}`))));
-    request.addEventListener('error', () => reject(new Error(`${file.name} could not be sent.`)));
-    request.addEventListener('abort', () => reject(new Error(`${file.name} was not sent.`)));
+    request.addEventListener('error', () => reject(new Error(`The upload of ${file.name} failed.`)));
+    request.addEventListener('abort', () => reject(new Error(`The upload of ${file.name} was cancelled.`)));
     signal.addEventListener('abort', () => request.abort());
     request.open('PUT', httpUrl(`/scenes/${encodeURIComponent(file.name)}`));
     request.send(file);

@@ -80,7 +80,7 @@ export class SceneLoader {
       if (isFirst) this.onLoaded();
     } catch (error) {
       if (signal.aborted) return;
-      notify(`What can be felt could not be loaded: ${error.message ?? error}`);
+      notify(`The list of touchable Gaussians could not be loaded: ${error.message ?? error}`);
       this.#wantedList = '';
       setTimeout(() => this.#followList(), retryAfter);
     }

@@ -18,7 +18,7 @@ export function createScenesDialog({ list, open, parameters }) {
     if (dialog.open) return;
     dialog.showModal();
     forget = cancelledByEscape(() => dialog.close());
-    byId('scene-list').replaceChildren(element('li', { className: 'hint', text: 'Looking for scenes…' }));
+    byId('scene-list').replaceChildren(element('li', { className: 'hint', text: 'Searching for scenes…' }));
     const text = await list();
     const entries = text === null ? [] : JSON.parse(text);
     byId('scene-list').replaceChildren(...entries.map((entry) => row(entry, parameters.current?.scene.name, () => {
@@ -61,7 +61,7 @@ function createSender() {
   let sending = null;
   cancel.addEventListener('click', () => sending?.abort());
   return async (file) => {
-    const refusal = sending ? 'Another file is just being sent.' : refusalOf(file.name);
+    const refusal = sending ? 'Another upload is in progress.' : refusalOf(file.name);
     if (refusal) {
       notify(refusal);
       return;
@@ -69,7 +69,7 @@ function createSender() {
     sending = new AbortController();
     box.hidden = false;
     bar.value = 0;
-    text.textContent = `Handing over ${file.name}, ${formatBytes(file.size)}`;
+    text.textContent = `Uploading ${file.name}, ${formatBytes(file.size)}`;
     try {
       await handOver(file, (share) => { bar.value = share; }, sending.signal);
     } catch (error) {

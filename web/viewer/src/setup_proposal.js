@@ -19,11 +19,11 @@ export function changesOf(proposal) {
 /// `propose` resolves to the proposal as JSON, or null; `apply` receives changes of parameters.
 export function createSetup({ propose, apply }) {
   const list = element('dl', { className: 'help' });
-  const take = button('Take these', () => {
+  const take = button('Apply', () => {
     apply(changesOf(proposal));
     show(null);
   }, { name: 'take-setup' });
-  const dismiss = button('Leave it as it is', () => show(null), { name: 'leave-setup' });
+  const dismiss = button('Dismiss', () => show(null), { name: 'leave-setup' });
   const box = element('div', { className: 'setup' }, list, element('div', { className: 'buttons' }, take, dismiss));
   const said = hint('');
   said.setAttribute('role', 'status');
@@ -32,7 +32,7 @@ export function createSetup({ propose, apply }) {
     proposal = what;
     box.hidden = !what;
     list.replaceChildren(...Object.entries(what ?? {}).flatMap(([name, { value, reason }]) => [
-      element('dt', { text: `${names[name] ?? name}: ${value === null ? 'as it is' : shown(value)}` }), element('dd', { text: `${reason}.` })]));
+      element('dt', { text: `${names[name] ?? name}: ${value === null ? 'unchanged' : shown(value)}` }), element('dd', { text: `${reason}.` })]));
   };
   const ask = button('Propose a setup', async () => {
     said.textContent = 'Reading the scene…';

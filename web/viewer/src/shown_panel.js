@@ -12,12 +12,12 @@ export function createShownPanel({ splats, felt, changed }) {
       shown[name] = on;
       changed();
     }));
-  const scene = checkbox({ label: 'What the eye sees', name: 'scene' }, (on) => splats.showScene(on));
-  const hand = checkbox({ label: 'What the hand can feel', name: 'felt', checked: false }, (on) => {
+  const scene = checkbox({ label: 'Captured splats', name: 'scene' }, (on) => splats.showScene(on));
+  const hand = checkbox({ label: 'Touchable ellipsoids', name: 'felt', checked: false }, (on) => {
     splats.showFelt(on);
     changed();
   });
-  const byDepth = checkbox({ label: 'Colour contacts by depth, not by K', name: 'by-depth', checked: false }, (on) => {
+  const byDepth = checkbox({ label: 'Colour contacts by depth, not K', name: 'by-depth', checked: false }, (on) => {
     felt.colorBy = on ? 'depth' : 'k_min';
     changed();
   });
@@ -28,8 +28,8 @@ export function createShownPanel({ splats, felt, changed }) {
     const { feltCount, keptCount } = splats;
     count.hidden = feltCount === 0;
     const text = feltCount < keptCount
-      ? `The ${formatCount(feltCount)} nearest to the tool of ${formatCount(keptCount)} ellipsoids are drawn.`
-      : `All ${formatCount(keptCount)} ellipsoids are drawn.`;
+      ? `Showing the ${formatCount(feltCount)} of ${formatCount(keptCount)} ellipsoids nearest to the tool.`
+      : `Showing all ${formatCount(keptCount)} ellipsoids.`;
     if (!count.hidden && count.textContent !== text) count.textContent = text;
   };
   return { shown, update };

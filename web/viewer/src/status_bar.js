@@ -4,7 +4,7 @@ import { byId } from '../../shared/dom.js';
 
 const levels = ['good', 'waiting', 'bad']; // by level of DiagnosticStatus
 const unexplained = 1000; // time without force before an explanation is shown. Unit: [ms].
-const lift = { text: 'waiting: lift the tool', level: 'waiting', advice: 'the force comes back once the tool touches nothing' };
+const lift = { text: 'waiting: lift the tool', level: 'waiting', advice: 'the force returns once the tool touches nothing' };
 
 function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
@@ -30,7 +30,7 @@ export class StatusBar {
 
   /// Current status: {text, level, advice}.
   get said() {
-    if (!this.connection.connected) return { text: 'disconnected', level: 'bad', advice: 'No connection to the program; trying again' };
+    if (!this.connection.connected) return { text: 'disconnected', level: 'bad', advice: 'No connection to the program; retrying' };
     if (!this.live.isFresh('diagnostics')) return { text: 'no data', level: 'waiting', advice: '' };
     const { level, values } = this.live.diagnostics;
     const fault = values.fault && values.fault !== 'none' ? values.fault : '';

@@ -67,14 +67,14 @@ export class TakeHold {
 
   findTool() {
     const { live, view, felt } = this;
-    if (!live.isFresh('measured_cp')) notify('It is not known where the tool is.');
+    if (!live.isFresh('measured_cp')) notify('The position of the tool is unknown.');
     else view.focus(new Vector3(...live.tool.position), view.distanceFor(felt.size, findShare));
   }
 
   toggleKeys() {
     const { hold } = this;
     if (hold.holds('keys')) hold.end('keys');
-    else if (!hold.begin('keys')) notify('The tool can be held as soon as the program says where it is.');
+    else if (!hold.begin('keys')) notify('The tool cannot be held yet: its position is unknown.');
   }
 
   /// Brings the tool to the surface that can be felt at or nearest to the middle of the view; to haze only if there is
@@ -96,9 +96,9 @@ export class TakeHold {
 
   #click(ray, told = false) {
     const seen = this.splats.look(ray);
-    if (!seen && told) notify('There is nothing to feel near the middle of the view.');
+    if (!seen && told) notify('No touchable surface near the centre of the view.');
     if (this.picker.waits && seen?.felt) this.picker.give(seen.point);
-    else if (this.picker.waits) notify('There is nothing to feel at that point.');
+    else if (this.picker.waits) notify('No touchable surface at this point.');
     else if (seen) this.#touch(seen, ray);
   }
 
@@ -106,13 +106,13 @@ export class TakeHold {
     if (this.parameters.current?.demo === undefined || this.view.renderer.xr.isPresenting) return; // a real device
     const there = seen.felt ? seen : this.splats.lookForFelt(ray);
     if (there && there.point.distanceTo(seen.point) < mostBehind * this.felt.size) this.#approach(there.point, ray.direction);
-    else notify('What is seen there is cut off by the filter: it cannot be felt.');
+    else notify('The filter removes the Gaussians at this point: they exert no force.');
   }
 
   // After a long frame, the tool's position may be stale: waits for the next message.
   async #approach(point, direction) {
     if (!this.live.isFresh('measured_cp')) await this.live.next('measured_cp', patience);
-    if (!this.approach.to(point, direction)) notify('The tool can be moved as soon as the program says where it is.');
+    if (!this.approach.to(point, direction)) notify('The tool cannot be moved yet: its position is unknown.');
   }
 
   #focus(ray) {

@@ -111,7 +111,7 @@ function drawLegend(context, { newtons, centimetres }) {
   const y = size[1] - 62;
   context.font = '24px system-ui, sans-serif';
   context.fillStyle = themeValue('--ink');
-  context.fillText(`${newtons} N: an arrow of ${centimetres} cm`, margin, y);
+  context.fillText(`Force arrow: ${centimetres} cm per ${newtons} N`, margin, y);
   context.fillText('touching', margin, y + 38);
   const gradient = context.createLinearGradient(150, 0, 380, 0);
   rampColors.forEach((color, i) => gradient.addColorStop(i / (rampColors.length - 1), color));

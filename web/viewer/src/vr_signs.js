@@ -51,7 +51,7 @@ export class EyeSigns {
     this.dark.material.opacity = this.#fade;
     this.dark.visible = this.#fade > 0;
     this.frame.visible = this.words.visible = stop !== '';
-    if (stop) this.#say([stop, 'Resume is on the panel.']);
+    if (stop) this.#say([stop, 'Press Resume on the panel.']);
     this.#point(tool);
   }
 
