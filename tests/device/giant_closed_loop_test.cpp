@@ -100,6 +100,44 @@ TEST_P(Operator, RestsOnAGaussianScene) {
 
 INSTANTIATE_TEST_SUITE_P(SoftToStiff, Operator, testing::Range<std::size_t>(0, test::kOperators.size()));
 
+/// A hand that goes below the reach of the device, where its arm is straight, moves about there, and comes
+/// back.
+Pose below_the_reach(double t) {
+  Pose pose = test::giant_home();
+  const double down = std::clamp(t - 1.5, 0.0, 1.0), up = std::clamp(t - 4.0, 0.0, 1.0);
+  pose.position.z() += -(pose.position.z() - 0.8) * down + 0.4 * up;
+  pose.position.x() += 0.12 * down * (1.0 - up) * std::sin(5.0 * t);
+  pose.position.y() += 0.1 * down * (1.0 - up) * std::sin(7.3 * t);
+  return pose;
+}
+
+TEST(GiantReach, IsLeftAsFreelyAsItIsEntered) {
+  test::Wall nothing(0.0);
+  test::GiantTrial trial;
+  trial.felt.model = &nothing;
+  trial.map.offset = Vector3d(-10.0, 0.0, 0.0);  // far in front of the wall
+  trial.along.contact_stiffness = 500.0;
+  trial.admittance = comfortable(trial);
+  GiantDevice device(test::giant(),
+                     test::own_plant(trial.properties.drives, {trial.hand, 0.05}, below_the_reach),
+                     trial.properties, test::giant_home());
+  AdmittanceLoop loop(device, test::trial_options(trial));
+  ServoTick tick(loop, trial.felt, {});
+  double pulled = 0.0, lag = 0.0, held = 0.0;
+  for (int k = 0; k < 6000; ++k) {
+    const TickRecord& now = tick.run(1e-3 * k);
+    ASSERT_EQ(now.fault, Fault::kNone) << traits(now.fault).name << " at " << now.t;
+    ASSERT_NE(loop.status(), DeviceStatus::kFault) << loop.status_text() << " at " << now.t;
+    held += *loop.held_by() != '\0' ? 1e-3 : 0.0;
+    if (k > 4000) pulled = std::max(pulled, loop.user().force.norm());
+    if (k > 5500) lag = std::max(lag, (device.pose().position - below_the_reach(now.t).position).norm());
+  }
+  std::printf("held for %.2f s, up with %.1f N, %.1f mm behind at the end\n", held, pulled, 1e3 * lag);
+  EXPECT_GT(held, 0.5) << "it was not out of reach";
+  EXPECT_LT(pulled, 50.0);
+  EXPECT_LT(lag, 0.03);
+}
+
 /// A spring that holds from both sides, so that the loop is linear.
 struct Spring final : ForceModel {
   explicit Spring(double stiffness) : k(stiffness) {}

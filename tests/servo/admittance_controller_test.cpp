@@ -200,27 +200,26 @@ TEST(AdmittanceController, GoesOnFromWhereTheDeviceIs) {
   AdmittanceController controller({}, {});
   controller.start({});
   for (int k = 0; k < 300; ++k) controller.step({{30, 0, 0}, {}}, {}, kTick);
-  DevicePose held = controller.motion().pose;
-  held.position.x() -= 0.01;
-  controller.follow(held, {}, kTick);
+  MotionSetpoint held;
+  held.pose = controller.motion().pose;
+  held.pose.position.x() -= 0.01;
+  controller.follow(held);
   EXPECT_EQ(controller.motion().velocity.linear.norm(), 0.0);
   const MotionSetpoint& m = controller.step({{30, 0, 0}, {}}, {}, kTick);
-  EXPECT_NEAR(m.pose.position.x(), held.position.x(), 1e-5);
+  EXPECT_NEAR(m.pose.position.x(), held.pose.position.x(), 1e-5);
 }
 
-// Where the device moves otherwise than it was told, its acceleration is what its velocity says, within
-// limits.
-TEST(AdmittanceController, TakesTheAccelerationOfTheDeviceFromItsVelocity) {
+TEST(AdmittanceController, TakesTheAccelerationOfTheDeviceWithinItsLimits) {
   MotionLimits limits;
   limits.acceleration = 10.0;
   limits.angular_acceleration = 20.0;
   AdmittanceController controller({}, limits);
   controller.start({});
-  controller.follow({}, {{0.002, -0.1, 0.0}, {0.0, 0.01, 1.0}}, 2e-3);
+  MotionSetpoint held;
+  held.acceleration = {{1.0, -50.0, 0.0}, {0.0, 5.0, 500.0}};
+  controller.follow(held);
   EXPECT_LT((controller.motion().acceleration.linear - Vector3d(1.0, -10.0, 0.0)).norm(), 1e-12);
   EXPECT_LT((controller.motion().acceleration.angular - Vector3d(0.0, 5.0, 20.0)).norm(), 1e-12);
-  controller.follow({}, {{0.004, -0.1, 0.0}, {}}, 0.0);
-  EXPECT_TRUE(controller.motion().acceleration.linear.isZero(0.0)) << "no time has passed";
 }
 
 TEST(AdmittanceController, TakesNothingFromTheHeap) {

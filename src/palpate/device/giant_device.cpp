@@ -115,6 +115,7 @@ bool GiantDevice::read(double t, MotionReading& reading) {
 }
 
 MotionAnswer GiantDevice::move(const MotionSetpoint& motion, double dt) {
+  const Twist before = motion_.tip_velocity();
   if (stopped_.load(std::memory_order_relaxed)) {
     motion_.brake(dt);
     if (motion_.velocity().isZero(0.0)) stopped_.store(false, std::memory_order_relaxed);
@@ -128,10 +129,14 @@ MotionAnswer GiantDevice::move(const MotionSetpoint& motion, double dt) {
   MotionAnswer answer;
   answer.motion.pose = DevicePose(motion_.tip());
   answer.motion.velocity = motion_.tip_velocity();
-  answer.motion.acceleration = motion.acceleration;
+  if (dt > 0.0) {
+    const Twist& now = answer.motion.velocity;
+    answer.motion.acceleration = {(now.linear - before.linear) / dt, (now.angular - before.angular) / dt};
+  }
   answer.held = motion_.held_by() != HeldBy::kNothing || stopped_.load(std::memory_order_relaxed);
   answer.reason = to_string(motion_.held_by()).data();
   answer.joint = motion_.held_joint();
+  if (answer.held) motion_.go_on_from_tip();
   return answer;
 }
 

@@ -66,6 +66,9 @@ class JointMotion {
   /// Computes the next joint positions on the way of the TCP to `target`. Holds if that is not finite. \param
   /// target base's frame \param dt since the last call. Unit: [s]. > 0; 0 does nothing
   void step(const Pose& target, double dt);
+  /// Lets the path go on from the TCP instead of from the last target: for callers that were told that it
+  /// lags and continue from where it is. Otherwise the way back would count as the target's own motion.
+  void go_on_from_tip() { target_ = tip(); }
   /// Brakes all joints to rest, each at its acceleration limit.
   void brake(double dt);
 

@@ -55,20 +55,14 @@ void AdmittanceController::start(const DevicePose& pose) {
   for (Index k = 0; k < 3; ++k) along_[static_cast<std::size_t>(k)] = {pose.position[k], 0.0, 0.0};
 }
 
-void AdmittanceController::follow(const DevicePose& pose, const Twist& velocity, double dt) {
-  const auto held = [dt](double most, double now, double before) {
-    return dt > 0.0 ? std::clamp((now - before) / dt, -most, most) : 0.0;
-  };
+void AdmittanceController::follow(const MotionSetpoint& actual) {
+  motion_ = actual;
   for (Index k = 0; k < 3; ++k) {
-    motion_.acceleration.linear[k] =
-        held(limits_.acceleration, velocity.linear[k], motion_.velocity.linear[k]);
-    motion_.acceleration.angular[k] =
-        held(limits_.angular_acceleration, velocity.angular[k], motion_.velocity.angular[k]);
-    along_[static_cast<std::size_t>(k)] = {pose.position[k], velocity.linear[k],
-                                           motion_.acceleration.linear[k]};
+    double &along = motion_.acceleration.linear[k], &about = motion_.acceleration.angular[k];
+    along = std::clamp(along, -limits_.acceleration, limits_.acceleration);
+    about = std::clamp(about, -limits_.angular_acceleration, limits_.angular_acceleration);
+    along_[static_cast<std::size_t>(k)] = {actual.pose.position[k], actual.velocity.linear[k], along};
   }
-  motion_.pose = pose;
-  motion_.velocity = velocity;
 }
 
 void AdmittanceController::change(double dt) {

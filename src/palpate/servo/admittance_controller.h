@@ -63,8 +63,9 @@ class AdmittanceController {
 
   /// Starts at rest at X_DH. A start outside of the workspace is moved in slowly.
   void start(const DevicePose& pose);
-  /// Sets the motion to that of the device where it could not follow: its actual X_DH and V_DH.
-  void follow(const DevicePose& pose, const Twist& velocity, double dt);
+  /// Sets the motion to `actual`, that of the device where it could not follow. Its acceleration is limited
+  /// to that of the controller.
+  void follow(const MotionSetpoint& actual);
 
   /// Sets the target admittance, which is approached as described above.
   void set(const Admittance& admittance) { wanted_ = admittance; }

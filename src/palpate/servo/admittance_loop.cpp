@@ -133,7 +133,7 @@ void AdmittanceLoop::write(const Wrench& wrench) {
   held_ = true;
   held_at_ = t_;
   held_reason_ = answer_.reason;
-  controller_.follow(answer_.motion.pose, answer_.motion.velocity, dt);
+  controller_.follow(answer_.motion);
 }
 
 }  // namespace palpate
