@@ -300,7 +300,8 @@ TEST(ReadRun, TakesARecordingOfBeforeStatesAndFaultsWereWords) {
   std::string line = kNumberedLine + kLiveLine;
   line.replace(line.find("falling,over-speed"), std::string("falling,over-speed").size(), "3,5");
   const TemporaryFile file(kHeader + kLiveHeader + "\n" + line + "\n");
-  const LiveColumns& live = read_run(file.path()).rows.front().live.value();
+  const palpate::Run run = read_run(file.path());
+  const LiveColumns& live = run.rows.front().live.value();
   EXPECT_EQ(live.state, GovernorState::kFalling);
   EXPECT_EQ(live.fault, Fault::kOverSpeed);
 }
@@ -331,7 +332,7 @@ TEST(ReadRun, NamesADuplicateColumn) {
 
 TEST(ReadRun, NamesTheLineThatIsCut) {
   EXPECT_THAT(message_for(kNumberedLine + "\n" + line_with("t", "2").substr(0, 20) + "\n"),
-              AllOf(HasSubstr("run.csv"), HasSubstr("line 3"), HasSubstr("cut")));
+              AllOf(HasSubstr("run.csv"), HasSubstr("line 3"), HasSubstr("truncated")));
 }
 
 TEST(ReadRun, NamesLineAndColumnOfWhatIsNoNumber) {

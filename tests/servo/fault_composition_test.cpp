@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <ostream>
 #include <random>
@@ -11,11 +10,13 @@
 #include <gtest/gtest.h>
 
 #include <palpate/servo/safety_governor.h>
+#include <support/effort.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::is_long;
 
 constexpr double kTick = 1e-3;
 
@@ -197,9 +198,6 @@ void hold(const std::vector<Step>& steps, std::uint32_t seed) {
   const std::string wrong = witness.go(steps, steps.back().t + kUntil);
   ASSERT_EQ(wrong, "") << testing::PrintToString(steps) << ", seed " << seed;
 }
-
-/// `./test --long` sets PALPATE_LONG.
-bool is_long() { return std::getenv("PALPATE_LONG") != nullptr; }
 
 TEST(FaultComposition, PairsAtEveryOffset) {
   const int every = is_long() ? 1 : 7;  // ms; coprime with the periods of the falls

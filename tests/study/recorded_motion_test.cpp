@@ -22,16 +22,16 @@
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
 #include <palpate/study/room_path.h>
+#include <support/effort.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::is_long;
 
 constexpr double kTick = 1e-3;  // [s]
 constexpr double kWide = 1.2;   // of the scene in the room. [m]
-
-bool is_long() { return std::getenv("PALPATE_LONG") != nullptr; }
 
 /// The ways of the hand from where each recording begins, there and back.
 Trajectory recorded_motion() {

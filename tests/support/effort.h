@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 
 namespace palpate::test {
 
@@ -15,5 +16,8 @@ inline constexpr std::size_t kSlowdown = 1;
 /// `full` draws; a tenth of that where code takes ten times as long: instrumented, or on an emulated
 /// processor.
 constexpr std::size_t draws(std::size_t full) { return full / kSlowdown; }
+
+/// Whether `./test --long` asks for the long version of a test, where code is not slow.
+inline bool is_long() { return kSlowdown == 1 && std::getenv("PALPATE_LONG") != nullptr; }
 
 }  // namespace palpate::test
