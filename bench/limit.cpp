@@ -98,7 +98,7 @@ struct Stage {
 std::vector<Stage> stages_of(const Work& work) {
   return {{"slots of nodes, against the tool's box", work.slots, cost::kSlot},
           {"Gaussians of blocks, against spheres", work.candidates, cost::kCandidate},
-          {"pairs after the spheres, screened", work.filtered, cost::kPair},
+          {"pairs after the bounding-sphere test, screened", work.filtered, cost::kPair},
           {"contacts, searched, minimised and described", work.contacts, cost::kContact}};
 }
 

@@ -75,7 +75,8 @@ std::string to_markdown(const Comparison& c) {
   const ComparisonOptions& o = c.options;
   std::string text = fmt::format(
       "{} Gaussians at {} sigma; tool {:g}/{:g}/{:g} mm; {} poses ({}), seed {}, {} in contact; {} hits, "
-      "{:.1f} a contact pose; kd-tree radius {:.3f} m, complete {:.3f} m; one thread; the least of {} rounds "
+      "{:.1f} a contact pose; kd-tree radius {:.3f} m, complete {:.3f} m; one thread; the minimum of {} "
+      "rounds "
       "a "
       "pose; contact poses only; memory is growth of the resident set\n\n",
       o.gaussians, o.sigma, 1e3 * o.poses.tool[0], 1e3 * o.poses.tool[1], 1e3 * o.poses.tool[2],

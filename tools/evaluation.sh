@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Repeats the paper's evaluation, and writes the results for docs/evaluation.md: its tables, between the two marks in
+# Reproduces the paper's evaluation, and writes the results for docs/evaluation.md: its tables, between the two marks in
 # the page, and docs/images/reproduce-*.svg. Takes ten minutes; more with a scene.
 #   tools/evaluation.sh [SCENE]    SCENE: a captured scene in addition to the procedural one
 set -euo pipefail
@@ -35,7 +35,7 @@ hands=('0.05,2,100' '0.1,3,200' '0.15,4,400' '0.2,6,700' '0.3,10,1000')
 operators() {
   local plant hand
   printf '\n### Hands and mechanics\n\n'
-  printf '| mechanics | hand: kg, N s/m, N/m | device | swing at rest, mm | overshoot, mm | hand off the force | force, N | energy, mJ |\n'
+  printf '| mechanics | hand: kg, N s/m, N/m | device | oscillation at rest, mm | overshoot, mm | user force deviation | force, N | net energy, mJ |\n'
   printf '|---|---|---|---|---|---|---|---|\n'
   for plant in own mujoco; do
     for hand in "${hands[@]}"; do

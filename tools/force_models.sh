@@ -45,16 +45,16 @@ table() {
 write_tables() {
   printf '%s\n\n' "$(processor), $(date -u +%Y-%m-%d)"
   table "$work/all.csv" 1 'direction p50 deg=direction_p50_deg:%.1f' 'p95=direction_p95_deg:%.1f' \
-    'F / (k depth)=magnitude_p50:%.2f' 'below the seen surface=magnitude_seen_p50:%.2f' 'seen at mm=seen_p50_mm:%.1f' \
+    'F / (k depth)=magnitude_p50:%.2f' 'below the visible surface=magnitude_seen_p50:%.2f' 'visible surface at mm=seen_p50_mm:%.1f' \
     'ripple=ripple_p50:%.3f' 'jump N=jump_max_n:%.3f' 'loop=loop_p50:%.0e' \
     'through of 100=through:%d' 'friction of 0.3=friction_p50:%.2f' 'F / F at 6 mm=force_ratio_p50:%.2f' \
     'tick p50 us=tick_p50_us:%.0f' 'p99=tick_p99_us:%.0f'
-  printf '\nA step of 3 mm under a ball of 5 mm:\n\n'
+  printf '\nCrossing of a step of 3 mm by a ball of 5 mm:\n\n'
   table "$work/all.csv" 'value("step_p50_mm") != ""' 'rise p50 mm=step_p50_mm:%.2f' 'over mm=step_over_p50_mm:%.1f' \
     'with noise: rise p50 mm=noisy_step_p50_mm:%.2f' 'p95=noisy_step_p95_mm:%.2f'
-  printf '\nAn edge of 90 degrees:\n\n'
-  table "$work/all.csv" 'value("edge_off_p50_mm") != ""' 'off p50 mm=edge_off_p50_mm:%.2f' \
-    'max mm=edge_off_max_mm:%.2f' 'where mm=edge_where_mm:%.1f'
+  printf '\nCrossing of an edge of 90 degrees:\n\n'
+  table "$work/all.csv" 'value("edge_off_p50_mm") != ""' 'deviation p50 mm=edge_off_p50_mm:%.2f' \
+    'max mm=edge_off_max_mm:%.2f' 'position mm=edge_where_mm:%.1f'
   printf '\nMany pushes:\n\n'
   table "$work/pushes.csv" 1 'pushes=pushes:%d' 'through=through:%d' 'of them at 2 m/s=fast:%d' 'through=fast_through:%d'
 }

@@ -95,7 +95,7 @@ Opened open_query(const Options& options, const Progress& progress) {
   opened.figures.peak_bytes = peak_resident_bytes();
   opened.figures.scene_bytes = stamp_of(options.live.scene.path).size;
   if (opened.figures.gaussians == 0) {
-    throw Error("{}: nothing is left to touch, so there is nothing to time; see palpate info",
+    throw Error("{}: no Gaussian passes the filter, so there is nothing to time; see palpate info",
                 options.live.scene.path);
   }
   return opened;

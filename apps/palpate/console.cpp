@@ -57,7 +57,7 @@ void Console::tell_transitions() {
       const std::string_view device = hand.system->device_fault();
       tell(fmt::format("{:.3f} s: {}no force: {}: {}{}{}", change.t, said_of(hand.name),
                        traits(change.fault).name, traits(change.fault).advice,
-                       device.empty() ? "" : "; it says: ", device));
+                       device.empty() ? "" : "; the device reports: ", device));
     }
   }
 }
@@ -94,9 +94,10 @@ std::string Console::line_of(std::size_t hand) const {
   const LiveConfig settings = system->settings();
   const LoopStatistics& statistics = system->loop().statistics();
   const std::string why = now.fault == Fault::kNone ? "" : fmt::format(" ({})", traits(now.fault).name);
-  const std::string margin = now.margin <= 0.0  ? "-"
-                             : now.margin < 1.0 ? fmt::format("{:.1f}x: softer, since it is late", now.margin)
-                                                : fmt::format("{:.1f}x", now.margin);
+  const std::string margin = now.margin <= 0.0 ? "-"
+                             : now.margin < 1.0
+                                 ? fmt::format("{:.1f}x: stiffness reduced for stability", now.margin)
+                                 : fmt::format("{:.1f}x", now.margin);
   const std::string_view held_by = system->device_held_by();
   const std::string held = held_by.empty() ? "" : fmt::format("  held: {}", held_by);
   return fmt::format(

@@ -36,10 +36,10 @@ class Console {
   void wait_for_no_force();
 
   static constexpr const char* kHelp =
-      "keys: space pause and go on, e emergency stop, r resume after a fault, m model, + - stiffness, c "
+      "keys: space pause and continue, e emergency stop, r resume after a fault, m model, + - stiffness, c "
       "clutch, q quit";
   /// Additional help for several hands.
-  static constexpr const char* kHelpOfHands = "space, e and r are for all hands, the others for the first";
+  static constexpr const char* kHelpOfHands = "space, e and r apply to all hands, the others to the first";
 
  private:
   std::string erased();

@@ -180,7 +180,7 @@ Pose parse_pose(const std::string& text) {
   Pose pose;
   pose.position = {v[0], v[1], v[2]};
   if (pose.position.cwiseAbs().maxCoeff() > kMaxExtent) {
-    throw BadValue(fmt::format("'{}' is more than {} m away", text, kMaxExtent));
+    throw BadValue(fmt::format("'{}' is more than {} m from the origin", text, kMaxExtent));
   }
   if (v.size() == 7) pose.orientation = parse_quaternion(v.data() + 3);
   return pose;

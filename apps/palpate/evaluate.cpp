@@ -88,9 +88,9 @@ std::vector<EvaluationRow> measure_all(const Options& options) {
 
 std::string setup_text(const Options& options) {
   return fmt::format(
-      "A tool of {} feels surfaces whose truth is known, made of Gaussians that are displaced by {:.3g} mm "
-      "and tilted by {:.3g} degrees (standard deviations). {} "
-      "scenes of each, seeds from {}; {} places and {} pushes a row; stiffness {:.4g} N/m.",
+      "A tool of {} touches surfaces of known shape, made of Gaussians that are displaced by {:.3g} mm and "
+      "tilted by {:.3g} degrees (standard deviations). {} scenes per row, seeds from {}; {} places and {} "
+      "pushes per row; stiffness {:.4g} N/m.",
       tool_in_words(options.live.tool), 1e3 * options.noise, options.tilt_degrees, options.scenes,
       options.seed, options.places, options.pushes, options.live.force.proxy.stiffness);
 }
@@ -153,7 +153,7 @@ void declare_how_much(CLI::App& app, Options& options) {
 Command declare_evaluate(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "evaluate",
-                  "Force models against analytic ground truth, or against the seen surface of a capture");
+                  "Force models against analytic ground truth, or against the visible surface of a capture");
   auto options = std::make_shared<Options>();
   declare_common(app, options->common, "print the tables as JSON");
   declare_what(app, *options);

@@ -62,7 +62,8 @@ class Study {
         capture_(options.live.scene, progress_),
         aims_(capture_aims(capture_.loaded.kept, capture_.seen, task.tool,
                            static_cast<std::size_t>(task.pushes), task.seed, rings_, progress_)) {
-    if (aims_.empty()) throw Error("{}: nothing of it can be seen and touched", options.live.scene.path);
+    if (aims_.empty())
+      throw Error("{}: no place can be both seen and touched; see palpate info", options.live.scene.path);
     if (!options.against.empty()) {
       SceneConfig other = options.live.scene;
       other.path = options.against;
@@ -117,13 +118,11 @@ class Study {
 
 std::string intro(const CaptureOptions& options, const CaptureTask& task) {
   return fmt::format(
-      "{}: {} straight pushes at Gaussians drawn by lot, from any side, three of the tool's radii deep and "
-      "back, and "
-      "{} slides of up to 100 mm, half of its thinnest semi-axis deep; seed {}. The seen surface is where "
-      "compositing "
-      "along the push falls below one half of the light, for the first of {} rays of the tool's "
-      "cross-section; "
-      "stiffness {:.4g} N/m. Below are the pushes whose force begins farthest from it.",
+      "{}: {} straight pushes at randomly chosen Gaussians, from any side, three tool radii deep and back, "
+      "and {} slides of up to 100 mm, half of the tool's thinnest semi-axis deep; seed {}. The visible "
+      "surface is where the transmittance along the push falls below one half, for the first of {} rays over "
+      "the tool's cross-section; stiffness {:.4g} N/m. Below are the pushes whose force onset is farthest "
+      "from it.",
       options.live.scene.path, task.pushes, options.slides, task.seed, options.rays,
       task.force.proxy.stiffness);
 }
@@ -146,14 +145,14 @@ void CaptureOptions::declare(CLI::App& app) {
   add_text(app, "--worst", worst, "DIR",
            "with --scene: existing folder for trajectories of the worst pushes, for replay");
   add_count(app, "--rays", rays, 1, 10'000,
-            "with --scene: rays over the tool's cross-section that locate the seen surface");
+            "with --scene: rays over the tool's cross-section that locate the visible surface");
   add_count(app, "--slides", slides, 0, kMost,
             "with --scene: number of slides, at the places of the first pushes");
 }
 
 void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
   if (!(task.force.proxy.stiffness > 0.0))
-    throw Error("--stiffness 0: on a capture, forces are held against it");
+    throw Error("--stiffness must be positive: forces are compared with it");
   check_output(task.csv, {options.live.scene.path, options.against, task.common.config}, "--csv");
   check_output(task.html, {options.live.scene.path, options.against, task.common.config, task.csv}, "--html");
   check_figure_folder(task.svg);
@@ -170,9 +169,9 @@ void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
     for (Plot& plot : study.worst(rows.back(), made, written)) plots.push_back(std::move(plot));
   }
   csv.write(head_of(made) + capture_csv(rows), written);
-  html.write(
-      page_document("Felt where it is seen?", intro(options, task), plots, capture_html(rows), to_toml(made)),
-      written);
+  html.write(page_document("Force onset against the visible surface", intro(options, task), plots,
+                           capture_html(rows), to_toml(made)),
+             written);
   write_figures(plots, task.svg, "evaluate", written);
   if (task.common.json) {
     print_json(with_made(made, capture_json(rows)));

@@ -135,13 +135,15 @@ void TrialOptions::declare(CLI::App& app) {
 }
 
 void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
-  if (!(task.force.proxy.stiffness > 0.0)) throw Error("--stiffness 0: forces are held against it");
+  if (!(task.force.proxy.stiffness > 0.0))
+    throw Error("--stiffness must be positive: forces are compared with it");
   check_output(task.csv, {task.common.config}, "--csv");
   for (const std::string& tool : options.tools) check_output(task.csv, {tool}, "--csv");
   std::vector<TrialRow> rows = rows_of(options, task);
   ResultFile csv(task.csv);
   if (options.stroke >= 0) {
-    if (rows.size() != 1) throw Error("--stroke: of one of --trial-tools, --trial-places and --like each");
+    if (rows.size() != 1)
+      throw Error("--stroke requires exactly one of --trial-tools, --trial-places and --like");
     repeat(rows.front(), options, task, csv);
     return;
   }

@@ -39,7 +39,7 @@ void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json) {
 }
 
 void print_reach(const PaperPipeline& paper, const Tool& tool) {
-  fmt::print("the search radius of {:.4g} m can miss {} Gaussians, whatever the pose\n",
+  fmt::print("{1} Gaussians reach beyond the search radius of {0:.4g} m and may be missed\n",
              paper.search_radius(), paper.can_miss(tool.longest()));
 }
 

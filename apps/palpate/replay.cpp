@@ -37,7 +37,7 @@ void settle(Options& options) {
   const RunOrigin origin(options.from);
   origin.settle(options.live);
   if (origin.version() != version()) {
-    notify(fmt::format("note: {}: was made by palpate {}, and this is {}: figures may differ", options.from,
+    notify(fmt::format("note: {}: was made by palpate {}, and this is {}: results may differ", options.from,
                        origin.version(), version()));
   }
 }

@@ -51,7 +51,7 @@ std::string fill_page(const std::string& title, const std::string& json) {
 void warn_if_different(const RunContacts& contacts, const Options& options) {
   if (contacts.rows_differing == 0) return;
   notify(fmt::format(
-      "warning: {}: {} of {} poses checked have other contacts in {}; give the replay's "
+      "warning: {}: {} of {} checked poses have other contacts in {}; give the replay's "
       "scene options and --tool",
       options.runs.front(), contacts.rows_differing, contacts.rows_checked, options.live.scene.path));
 }
@@ -61,7 +61,7 @@ std::vector<Run> read_all(const Options& options, const Progress& progress) {
   for (const std::string& path : options.runs) {
     all.push_back(read_run(path, options.window, progress));
     if (all.back().cut)
-      notify(fmt::format("{}: the last line is cut and left out (the recording was interrupted)", path));
+      notify(fmt::format("{}: the last line is truncated and ignored (the recording was interrupted)", path));
   }
   return all;
 }

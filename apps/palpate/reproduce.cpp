@@ -51,7 +51,7 @@ Ground ground_of(Options& options, const Eigen::Vector3d& home, const Progress& 
   GaussianScene gaussians;
   if (scene.path.empty()) {
     ground.surface = make_surface("truck");
-    report(progress, "making the scene", 0.0);
+    report(progress, "generating the scene", 0.0);
     gaussians = procedural_truck(*ground.surface, options.seed);
     ground.name = "a procedural truck";
   } else {
@@ -79,11 +79,9 @@ std::string setup_text(const Options& options, const Ground& ground) {
   return fmt::format(
       "{}, {} Gaussians, of which {} have an opacity above {:g}; registered into the room with scale {:.4g} "
       "and "
-      "translation {:.3f}, {:.3f}, {:.3f} m. A simulated room-scale device of the admittance type ({} "
-      "mechanics) in a hand of "
-      "{:g} kg, {:g} N s/m and {:g} N/m, 1 kHz, virtual time; tool {}; {} places, seed {}. On the left the "
-      "paper's pipeline "
-      "with its force (density), on the right this project's defaults. {}",
+      "translation {:.3f}, {:.3f}, {:.3f} m. A simulated room-scale admittance device ({} mechanics), held "
+      "by a hand of {:g} kg, {:g} N s/m and {:g} N/m; 1 kHz, virtual time; tool {}; {} places, seed {}. "
+      "Left: the paper's pipeline with its force (density); right: this project's defaults. {}",
       ground.name, ground.loaded.filtered.total, ground.loaded.kept.size(),
       options.live.scene.filter.opacity_min, placed.scale, placed.translation.x(), placed.translation.y(),
       placed.translation.z(), options.plant, options.live.device.hand.mass, options.live.device.hand.damping,
@@ -131,7 +129,7 @@ void run(Options options) {
   way.home = home;
   way.reach = giant_reach();
   ReproductionResult result;
-  report(progress, "looking for places", 0.0);
+  report(progress, "planning the path", 0.0);
   result.path = room_path(*ground.index, ground.loaded.kept, live.tool, way);
 
   const ReproductionScene scene{ground.index.get(), &ground.loaded.kept, ground.paper.get(),
@@ -148,7 +146,7 @@ void run(Options options) {
       }
     }
   }
-  report(progress, "feeling", 1.0);
+  report(progress, "simulating", 1.0);
   result.claims = claims(ground.loaded.filtered.total, ground.loaded.kept.size(), result.path, result.runs[0],
                          result.runs[1]);
   result.setup = setup_text(options, ground);

@@ -79,7 +79,7 @@ Tool fingertip() { return Tool(Eigen::Vector3d::Constant(0.008)); }
 
 /// Reason why pages may not open another scene; empty if they may.
 std::string one_scene(const Options& options) {
-  return options.record.empty() ? "" : "with --record all of a run is of one scene: start again for another";
+  return options.record.empty() ? "" : "with --record, the scene cannot change; restart for another";
 }
 
 /// Warns, before the loops start, if the stiffness exceeds what the device renders without buzzing.
@@ -87,7 +87,7 @@ void warn(const LiveHands::Hand& hand, const Notify& tell) {
   const DeviceCapabilities& device = hand.system->device();
   const double stiffness = hand.system->settings().force.proxy.stiffness;
   if (device.stiffness_max > 0.0 && stiffness > device.stiffness_max) {
-    tell(fmt::format("warning: {}--stiffness {} N/m is more than the {} shows without buzzing ({} N/m)",
+    tell(fmt::format("warning: {}--stiffness {} N/m is more than the {} renders without buzzing ({} N/m)",
                      said_of(hand.name), stiffness, device.name, device.stiffness_max));
   }
 }
@@ -103,7 +103,7 @@ void introduce(const LiveHands::Hand& hand, const Notify& tell) {
                    to_string(system.contacts()), settings.scene.name()));
   if (system.device().watchdog == 0.0)
     tell(fmt::format(
-        "note: {}no watchdog of this device is known; it must show no force once none has come for 50 ms",
+        "note: {}this device declares no watchdog; its motors must turn off within 50 ms without a force",
         of));
 }
 
@@ -223,7 +223,7 @@ void run(const Options& options) {
   std::optional<RunSignals> signals(std::in_place, systems);
   if (talks) {
     for (const LiveHands::Hand& hand : hands.all()) introduce(hand, tell);
-    if (gateway) notify(fmt::format("see and take part: {}", gateway->url()));
+    if (gateway) notify(fmt::format("viewer: {}", gateway->url()));
   }
 
   const double until = end_of(hands, options.seconds);

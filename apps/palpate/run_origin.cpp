@@ -28,7 +28,7 @@ bool says_how_it_was_made(const std::string& run) { return !CsvReader(run).heade
 RunOrigin::RunOrigin(const std::string& run) : run_(run) {
   const std::string head = CsvReader(run).header().comment;
   if (head.empty())
-    throw Error("{}: does not say how it was made; give its scene and options, and --trajectory {}", run,
+    throw Error("{}: has no record of how it was made; give its scene and options, and --trajectory {}", run,
                 run);
   const TomlFile file(run, head);
   TomlTable root = file.root();
@@ -57,8 +57,7 @@ void RunOrigin::settle(LiveConfig& live) const {
   if (scene.empty()) scene = scene_;
   std::error_code ignored;
   if (!found && !scene.empty() && !std::filesystem::exists(scene, ignored))
-    throw Error("{}: its scene {} is not there; say where it is now: palpate replay SCENE --from {}", run_,
-                scene, run_);
+    throw Error("{}: scene {} not found; if it has moved: palpate replay SCENE --from {}", run_, scene, run_);
   const std::string checksum = scene_origin(live.scene).checksum;
   if (checksum != scene_checksum_) {
     throw Error(
@@ -67,7 +66,8 @@ void RunOrigin::settle(LiveConfig& live) const {
   }
   const std::string& materials = live.force.materials;
   if (!materials.empty() && file_checksum(materials) != materials_checksum_)
-    throw Error("{}: was made with other materials than {}; give --materials FILE of those", run_, materials);
+    throw Error("{}: was made with other materials than {}; give those with --materials FILE", run_,
+                materials);
 }
 
 }  // namespace palpate::cli

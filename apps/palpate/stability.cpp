@@ -101,7 +101,7 @@ std::vector<StabilityTrace> traces_of(const StabilityStudy& study, const Stabili
     if (row.profile != study.profiles.front() || row.model != study.models.front()) continue;
     if (hand_text(row.hand) != hand_text(hand)) continue;
     const std::string name = row.source == ContactSource::kLoop
-                                 ? "contacts looked for in the loop"
+                                 ? "contacts searched in the loop"
                                  : fmt::format("{}, {:g} ms", to_string(row.source), 1e3 * row.delay);
     traces.push_back({name, hold_on(trial_of(study, row), study.places.front(), true).ticks});
   }
@@ -112,11 +112,9 @@ std::vector<StabilityTrace> traces_of(const StabilityStudy& study, const Stabili
 
 std::string setup_text(const Options& options, const Ground& ground) {
   return fmt::format(
-      "A simulated hand comes in to {} at {} place{}, presses {:g} mm beyond first contact (or with half of "
-      "what the device can), rests for {:g} s, slides for {:g} s at {:g} m/s, and lifts off; 1 kHz in "
-      "virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Worker and "
-      "hold are {:g} ms "
-      "late.",
+      "A simulated hand approaches {} at {} place{}, presses {:g} mm beyond first contact (or with half of "
+      "the device's maximum force), rests for {:g} s, slides for {:g} s at {:g} m/s, and lifts off; 1 kHz in "
+      "virtual time; tool {}; stiffness {:g} N/m, friction {:g}. Delay of worker and hold: {:g} ms.",
       ground.name, ground.places.size(), ground.places.size() == 1 ? "" : "s", 1e3 * StabilityTrial::kPress,
       StabilityTrial::kRest, StabilityTrial::kSlide, StabilityTrial::kSlideSpeed,
       tool_in_words(options.live.tool), options.live.force.proxy.stiffness, options.live.force.proxy.friction,

@@ -94,7 +94,8 @@ TEST(Csv, RefusesWhatIsNotATable) {
 }
 
 TEST(Csv, NamesTheLineOfARowOfTheWrongLength) {
-  EXPECT_THAT(message_for("a,b\n1,2\n3\n"), AllOf(HasSubstr("t.csv"), HasSubstr("line 3"), HasSubstr("cut")));
+  EXPECT_THAT(message_for("a,b\n1,2\n3\n"),
+              AllOf(HasSubstr("t.csv"), HasSubstr("line 3"), HasSubstr("truncated")));
   EXPECT_THAT(message_for("a,b\n\n\n1,2\n\n3\n"), HasSubstr("line 6"));  // blank lines count as lines
   EXPECT_THAT(message_for("a,b\n1,2,3\n"), AllOf(HasSubstr("t.csv"), HasSubstr("line 2")));
 }
@@ -210,9 +211,9 @@ TEST(CsvReader, RefusesALastLineThatIsMoreThanCut) {
   EXPECT_THAT(outcome_of(",4"), HasSubstr("'a'"));
   EXPECT_THAT(outcome_of("3,nan"), HasSubstr("'b'"));
   EXPECT_THAT(outcome_of("3,4,5"), HasSubstr("more than 2"));
-  EXPECT_THAT(outcome_of("3\n"), AllOf(HasSubstr("line 3"), HasSubstr("cut")));
+  EXPECT_THAT(outcome_of("3\n"), AllOf(HasSubstr("line 3"), HasSubstr("truncated")));
   EXPECT_THAT(outcome_of("3,\n"), AllOf(HasSubstr("line 3"), HasSubstr("'b'")));
-  EXPECT_THAT(outcome_of("3\n5,6\n"), AllOf(HasSubstr("line 3"), HasSubstr("cut")));
+  EXPECT_THAT(outcome_of("3\n5,6\n"), AllOf(HasSubstr("line 3"), HasSubstr("truncated")));
 }
 
 TEST(CsvReader, SeeksTheLineThatBeginsBehindAByte) {

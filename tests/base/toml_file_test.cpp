@@ -92,7 +92,7 @@ TEST(TomlFile, NamesWhatIsMissingAndWhatNobodyAskedFor) {
                           root.find("c");
                           root.refuse_others();
                         }),
-              names(3, "unknown key 'bb'; known here are a, b, c"));
+              names(3, "unknown key 'bb'; the known keys are a, b, c"));
 }
 
 TEST(TomlFile, RefusesWhatIsNoToml) {

@@ -105,11 +105,11 @@ class Ros1(unittest.TestCase):
 
     def test_2_what_is_no_pose_ends_the_force_and_is_said_once(self):
         for name, words, change in (
-            ("NaN", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
-            ("norm", "no force until they do", lambda m: setattr(m.pose.orientation, "w", 2.0)),
+            ("NaN", "no force until valid poses arrive", lambda m: setattr(m.pose.position, "z", math.nan)),
+            ("norm", "no force until valid poses arrive", lambda m: setattr(m.pose.orientation, "w", 2.0)),
             ("frame", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
-            ("future", "stamps of the future, and are dropped", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(30))),
-            ("stale", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
+            ("future", "stamps in the future and are dropped", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(30))),
+            ("stale", "late, repeated or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
         ):
             with self.subTest(what=name):
                 self.lean()
@@ -130,7 +130,7 @@ class Ros1(unittest.TestCase):
                                   "{header: auto, pose: {position: {z: 0.3}, orientation: {w: 1.0}}}"],
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
-            self.wait_said("holds the device, until it is silent for 1 s; stop one")
+            self.wait_said("controls the device until it is silent for 1 s; stop one")
         finally:
             other.kill()
             other.wait()
@@ -159,9 +159,9 @@ class Ros1(unittest.TestCase):
 class Refusals(unittest.TestCase):
     def test_bad_arguments_are_one_line(self):
         for text, words in {
-            "ros1:": "wants the prefix of the device's topics",
-            "ros1:omni": "wants the prefix",
-            "ros1:/omni,force_max=nan": "'nan' is no number",
+            "ros1:": "needs the prefix of the device's topics",
+            "ros1:omni": "needs the prefix",
+            "ros1:/omni,force_max=nan": "'nan' is not a number",
             "ros1:/omni,force_max=0": "force_max must be positive",
             "ros1:/omni,weight=3": "there is no option 'weight'",
             "ros1:/omni,rate": "'rate' is not NAME=VALUE",

@@ -257,7 +257,7 @@ class Refusals(unittest.TestCase):
         master = Master(port)
         self.addCleanup(master.kill)
         for count, (words, *arguments) in enumerate((
-            ("parameter 'hands': 'Left' must be a small letter", "_hands:=Left"),
+            ("parameter 'hands': 'Left' must begin with a lower-case letter", "_hands:=Left"),
             ("parameter 'hands': there are two hands called 'left'", "_hands:=left,left"),
             ("there is no parameter 'left/scene'", "_hands:=left", "_left/scene:=x.ply"),
             ("parameter 'left/stiffness'", "_hands:=left", "_left/stiffness:=much"),

@@ -355,7 +355,7 @@ class Node(unittest.TestCase):
                 self.says("open_scene: ", lambda which=which: open_scene.publish(which))
                 self.assertIn(words, self.text().splitlines()[-1])
         # What is wrong with a scene is found while it is read.
-        refusal = "lost.ply: nothing of it can be touched; what was felt stays"
+        refusal = "lost.ply: no Gaussian passes the filter; the current scene stays"
         for count in (1, 2):
             open_scene.publish(os.path.join(self.scenes, "lost.ply"))
             self.wait_said(refusal, count)
@@ -365,11 +365,11 @@ class Node(unittest.TestCase):
 
     def test_5_what_is_wrong_with_poses_is_in_the_diagnostics(self):
         for level, message, notice, change in (
-            (ERROR, "not finite", "no force until they do", lambda m: setattr(m.pose.position, "z", math.nan)),
-            (ERROR, "no unit quaternion", "no force until they do", lambda m: setattr(m.pose.orientation, "w", 2.0)),
+            (ERROR, "not finite", "no force until valid poses arrive", lambda m: setattr(m.pose.position, "z", math.nan)),
+            (ERROR, "not of unit norm", "no force until valid poses arrive", lambda m: setattr(m.pose.orientation, "w", 2.0)),
             (ERROR, "wrong frame_id", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
-            (ERROR, "too late", "late, twice or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
-            (ERROR, "future", "stamps of the future", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(5))),
+            (ERROR, "poses are late", "late, repeated or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
+            (ERROR, "future", "stamps in the future", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(5))),
         ):
             with self.subTest(what=message):
                 self.lean()
@@ -393,12 +393,12 @@ class Node(unittest.TestCase):
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             self.wait_status("palpate: device", WARN, "poses are dropped")
-            self.wait(lambda: "holds the device, until it is silent for 1 s" in self.status("palpate: device")[1]["notice"])
+            self.wait(lambda: "controls the device until it is silent for 1 s" in self.status("palpate: device")[1]["notice"])
         finally:
             other.kill()
             other.wait()
         self.driver.spoil = lambda m: None
-        self.wait_status("palpate: device", ERROR, "no poses come")
+        self.wait_status("palpate: device", ERROR, "no poses received")
         self.driver.spoil = lambda m: m
         self.lean()
 
@@ -458,7 +458,7 @@ class Refusals(unittest.TestCase):
             "_stifness:=300": "there is no parameter 'stifness'",
             "_stiffness:=much": "parameter 'stiffness'",
             "_cloud_decimation:=0": "parameter 'cloud_decimation': 0 is not a whole number of 1 or more",
-            "_device:=omni": "wants the prefix of the device's topics",
+            "_device:=omni": "needs the prefix of the device's topics",
             "_device_frame:=/base": "parameter 'device_frame'",
             "_recordings:=/nowhere": "parameter 'recordings': '/nowhere' is not a folder",
             "_scenes:=/nowhere": "parameter 'scenes': /nowhere",

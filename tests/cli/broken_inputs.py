@@ -96,7 +96,7 @@ scene("point cloud", ply([[1, 2, 3]], ["x", "y", "z"]), ["'opacity'", "not a Gau
 scene("mesh", b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       b"element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "'opacity'")
 for size in (1, 31, 33, 32 * 1000 + 16):
-    scene(f".splat of {size} bytes", bytes(size), [f"byte {size}", "32 bytes a Gaussian"], "bad.splat")
+    scene(f".splat of {size} bytes", bytes(size), [f"byte {size}", "32 bytes per Gaussian"], "bad.splat")
 
 for length in (4, 5, 20, len(HEADER) // 2, len(HEADER) - 5, len(HEADER) - 1):
     scene(f"header cut at {length}", GOOD[:length], "end_header")
@@ -147,7 +147,7 @@ scene("escape sequences in the header", edited(("element", b"\x1b]0;owned\x07\x1
 scene("C1 control characters in the header", edited(("element", "\u009b31m\nelement")), "line 3")
 scene("bytes that are no UTF-8 in the header", edited(("element", b"\xff\x9b\xfe\nelement")), "line 3")
 scene("NUL in the header", edited(("float x", b"float\0 x")), "line 4")
-scene("an element that is cut", edited(("end_header", "element face 5\nproperty double d\nend_header")), ["'face'", "cut"])
+scene("an element that is cut", edited(("end_header", "element face 5\nproperty double d\nend_header")), ["'face'", "truncated"])
 scene("an element before that is a lie", edited(("element vertex", "element face 1000000000000\nproperty double d\nelement vertex")),
       "'face'")
 scene("a list that claims 2e9 items", edited(("element vertex", "element face 1\nproperty list uint double l\nelement vertex"),
@@ -162,7 +162,7 @@ scene("ASCII row too long", ASCII + LINE + b"1 2 3 4 5 6 7 8 9 10 11 12\n", [f"b
 scene("ASCII word", ASCII + LINE + b"1 2 3 4 five 6 7 8 9 10 11\n", "'scale_0'")
 scene("ASCII comma", ASCII + LINE + LINE.replace(b" ", b","), "'x'")
 scene("ASCII two signs", ASCII + LINE + b"+-1 2 3 4 5 6 7 8 9 10 11\n", "'x'")
-scene("ASCII one row of two", ASCII + LINE + b" " * 64, "cut")
+scene("ASCII one row of two", ASCII + LINE + b" " * 64, "truncated")
 scene("ASCII huge line", ASCII + b"1 " * (20 << 19) + b"\n", "line")
 scene("ASCII line without end", ASCII + b"1" * (20 << 20), "line")
 scene("ASCII binary garbage", ASCII + bytes(range(256)) * 4, "bad.ply")
@@ -190,7 +190,7 @@ def tables(command, good, width):
     table("infinity", good + b"1,-inf" + b",0" * (width - 2) + b"\n", ["line 3", "'x'"], command)
     table("1e400", good + b"1,1e400" + b",0" * (width - 2) + b"\n", ["line 3", "'x'"], command)
     table("an empty cell", good + b"1," + b",0" * (width - 2) + b"\n", ["line 3", "'x'"], command)
-    table("a cut line", good + b"1,0,0\n", ["line 3", "cut"], command)
+    table("a cut line", good + b"1,0,0\n", ["line 3", "truncated"], command)
     table("a line too long", good + b"1" + b",0" * width + b"\n", ["line 3"], command)
     table("time that stands still", good + good.split(b"\n")[1] + b"\n", "order of time", command)
     table("binary", bytes(range(1, 256)) * 64, "line ", command)
@@ -210,7 +210,7 @@ tables("report", GOOD_RUN, 22)
 row("replay: missing", ["replay", "a.ply", "--trajectory", "no.csv", "--out", "out.csv"], ["no.csv", "No such file"])
 row("report: missing", ["report", "no.csv", "--out", "out.html"], ["no.csv", "No such file"])
 row("replay: a folder", ["replay", "a.ply", "--trajectory", ".", "--out", "out.csv"], "folder")
-table("a cut last line", GOOD_PATH + b"1,0,0", ["line 3", "cut"])
+table("a cut last line", GOOD_PATH + b"1,0,0", ["line 3", "truncated"])
 table("nothing but a cut line", GOOD_RUN.split(b"\n")[0] + b"\n0,0,0", "no rows", "report")
 table("a last line that is worse than cut", GOOD_RUN + b"1,0,zero", ["line 3", "'y'"], "report")
 table("a last line too long", GOOD_RUN + b"1" + b",0" * 22, ["line 3", "more than 22"], "report")

@@ -75,7 +75,7 @@ class Figures(Bench):
         self.assertEqual(first["open"]["bytes_per_gaussian"], first["open"]["index_bytes"] / 441)
         self.assertGreater(first["open"]["peak_rss_bytes"], first["open"]["index_bytes"])
 
-        self.write("wall.ply.palpate", "not an index")
+        self.write("wall.ply.palpate", "not a palpate index")
         damaged = self.figures()["open"]
         self.assertEqual((damaged["origin"], len(damaged["remarks"])), ("new index file", 1))
         self.assertIn("wall.ply.palpate", damaged["remarks"][0])
@@ -115,7 +115,7 @@ class AtTheEdge(Bench):
         self.assertIsNone(figures["latency_us"]["query_free"])
 
     def test_nothing_to_touch(self):
-        self.refuse(1, ["wall.ply", "nothing is left"], "bench", "wall.ply", "--trajectory", "path.csv",
+        self.refuse(1, ["wall.ply", "no Gaussian passes the filter"], "bench", "wall.ply", "--trajectory", "path.csv",
                     "--opacity-min", "1")
 
     def test_refusals(self):
@@ -149,7 +149,7 @@ class Options(Bench):
     def test_text(self):
         text = self.bench().out.decode()
         for words in ("fresh query, in contact", "tracker, in contact", "force model, in contact", "candidates",
-                      "queries/s", "bytes a Gaussian", "new index file"):
+                      "queries/s", "bytes per Gaussian", "new index file"):
             self.assertIn(words, text)
         self.assertNotIn("####", text)  # the histogram is for terminals
 

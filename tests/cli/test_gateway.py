@@ -250,8 +250,8 @@ class Changed(Gateway):
         while part := half.recv(65536):
             got += len(part)
         self.assertLess(got, whole, "the connection has ended before the end")
-        self.until(lambda: "has been written over" in self.parameters(call)["message"])
-        self.said("has been written over")
+        self.until(lambda: "has been overwritten" in self.parameters(call)["message"])
+        self.said("has been overwritten")
         self.assertEqual(self.ask("/healthz")[0], 200)
         self.end()
 
@@ -296,7 +296,7 @@ class Recorded(Gateway):
         self.until(lambda: self.parameters(call)["recorded"])
         now = self.parameters(call)
         self.assertFalse(now["recording"])
-        self.assertIn("the recording has ended", now["message"])
+        self.assertIn("the recording was ended", now["message"])
         self.assertFalse(call("/palpate/record", data=False)["success"], "it has ended")
         status, _, body = self.ask("/recording")
         self.assertEqual(status, 200)

@@ -128,17 +128,17 @@ class Index(Case):
             self.write(INDEX, damaged)
             document, notes = self.query()
             self.assertTrue(notes[0].startswith("palpate: note: " + INDEX), notes)
-            self.assertIn("made again", notes[0])
+            self.assertIn("rebuilt", notes[0])
             self.assertEqual(document, truth)
             self.assertEqual(self.read(INDEX), sound)
 
     def test_without_it_neither_reads_nor_writes(self):
-        self.write(INDEX, b"not an index")
+        self.write(INDEX, b"not a palpate index")
         self.assertEqual(self.query("--no-index-file")[1], [])
-        self.assertEqual(self.read(INDEX), b"not an index")
+        self.assertEqual(self.read(INDEX), b"not a palpate index")
         self.write("c.toml", "no-index-file = true\n")
         self.assertEqual(self.query("--config", "c.toml")[1], [])
-        self.assertEqual(self.read(INDEX), b"not an index")
+        self.assertEqual(self.read(INDEX), b"not a palpate index")
 
     def test_other_commands_leave_none(self):
         self.succeed("info", "a.ply")

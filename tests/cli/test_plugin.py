@@ -36,9 +36,9 @@ class Plugin(Case):
     def test_what_is_no_device_is_refused_with_one_line(self):
         for text, words in {
             "plugin:/nowhere/arm.so": "/nowhere/arm.so: there is no such file",
-            plugin("bad_no_symbol"): "is no device plug-in",
-            plugin("bad_wrong_version"): "compile it anew",
-            plugin("bad_no_read"): "lacks a function",
+            plugin("bad_no_symbol"): "is not a device plug-in",
+            plugin("bad_wrong_version"): "recompile it",
+            plugin("bad_no_read"): "lacks a required function",
             plugin("bad_nan_force"): "force_max must be positive",
             plugin("bad_no_device"): "no arm is plugged in; plug it in",
             plugin("pendulum") + ":high": "'high' is no height",

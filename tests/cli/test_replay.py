@@ -46,7 +46,7 @@ class Determinism(Case):
         self.assertGreater(result.json["can_miss"], 0)
         text = self.succeed("replay", "a.ply", "--trajectory", "path.csv", "--out", "run.csv",
                             "--pipeline", "paper", "--search-radius", "0.05").out.decode()
-        self.assertIn(f"can miss {result.json['can_miss']} Gaussians", text)
+        self.assertIn(f"{result.json['can_miss']} Gaussians reach beyond the search radius", text)
 
 
 def turning_path(count=300):
@@ -170,7 +170,7 @@ class From(Case):
     def test_a_run_that_does_not_say_is_refused(self):
         run = self.replay("a.ply", "--trajectory", "path.csv")
         self.write("bare.csv", run[run.index(b"t,x,"):])
-        self.refuse(1, ["bare.csv", "does not say how it was made"], "replay", "--from", "bare.csv", "--out", "again.csv")
+        self.refuse(1, ["bare.csv", "has no record of how it was made"], "replay", "--from", "bare.csv", "--out", "again.csv")
         self.write("odd.csv", b"# no toml at all\n" + run[run.index(b"t,x,"):])
         self.refuse(1, "odd.csv: line 1", "replay", "--from", "odd.csv", "--out", "again.csv")
         self.write("new.csv", run.replace(b"# stiffness =", b"# elasticity ="))

@@ -159,7 +159,7 @@ class Report(Case):
         text = self.read("run.csv")
         self.write("cut.csv", text[:text.rindex(b",")])
         result = self.succeed("report", "cut.csv", "--out", "page.html", "-q")
-        self.assertEqual(result.err, b"palpate: cut.csv: the last line is cut and left out (the recording was interrupted)\n")
+        self.assertEqual(result.err, b"palpate: cut.csv: the last line is truncated and ignored (the recording was interrupted)\n")
         document = json.loads(Page(self.read("page.html").decode()).document)
         self.assertEqual(len(document["columns"]["t"]), 599)
 

@@ -143,7 +143,7 @@ class Summary(Live):
 
     def test_text_says_what_was_felt(self):
         result = self.succeed(*self.arguments("--seconds", "2"))
-        for word in ("ticks", "overruns", "p99.9", "in contact", "port"):
+        for word in ("ticks", "overruns", "p99.9", "in contact", "net energy"):
             self.assertIn(word, result.out.decode())
 
     def test_quiet_says_nothing(self):

@@ -31,7 +31,7 @@ class Setup(Case):
             self.succeed("make-scene", shape, "--out", "shape.ply", "-q")
             proposed, _ = self.propose(scene="shape.ply")
             self.assertEqual(proposed["frame"]["value"], "as-is")
-            self.assertIn("nothing tells which way is up", proposed["frame"]["reason"])
+            self.assertIn("the up direction is ambiguous", proposed["frame"]["reason"])
 
     def test_proposes_to_drop_what_info_calls_giant(self):
         self.succeed("make-scene", "box", "--like", "tails", "--like", "haze", "--out", "box.ply", "-q")

@@ -579,9 +579,9 @@ TEST_F(WithALocalModel, AProgramThatIsStoppedEndsInZero) {
 
 TEST_F(AgainstTheProgram, ItsEchoesTellHowOldItsPosesAre) {
   late = 0.06;
-  for (int k = 0; k < 50 && what_was_told().find("after they were measured") == std::string::npos; ++k)
+  for (int k = 0; k < 50 && what_was_told().find("after measurement") == std::string::npos; ++k)
     lead(kFree, 0.1);
-  EXPECT_THAT(what_was_told(), HasSubstr("ms after they were measured, and are dropped"));
+  EXPECT_THAT(what_was_told(), HasSubstr("ms after measurement; those older than"));
 }
 
 #endif

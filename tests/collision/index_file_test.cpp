@@ -160,9 +160,9 @@ TEST_F(IndexFileTest, SameInputSameBytes) {
 TEST_F(IndexFileTest, RefusesWhatIsNoIndexOfItsKind) {
   std::string spoilt = bytes_;
   spoilt[3] = 'Q';
-  EXPECT_THAT(refusal(spoilt), HasSubstr("is not an index of palpate"));
-  EXPECT_THAT(refusal("x"), HasSubstr("is not an index of palpate"));
-  EXPECT_THAT(refusal(scene_.bytes()), HasSubstr("is not an index of palpate"));
+  EXPECT_THAT(refusal(spoilt), HasSubstr("is not a palpate index"));
+  EXPECT_THAT(refusal("x"), HasSubstr("is not a palpate index"));
+  EXPECT_THAT(refusal(scene_.bytes()), HasSubstr("is not a palpate index"));
   EXPECT_THAT(refusal(""), HasSubstr("is empty"));
   spoilt = bytes_;
   std::reverse(spoilt.begin() + 8, spoilt.begin() + 12);
@@ -195,9 +195,9 @@ TEST_F(IndexFileTest, RefusesAFileThatIsCutAnywhere) {
   for (int i = 0; i < 100; ++i)
     lengths.push_back(static_cast<std::size_t>(random.uniform(1, static_cast<double>(bytes_.size()))));
   for (const std::size_t length : lengths) EXPECT_FALSE(refusal(bytes_.substr(0, length)).empty()) << length;
-  EXPECT_THAT(refusal(bytes_.substr(0, bytes_.size() / 2)), HasSubstr("cut or changed"));
-  EXPECT_THAT(refusal(bytes_ + "x"), HasSubstr("cut or changed"));
-  EXPECT_THAT(refusal(bytes_ + bytes_), HasSubstr("cut or changed"));
+  EXPECT_THAT(refusal(bytes_.substr(0, bytes_.size() / 2)), HasSubstr("truncated or damaged"));
+  EXPECT_THAT(refusal(bytes_ + "x"), HasSubstr("truncated or damaged"));
+  EXPECT_THAT(refusal(bytes_ + bytes_), HasSubstr("truncated or damaged"));
   // A hole in the middle, and a page too many.
   EXPECT_FALSE(refusal(bytes_.substr(0, 3 * kPage) + bytes_.substr(4 * kPage)).empty());
   EXPECT_FALSE(refusal(bytes_.substr(0, 3 * kPage) + bytes_.substr(2 * kPage)).empty());
@@ -335,7 +335,7 @@ TEST_F(IndexFileOfNodes, RefusesWhatIsSharedUnreachableOrACycle) {
       {"no such block", {{leaf(0), leaf(1), leaf(2)}}},
   };
   for (const auto& [what, nodes] : cases)
-    EXPECT_THAT(refusal_of_tree(nodes, 2), HasSubstr("its nodes are no tree")) << what;
+    EXPECT_THAT(refusal_of_tree(nodes, 2), HasSubstr("its nodes are not a tree")) << what;
 }
 
 // Sixteen ways down from each of 62 levels to the next: no walk would end.
@@ -344,7 +344,7 @@ TEST_F(IndexFileOfNodes, RefusesLevelsThatShareTheirChildren) {
   std::vector<Children> nodes;
   for (std::uint32_t level = 0; level < kLevels; ++level)
     nodes.emplace_back(kIndexWidth, level + 1 < kLevels ? level + 1 : leaf(0));
-  EXPECT_THAT(refusal_of_tree(nodes, 1), HasSubstr("its nodes are no tree"));
+  EXPECT_THAT(refusal_of_tree(nodes, 1), HasSubstr("its nodes are not a tree"));
   for (Children& children : nodes) children.resize(1);
   EXPECT_EQ(refusal_of_tree(nodes, 1), "") << "as a chain they are a tree";
 }
@@ -356,7 +356,7 @@ TEST_F(IndexFileOfNodes, RefusesATreeThatIsTooDeep) {
   EXPECT_EQ(refusal_of_tree(nodes, 1), "");
   nodes.back() = {kMaxIndexDepth};
   nodes.push_back({leaf(0)});
-  EXPECT_THAT(refusal_of_tree(nodes, 1), HasSubstr("its nodes are no tree"));
+  EXPECT_THAT(refusal_of_tree(nodes, 1), HasSubstr("its nodes are not a tree"));
 }
 
 // No walk would get to them.
@@ -366,7 +366,7 @@ TEST_F(IndexFileOfNodes, RefusesAChildInABoxThatIsEmpty) {
       std::vector<IndexNode> nodes{node_of({1, leaf(0)}), node_of({leaf(1)})};
       ASSERT_EQ(refusal_of(nodes, 2), "");
       nodes[axis % 2].high[axis][0] = high;
-      EXPECT_THAT(refusal_of(nodes, 2), HasSubstr("its nodes are no tree")) << "axis " << axis;
+      EXPECT_THAT(refusal_of(nodes, 2), HasSubstr("its nodes are not a tree")) << "axis " << axis;
     }
   }
 }

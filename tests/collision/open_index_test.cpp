@@ -89,9 +89,9 @@ TEST_F(OpenIndex, WithoutFilesNeitherReadsNorWritesOne) {
   const OpenedIndex alone = open(Origin::kMemory, {}, {}, IndexFiles::kNone);
   EXPECT_FALSE(alone.rejected || alone.not_written);
   EXPECT_THAT(scene_.files(), ElementsAre("garden.ply"));
-  std::ofstream(index_) << "not an index";
+  std::ofstream(index_) << "not a palpate index";
   EXPECT_FALSE(open(Origin::kMemory, {}, {}, IndexFiles::kNone).rejected);
-  EXPECT_EQ(index_bytes(), "not an index");
+  EXPECT_EQ(index_bytes(), "not a palpate index");
 }
 
 TEST_F(OpenIndex, IsTheSameWhereverTheSceneIsPut) {

@@ -63,22 +63,21 @@ TEST(PluginDevice, RefusesWhatIsNoPlugin) {
   const TemporaryFile text("this is no library", "text.so");
   EXPECT_THAT(refusal("plugin:" + text.path()), AllOf(HasSubstr("text.so"), HasSubstr("cannot be loaded")));
   EXPECT_THAT(refusal("plugin:" + plugin("bad_no_symbol")),
-              HasSubstr("is no device plug-in: it does not export palpate_device_plugin"));
+              HasSubstr("is not a device plug-in: it does not export palpate_device_plugin"));
   EXPECT_THAT(refusal("arm.so"), HasSubstr("is neither plugin:PATH.so nor NAME:ARGUMENTS"));
   EXPECT_THAT(refusal("no_such:x"),
               AllOf(HasSubstr("there is no palpate_device_no_such.so in"), HasSubstr("plugin:PATH.so")));
 }
 
 TEST(PluginDevice, RefusesAnotherVersion) {
-  EXPECT_THAT(
-      refusal("plugin:" + plugin("bad_wrong_version")),
-      HasSubstr("is of version 7 of the plug-in interface, this program of version 1; compile it anew"));
-  EXPECT_THAT(refusal("plugin:" + plugin("bad_refuses_host")), HasSubstr("is of another version"));
+  EXPECT_THAT(refusal("plugin:" + plugin("bad_wrong_version")),
+              HasSubstr("uses version 7 of the plug-in interface, this program version 1; recompile it"));
+  EXPECT_THAT(refusal("plugin:" + plugin("bad_refuses_host")), HasSubstr("uses another version"));
 }
 
 TEST(PluginDevice, RefusesAPluginThatLacksAFunction) {
   for (const char* name : {"bad_no_read", "bad_wrong_size"})
-    EXPECT_THAT(refusal("plugin:" + plugin(name)), HasSubstr("lacks a function")) << name;
+    EXPECT_THAT(refusal("plugin:" + plugin(name)), HasSubstr("lacks a required function")) << name;
 }
 
 TEST(PluginDevice, TellsWhyADeviceCannotBeMadeOrOpened) {
@@ -92,7 +91,7 @@ TEST(PluginDevice, TellsWhyADeviceCannotBeMadeOrOpened) {
 TEST(PluginDevice, RefusesCapabilitiesThatAreNotNumbersAndAStatusThatThereIsNot) {
   EXPECT_THAT(refusal("plugin:" + plugin("bad_nan_force")), HasSubstr("force_max must be positive"));
   EXPECT_THAT(refusal("plugin:" + plugin("bad_odd_status")),
-              HasSubstr("it tells a status that there is not"));
+              HasSubstr("the plug-in returned an unknown status"));
 }
 
 TEST(PluginDevice, NanFromADriverIsAFaultOfTheGovernor) {

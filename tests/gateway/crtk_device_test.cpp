@@ -87,7 +87,7 @@ TEST(CrtkDevice, WhatComesOutOfOrderOrTwiceOrLateIsDroppedAndSaidOnce) {
   EXPECT_EQ(link.reading.pose.position.x(), 0.1);
   EXPECT_EQ(link.device->dropped(), 3U);
   ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("late, twice or out of order"));
+  EXPECT_THAT(link.peer->said[0], HasSubstr("late, repeated or out of order"));
 }
 
 TEST(CrtkDevice, AnAgeCountsTheJitterAndTheWayBack) {
@@ -109,7 +109,7 @@ TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
   link.ticks(5, 0.0);
   link.pose(0.1, -10.0);
   EXPECT_FALSE(link.tick());
-  EXPECT_THAT(link.peer->said.at(0), HasSubstr("stamps of the future"));
+  EXPECT_THAT(link.peer->said.at(0), HasSubstr("stamps in the future"));
   link.pose(0.2);
   EXPECT_TRUE(link.tick()) << "one of them changes nothing";
   for (int k = 0; k < 1200; ++k) {  // nor another, long after
@@ -165,7 +165,7 @@ TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   link.pose(0.9, 0.0, "base", "/other");
   EXPECT_FALSE(link.tick());
   ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("'/other' are dropped: '/arm' holds the device"));
+  EXPECT_THAT(link.peer->said[0], HasSubstr("'/other' are dropped: '/arm' controls the device"));
   bool read = false;
   double since = monotonic_now();
   while (!read && monotonic_now() - since < 3.0) {
@@ -204,7 +204,7 @@ TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {
     link.pose(pose, driver_now());
     EXPECT_FALSE(link.tick());
     ASSERT_EQ(link.peer->said.size(), 1U);
-    EXPECT_THAT(link.peer->said[0], HasSubstr("no force until they do"));
+    EXPECT_THAT(link.peer->said[0], HasSubstr("no force until valid poses arrive"));
     link.pose(0.0);
     ASSERT_TRUE(link.tick());
     EXPECT_NE(link.reading.hand, hand);
@@ -255,7 +255,7 @@ TEST(CrtkDevice, LossThatIsShortIsNotFeltAndASilenceRampsToZeroAndComesBack) {
   }
   EXPECT_EQ(last, 0.0);
   EXPECT_EQ(link.device->status(), DeviceStatus::kFault);
-  EXPECT_EQ(link.device->status_text(), "no poses come");
+  EXPECT_EQ(link.device->status_text(), "no poses received");
   for (int k = 0; k < 100; ++k) EXPECT_EQ(force(true, 0.02), 0.0) << "the gate";
   EXPECT_TRUE(leans(1000));
 }

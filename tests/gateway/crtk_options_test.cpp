@@ -44,17 +44,17 @@ TEST(CrtkOptions, ThatAreMissingAreCautious) {
 
 TEST(CrtkOptions, ThatAreWrongAreNamed) {
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
-           {"", "wants the prefix"},
-           {"omni", "wants the prefix"},
-           {"/omni/", "wants the prefix"},
-           {"/o mni", "wants the prefix"},
+           {"", "needs the prefix"},
+           {"omni", "needs the prefix"},
+           {"/omni/", "needs the prefix"},
+           {"/o mni", "needs the prefix"},
            {"/omni,rate", "'rate' is not NAME=VALUE"},
            {"/omni,weight=1", "there is no option 'weight'"},
-           {"/omni,rate=fast", "'fast' is no number"},
-           {"/omni,rate=500Hz", "'500Hz' is no number"},
-           {"/omni,rate=1e999", "'1e999' is no number"},
-           {"/omni,rate=nan", "'nan' is no number"},
-           {"/omni,rate=-5", "'-5' is no number"},
+           {"/omni,rate=fast", "'fast' is not a number"},
+           {"/omni,rate=500Hz", "'500Hz' is not a number"},
+           {"/omni,rate=1e999", "'1e999' is not a number"},
+           {"/omni,rate=nan", "'nan' is not a number"},
+           {"/omni,rate=-5", "'-5' is not a number"},
            {"/omni,rate=0", "rate must be positive"},
            {"/omni,force_max=2,force_sustained=3", "force_sustained must be 0 to force_max"}})
     EXPECT_THAT(message_of<Error>([&] { parse_crtk_arguments("ros1", text); }), HasSubstr(words)) << text;

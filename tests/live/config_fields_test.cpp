@@ -83,11 +83,11 @@ TEST(ConfigFields, RefuseWhatTheyCannotTake) {
   EXPECT_THAT(set(config, "iso", "1"), "1 is not between 0 and 1");
   EXPECT_THAT(set(config, "detail", "0"), "0 is not positive");
   EXPECT_THAT(set(config, "frame", "w-up"), HasSubstr("is not one of as-is, x-down"));
-  EXPECT_THAT(set(config, "rotate", "0,0,0,0"), HasSubstr("must not be zero"));
+  EXPECT_THAT(set(config, "rotate", "0,0,0,0"), HasSubstr("norm between 1e-6 and 1e6"));
   EXPECT_THAT(set(config, "translate", "1,2"), HasSubstr("3 are needed"));
   EXPECT_THAT(set(config, "crop-box", "0,0,0,-1,1,1"), HasSubstr("below the second"));
-  EXPECT_THAT(set(config, "hand", "-1,0,0"), HasSubstr("below zero"));
-  EXPECT_THAT(set(config, "cpu", "1.5"), HasSubstr("no whole number"));
+  EXPECT_THAT(set(config, "hand", "-1,0,0"), HasSubstr("must not be negative"));
+  EXPECT_THAT(set(config, "cpu", "1.5"), HasSubstr("not a whole number"));
   EXPECT_THAT(set(config, "token", "short"), HasSubstr("16"));
   EXPECT_THAT(set(config, "tool", "0,1,1"), HasSubstr("semi-axis 0"));
   EXPECT_THAT(set(config, "mirror", "yes"), "must be true or false");

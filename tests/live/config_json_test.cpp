@@ -62,7 +62,7 @@ TEST(ConfigJson, RefusesWhatIsUnknownOrOutOfRange) {
   EXPECT_EQ(refusal(R"({"detail": 11})"), "'detail' must be a number from 0 to 10");
   EXPECT_EQ(refusal(R"({"registration": {"mirrored": 1}})"), "'mirrored' must be true or false");
   EXPECT_EQ(refusal(R"({"room": {"rotation": [0, 0, 0, 0]}})"),
-            "'rotation': the quaternion qw,qx,qy,qz must not be zero");
+            "'rotation': the quaternion qw,qx,qy,qz must have a norm between 1e-6 and 1e6");
   EXPECT_EQ(refusal(R"({"room": {"translation": [0, 0]}})"), "'translation' must be 3 numbers");
   EXPECT_THAT(refusal(R"({"tool": [{"semi_axes": [0, 1, 1]}]})"), HasSubstr("'semi_axes' must be"));
 }

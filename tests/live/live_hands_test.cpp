@@ -289,7 +289,8 @@ TEST(LiveHands, AHandThatNeedsItsSceneKeepsIt) {
       setups(hand("", field_config(), std::make_unique<Stepper>()), hand("film", playback, nullptr)));
   LiveView view, film;
   hands.start({{&view}, {&film}});
-  EXPECT_THAT(message_of<Error>([&] { hands.open_scene(""); }), HasSubstr("hand film: what is played back"));
+  EXPECT_THAT(message_of<Error>([&] { hands.open_scene(""); }),
+              HasSubstr("hand film: a playback belongs to its scene"));
   EXPECT_EQ(hands.first().settings().scene.path, plane());
   hands.stop();
 }

@@ -150,7 +150,8 @@ TEST(LiveSystem, SaysWhatIsMissing) {
               testing::HasSubstr("/nowhere/scene.ply"));
   config = plane_config();
   config.device.kind = DeviceKind::kPlayback;
-  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }), testing::HasSubstr("nothing to play"));
+  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }),
+              testing::HasSubstr("needs --trajectory"));
   config.device.kind = DeviceKind::kClient;
   config.device.profile = "spoon";
   EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }), testing::HasSubstr("spoon"));
@@ -161,7 +162,7 @@ TEST(LiveSystem, TellsWhatAPersonShouldKnow) {
   config.scene.filter.opacity_min = 1.0;
   std::vector<std::string> told;
   LiveSystem system(config, own_device(), [&](const std::string& line) { told.push_back(line); });
-  EXPECT_THAT(told, testing::Contains(testing::HasSubstr("nothing is left to touch")));
+  EXPECT_THAT(told, testing::Contains(testing::HasSubstr("no Gaussian passes the filter")));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A folder with two scenes, one of them in a folder below, one of another format, and what is no scene.
+/// A folder with two scenes, one of them in a folder below, one of another format, and what is not a scene.
 class SceneLibraryTest : public testing::Test {
  protected:
   SceneLibraryTest() {
@@ -75,7 +75,7 @@ TEST_F(SceneLibraryTest, RefusesFoldersThatAreNone) {
   EXPECT_THAT(message_of<Error>([&] { SceneLibrary({"/nowhere/at/all"}, ""); }),
               HasSubstr("--scenes /nowhere/at/all"));
   EXPECT_THAT(message_of<Error>([&] { SceneLibrary({(folder() / "a.ply").string()}, ""); }),
-              HasSubstr("is no folder"));
+              HasSubstr("is not a folder"));
   EXPECT_THAT(message_of<Error>([&] { SceneLibrary({"/nowhere/at/all"}, "", "parameter 'scenes':"); }),
               StartsWith("parameter 'scenes': /nowhere/at/all: "));
 }
@@ -110,10 +110,10 @@ TEST_F(SceneLibraryTest, KeepsWhatIsHandedOverInAFolderOfItsOwnUntilItEnds) {
 TEST_F(SceneLibraryTest, TakesNoFileThatItCannotReadOrHasNoRoomFor) {
   SceneLibrary library({}, "");
   EXPECT_THAT(message_of<Error>([&] { library.place_for("a.sog", 100); }), HasSubstr("convert it first"));
-  EXPECT_THAT(message_of<Error>([&] { library.place_for("a.txt", 100); }), HasSubstr("is no scene"));
+  EXPECT_THAT(message_of<Error>([&] { library.place_for("a.txt", 100); }), HasSubstr("is not a scene"));
   EXPECT_THAT(message_of<Error>([&] { library.place_for("a.ply", 0); }), HasSubstr("is empty"));
   EXPECT_THAT(message_of<Error>([&] { library.place_for("a.ply", std::uint64_t{1} << 60U); }),
-              HasSubstr("no room"));
+              HasSubstr("not enough disk space"));
 }
 
 }  // namespace

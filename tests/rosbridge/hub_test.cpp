@@ -101,8 +101,8 @@ TEST_F(HubTest, WhatIsWrongIsToldWithTheIdOfTheMessage) {
   expect_status({{"id", "1"}}, "'op' is missing");
   expect_status({{"op", nullptr}, {"id", "1"}}, "'op' is missing");
   expect_status({{"op", 3}, {"id", "2"}}, "'op' must be text");
-  expect_status({{"op", "fly"}, {"id", "3"}}, "op 'fly' is not known here");
-  expect_status({{"op", "fly"}, {"id", 3}}, "op 'fly' is not known here");
+  expect_status({{"op", "fly"}, {"id", "3"}}, "op 'fly' is not supported");
+  expect_status({{"op", "fly"}, {"id", 3}}, "op 'fly' is not supported");
   for (const char* op : {"subscribe", "unsubscribe", "advertise", "publish"}) {
     expect_status({{"op", op}, {"id", "4"}}, "'topic' is missing");
     expect_status({{"op", op}, {"topic", ""}, {"id", "4"}}, "'topic' is missing");
@@ -110,15 +110,15 @@ TEST_F(HubTest, WhatIsWrongIsToldWithTheIdOfTheMessage) {
   }
   expect_status({{"op", "call_service"}, {"id", "6"}}, "'service' is missing");
   expect_status({{"op", "subscribe"}, {"topic", "/nowhere"}, {"id", "7"}}, "there is no topic '/nowhere'");
-  expect_status({{"op", "advertise"}, {"topic", "/a"}, {"id", "8"}}, "'/a' is not for clients");
+  expect_status({{"op", "advertise"}, {"topic", "/a"}, {"id", "8"}}, "clients cannot publish on '/a'");
   expect_status({{"op", "publish"}, {"topic", "/a"}, {"msg", Json::object()}, {"id", "9"}},
-                "'/a' is not for clients");
+                "clients cannot publish on '/a'");
   expect_status({{"op", "publish"}, {"topic", "/in"}, {"id", "10"}}, "'msg' is missing");
   expect_status({{"op", "publish"}, {"topic", "/in"}, {"msg", "text"}, {"id", "11"}},
                 "'msg' must be an object");
   expect_status({{"op", "publish"}, {"topic", "/in"}, {"msg", {{"bad", 1}}}, {"id", "12"}}, "that is bad");
   expect_status({{"op", "subscribe"}, {"topic", "/a"}, {"compression", "png"}, {"id", "13"}},
-                "compression 'png' is not known");
+                "compression 'png' is not supported");
   expect_status({{"op", "subscribe"}, {"topic", "/a"}, {"throttle_rate", "fast"}, {"id", "14"}},
                 "'throttle_rate'");
   expect_status({{"op", "subscribe"}, {"topic", "/a"}, {"queue_length", Json::array()}, {"id", "15"}},
@@ -126,7 +126,7 @@ TEST_F(HubTest, WhatIsWrongIsToldWithTheIdOfTheMessage) {
   EXPECT_FALSE(topic.is_watched());
 
   client->receive("{", false);
-  EXPECT_THAT(one().value("msg", ""), HasSubstr("not JSON"));
+  EXPECT_THAT(one().value("msg", ""), HasSubstr("not valid JSON"));
   client->receive("\xff", true);
   EXPECT_THAT(one().value("msg", ""), HasSubstr("CBOR"));
 }
@@ -136,7 +136,7 @@ TEST_F(HubTest, WhatWasSaidIsQuotedInShortAndAsUtf8) {
   // The euro sign is three bytes, and 80 is in the midst of one; and in CBOR text may be anything.
   std::string euros;
   for (int k = 0; k < 50; ++k) euros += "\u20ac";
-  expect_status({{"op", euros}}, "is not known here");
+  expect_status({{"op", euros}}, "is not supported");
   client->receive(cbor_of({{"op", "a\xff\xfe"}, {"id", "\xff"}}), true);
   const auto outgoing = client->next();
   ASSERT_TRUE(outgoing);
@@ -640,11 +640,11 @@ TEST_F(RosapiTest, TellsWhatMessagesAndServicesAreMadeOf) {
 
 TEST_F(RosapiTest, RefusesTypesThatThereAreNot) {
   for (const auto& [service, type, words] :
-       {std::tuple{"message_details", "x/Y", "there is no type of messages 'x/Y' here"},
-        std::tuple{"message_details", "", "there is no type of messages '' here"},
+       {std::tuple{"message_details", "x/Y", "there is no message type 'x/Y'"},
+        std::tuple{"message_details", "", "there is no message type ''"},
         std::tuple{"service_request_details", "std_msgs/String",
-                   "there is no type of services 'std_msgs/String' here"},
-        std::tuple{"service_response_details", "x/Y", "there is no type of services 'x/Y' here"}}) {
+                   "there is no service type 'std_msgs/String'"},
+        std::tuple{"service_response_details", "x/Y", "there is no service type 'x/Y'"}}) {
     say({{"op", "call_service"}, {"service", std::string("/rosapi/") + service}, {"args", {{"type", type}}}});
     const Json answer = one();
     EXPECT_EQ(answer["result"], false);

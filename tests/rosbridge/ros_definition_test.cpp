@@ -64,7 +64,7 @@ TEST(RosDefinition, ASubscriberOfCborRawGetsTheBytes) {
   client.receive(R"({"op":"subscribe","topic":"/own","compression":"cbor-raw"})", false);
   const auto refused = client.next();
   ASSERT_TRUE(refused);
-  EXPECT_THAT(*refused->bytes, HasSubstr("palpate/Own is no message of ROS"));
+  EXPECT_THAT(*refused->bytes, HasSubstr("palpate/Own is not a ROS message type"));
 }
 
 }  // namespace

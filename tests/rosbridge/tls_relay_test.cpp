@@ -342,16 +342,16 @@ TEST(TlsRelayFiles, AreTheTwoThatWereMadeTogether) {
   };
   EXPECT_NO_THROW(TlsRelay(certificate.path(), good.path()));
   EXPECT_THAT(complaint(nonsense.path(), good.path()),
-              AllOf(HasSubstr(nonsense.path()), HasSubstr("--tls-cert is no certificate")));
-  EXPECT_THAT(complaint(good.path(), good.path()), HasSubstr("--tls-cert is no certificate"));
+              AllOf(HasSubstr(nonsense.path()), HasSubstr("--tls-cert is not a PEM certificate")));
+  EXPECT_THAT(complaint(good.path(), good.path()), HasSubstr("--tls-cert is not a PEM certificate"));
   EXPECT_THAT(complaint(certificate.path(), nonsense.path()),
-              AllOf(HasSubstr(nonsense.path()), HasSubstr("--tls-key is no private key")));
+              AllOf(HasSubstr(nonsense.path()), HasSubstr("--tls-key is not a PEM private key")));
   EXPECT_THAT(complaint(certificate.path(), locked.path()), HasSubstr("without a password"));
   EXPECT_THAT(complaint(certificate.path(), wrong.path()),
-              AllOf(HasSubstr("is not the key of"), HasSubstr(certificate.path())));
+              AllOf(HasSubstr("does not match the certificate"), HasSubstr(certificate.path())));
   const Key of_another_kind(EVP_RSA_gen(2048));
   const test::TemporaryFile rsa(pem_of(of_another_kind));
-  EXPECT_THAT(complaint(certificate.path(), rsa.path()), HasSubstr("is not the key of"));
+  EXPECT_THAT(complaint(certificate.path(), rsa.path()), HasSubstr("does not match the certificate"));
   for (const bool of_key : {false, true}) {
     const std::string gone = good.path() + "-gone";
     EXPECT_THAT(complaint(of_key ? certificate.path() : gone, of_key ? gone : good.path()), HasSubstr(gone));

@@ -1208,7 +1208,7 @@ TEST_F(WebServerTest, SaysWhereItCannotListen) {
   options.port = 0;
   for (const char* address : {"", "localhost", "256.0.0.1", "evil"}) {
     options.address = address;
-    EXPECT_THAT(message_of<Error>(listen), HasSubstr("is not an address")) << address;
+    EXPECT_THAT(message_of<Error>(listen), HasSubstr("is not an IP address")) << address;
   }
   options.address = "192.0.2.1";  // of nobody (RFC 5737)
   EXPECT_THAT(message_of<Error>(listen), HasSubstr("cannot listen on 192.0.2.1"));

@@ -168,7 +168,7 @@ TEST(StillLife, AFingerOnEachThingFeelsIt) {
 TEST(StillLife, RefusesASpacingThatIsNone) {
   for (const double spacing : {0.0, -1.0, 0.0001, 1.0, std::nan("")})
     EXPECT_THAT(test::message_of<Error>([&] { make_still_life(1, spacing); }),
-                HasSubstr("a still life has 0.001 m to 0.02 m"));
+                HasSubstr("must be 0.001 m to 0.02 m for a still life"));
 }
 
 TEST(SolidNoise, IsBoundedContinuousAndByItsSeed) {

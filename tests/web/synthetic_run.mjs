@@ -124,7 +124,7 @@ export function sphereRun({ rows = 24000, touches = 7, userForce = true, scenePo
       { label: 'Duration', value: `${(rows / 1000).toFixed(1)} s` },
       { label: 'Contacts', value: String(episodes.length) },
       { label: 'Peak force', value: `${peak.toFixed(2)} N` },
-      { label: 'Computing time, median', value: '38 \u00b5s' },
+      { label: 'Computation time, median', value: '38 \u00b5s' },
       { label: '99th percentile', value: '412 \u00b5s' },
     ],
     tool: [{ name: 'tool', semi_axes: [0.02, 0.02, reach], position: [0, 0, 0], orientation: [1, 0, 0, 0] }],

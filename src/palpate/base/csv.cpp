@@ -39,9 +39,9 @@ void read_names(CsvHeader& header, std::string_view line) {
   const std::string where = fmt::format("{}: line {}", header.source, header.line);
   for_each_cell(line, [&](std::string_view name, bool) {
     if (header.columns.size() == kMaxColumns)
-      throw Error("{}: more than {} columns; it is not a table of this kind", where, kMaxColumns);
+      throw Error("{}: more than {} columns; not a valid table", where, kMaxColumns);
     if (name.empty()) throw Error("{}: column {} has no name", where, header.columns.size() + 1);
-    if (header.has(name)) throw Error("{}: two columns are called '{}'", where, name);
+    if (header.has(name)) throw Error("{}: two columns are named '{}'", where, name);
     header.columns.emplace_back(name);
   });
 }
@@ -57,8 +57,8 @@ void add_to_comment(CsvHeader& header, std::string_view line) {
   line.remove_prefix(1);
   if (line.starts_with(' ')) line.remove_prefix(1);
   if (header.comment.size() + line.size() >= CsvReader::kMaxComment) {
-    throw Error("{}: line {}: more than {} bytes of comment; it is not a table of this kind", header.source,
-                header.line, CsvReader::kMaxComment);
+    throw Error("{}: line {}: more than {} bytes of comment; not a valid table", header.source, header.line,
+                CsvReader::kMaxComment);
   }
   header.comment += line;
   header.comment += '\n';
@@ -102,8 +102,8 @@ std::optional<std::span<const double>> CsvReader::next() {
   if (!cut_ && row_.size() != header_.columns.size()) {
     cut_ = may_be_cut();
     if (!cut_) {
-      throw Error("{}: {}: {} values for {} columns; the line is cut", header_.source, where(), row_.size(),
-                  header_.columns.size());
+      throw Error("{}: {}: {} values for {} columns; the line is truncated", header_.source, where(),
+                  row_.size(), header_.columns.size());
     }
   }
   if (cut_) return std::nullopt;
@@ -149,8 +149,8 @@ CsvTable read_csv(const std::string& path, const Progress& progress) {
 CsvTable read_csv(CsvReader& reader, const Progress& progress) {
   constexpr std::size_t kRowsPerReport = 1 << 16;
   if (reader.size() > kMaxBytes) {
-    throw Error("{}: is {} bytes, more than the {} this kind of file may have", reader.header().source,
-                reader.size(), kMaxBytes);
+    throw Error("{}: has {} bytes; the limit for such a file is {}", reader.header().source, reader.size(),
+                kMaxBytes);
   }
   CsvTable table{reader.header(), {}, {}};
   while (const auto row = reader.next()) {

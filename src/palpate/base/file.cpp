@@ -113,7 +113,7 @@ void InputFile::read(std::uint64_t offset, std::span<char> out) const {
 std::string read_text_file(const std::string& path, std::uint64_t max_bytes) {
   const InputFile file(path);
   if (file.size() > max_bytes) {
-    throw Error("{}: is {} bytes, more than the {} this kind of file may have", path, file.size(), max_bytes);
+    throw Error("{}: has {} bytes; the limit for such a file is {}", path, file.size(), max_bytes);
   }
   std::string text(file.size(), '\0');
   file.read(0, text);

@@ -29,7 +29,7 @@ MappedFile::MappedFile(const std::string& path, FileMemory memory) : path_(path)
   ::close(descriptor);
   if (!regular) throw Error("{}: is not a regular file", path);
   if (size == 0) throw Error("{}: is empty", path);
-  if (address == MAP_FAILED) throw_file_error(path, "be taken into memory", error_number);
+  if (address == MAP_FAILED) throw_file_error(path, "be loaded into memory", error_number);
   bytes_ = {static_cast<const std::byte*>(address), size};
 }
 

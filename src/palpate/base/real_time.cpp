@@ -34,7 +34,7 @@ std::optional<std::string> lock_memory() {
   // An index larger than the memory: pages are then locked once they are touched.
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return std::nullopt;
   return fmt::format(
-      "memory is not locked ({}): a tick may wait for a page; raise 'ulimit -l', or give CAP_IPC_LOCK",
+      "memory is not locked ({}): a page fault may delay a tick; raise 'ulimit -l', or give CAP_IPC_LOCK",
       reason(errno));
 }
 
@@ -55,7 +55,7 @@ std::vector<std::string> make_real_time(const ThreadPriority& wanted) {
     CPU_ZERO(&only);
     CPU_SET(static_cast<std::size_t>(*wanted.cpu), &only);
     if (const int error = pthread_setaffinity_np(pthread_self(), sizeof only, &only); error != 0) {
-      refused.push_back(fmt::format("not pinned to processor {} ({}): give one of those there are",
+      refused.push_back(fmt::format("not pinned to processor {} ({}): choose an existing processor",
                                     *wanted.cpu, reason(error)));
     }
   }

@@ -97,7 +97,7 @@ Descriptor find(const std::string& link, const Descriptor& file, const struct st
 Descriptor make(const std::string& path) {
   const InputFile file(path);
   const Descriptor memory(::memfd_create("palpate", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  if (!memory) throw_file_error(path, "be taken into memory", errno);
+  if (!memory) throw_file_error(path, "be loaded into memory", errno);
   std::vector<char> chunk(std::size_t{1} << 20);
   for (std::uint64_t at = 0; at < file.size();) {
     const std::size_t size = std::min<std::uint64_t>(chunk.size(), file.size() - at);
@@ -105,14 +105,14 @@ Descriptor make(const std::string& path) {
     for (std::size_t done = 0; done < size;) {
       const ssize_t written = ::write(memory.get(), chunk.data() + done, size - done);
       if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) throw_file_error(path, "be taken into memory", errno);
+      if (written <= 0) throw_file_error(path, "be loaded into memory", errno);
       done += static_cast<std::size_t>(written);
     }
     at += size;
   }
   // Sealed before it is reopened read-only: the kernel maps sealed memory through such a descriptor only.
   if (::fcntl(memory.get(), F_ADD_SEALS, kSeals | F_SEAL_SEAL) != 0)
-    throw_file_error(path, "be taken into memory", errno);
+    throw_file_error(path, "be loaded into memory", errno);
   return open_to_read(path_of(memory));
 }
 
@@ -150,7 +150,7 @@ SharedCopy::SharedCopy(const std::string& path) {
   Descriptor memory = is_new ? make(path) : std::move(found);
   const auto size = static_cast<std::size_t>(status.st_size);
   void* address = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, memory.get(), 0);
-  if (address == MAP_FAILED) throw_file_error(path, "be taken into memory", errno);
+  if (address == MAP_FAILED) throw_file_error(path, "be loaded into memory", errno);
   if (is_new && show(memory, link)) link_ = link;
   bytes_ = {static_cast<const std::byte*>(address), size};
   descriptor_ = memory.release();

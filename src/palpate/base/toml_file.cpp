@@ -168,7 +168,7 @@ std::vector<TomlValue> TomlTable::values() const {
 void TomlTable::refuse_others() const {
   for (const TomlValue& value : values()) {
     if (std::find(asked_.begin(), asked_.end(), value.key()) != asked_.end()) continue;
-    throw Error("{}: unknown key '{}'; known here are {}", value.where(), value.key(),
+    throw Error("{}: unknown key '{}'; the known keys are {}", value.where(), value.key(),
                 fmt::join(asked_, ", "));
   }
 }

@@ -364,7 +364,7 @@ void move_children(std::vector<IndexNode>& nodes, std::uint32_t by_nodes, std::u
 
 std::vector<GaussianBlock> IndexForest::plant(IndexTree tree) {
   if (blocks_ + tree.blocks.size() > kMaxIndexBlocks) {
-    throw Error("more than {} Gaussians do not fit into one index; cut the scene",
+    throw Error("more than {} Gaussians do not fit into one index; crop the scene",
                 kMaxIndexBlocks * kIndexWidth);
   }
   move_children(tree.nodes, static_cast<std::uint32_t>(nodes_.size()), static_cast<std::uint32_t>(blocks_));

@@ -292,17 +292,17 @@ IndexFile::IndexFile(const std::string& path, const std::string& scene, const st
   const std::span<const std::byte> bytes = file_.bytes();
   IndexFront front{};
   std::memcpy(&front, bytes.data(), std::min(bytes.size(), sizeof front));
-  if (front.magic != kMagic) throw Error("{}: is not an index of palpate", path);
+  if (front.magic != kMagic) throw Error("{}: is not a palpate index", path);
   if (front.byte_order != kByteOrder)
     throw Error("{}: was written by a processor of the other byte order", path);
   if (front.version != kVersion) {
-    throw Error("{}: is of version {}, and this program reads {}", path, front.version, kVersion);
+    throw Error("{}: has version {}, and this program reads version {}", path, front.version, kVersion);
   }
-  if (bytes.size() < 2 * kPage) throw Error("{}: is cut: only {} bytes are there", path, bytes.size());
+  if (bytes.size() < 2 * kPage) throw Error("{}: is truncated to {} bytes", path, bytes.size());
   IndexTrailer t{};
   std::memcpy(&t, bytes.data() + bytes.size() - sizeof t, sizeof t);
   if (t.magic != kMagic || t.file_size != bytes.size() || t.own_hash != own_hash(t)) {
-    throw Error("{}: is cut or changed: its last page does not fit", path);
+    throw Error("{}: is truncated or damaged: its last page does not match", path);
   }
   description_ = unpack(t);
   if (description_.options != options) {
@@ -322,15 +322,15 @@ IndexFile::IndexFile(const std::string& path, const std::string& scene, const st
   view_.nodes = arrays.take<IndexNode>(t.nodes);
   const std::uint64_t hashed = sizeof front + view_.blocks.size_bytes() + view_.nodes.size_bytes();
   const auto table = arrays.take<std::uint64_t>((hashed + kChunk - 1) / kChunk);
-  if (!arrays.fits_exactly()) throw Error("{}: is changed: its arrays do not fit its size", path);
+  if (!arrays.fits_exactly()) throw Error("{}: is damaged: its arrays do not match its size", path);
   if (hash(table.data(), table.size_bytes()) != t.table_hash) {
-    throw Error("{}: is changed: its table of checksums does not fit", path);
+    throw Error("{}: is damaged: its table of checksums does not match", path);
   }
   const std::size_t changed = first_changed_chunk(bytes.first(hashed), table);
   if (changed != table.size()) {
-    throw Error("{}: is changed: the checksum of the MiB at byte {} does not fit", path, changed * kChunk);
+    throw Error("{}: is damaged: the checksum of the MiB at byte {} does not match", path, changed * kChunk);
   }
-  if (!is_tree(view_)) throw Error("{}: is changed: its nodes are no tree", path);
+  if (!is_tree(view_)) throw Error("{}: is damaged: its nodes are not a tree", path);
 }
 
 }  // namespace palpate

@@ -46,8 +46,8 @@ GiantDevice::GiantDevice(const SerialChain& chain, std::unique_ptr<JointPlant> p
     throw Error("{}: its delay is {} s; it must be 0 to {}", chain.name, properties.delay, kMostDelay);
   const auto q = inverse_kinematics(chain_, start, motion_.limits().rest);
   if (!q.has_value())
-    throw Error("{}: cannot reach {:.3f}, {:.3f}, {:.3f} in that orientation; begin elsewhere", chain.name,
-                start.position.x(), start.position.y(), start.position.z());
+    throw Error("{}: cannot reach {:.3f}, {:.3f}, {:.3f} in that orientation; choose another start pose",
+                chain.name, start.position.x(), start.position.y(), start.position.z());
   motion_.start(*q);
   for (Told& told : told_) told.q = motion_.position();
 }

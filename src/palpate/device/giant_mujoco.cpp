@@ -78,7 +78,7 @@ mjModel* compiled(const SerialChain& chain, const std::string& xml) {
   std::array<char, 1000> error{};
   mjModel* const model = mj_loadXML(kName, files.get(), error.data(), static_cast<int>(error.size()));
   mj_deleteVFS(files.get());
-  if (model == nullptr) throw Error("{}: MuJoCo does not take this chain: {}", chain.name, error.data());
+  if (model == nullptr) throw Error("{}: MuJoCo rejects this chain: {}", chain.name, error.data());
   return model;
 }
 

@@ -31,7 +31,7 @@ std::string text_of(ErrorText& text) {
   text.back() = '\0';
   std::string line = text.data();
   std::replace(line.begin(), line.end(), '\n', ' ');
-  return line.empty() ? "it does not say why" : line;
+  return line.empty() ? "it gave no reason" : line;
 }
 
 Eigen::Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
@@ -54,7 +54,8 @@ class PluginDevice final : public HapticDevice {
     look();
   }
   void calibrate() override {
-    if (plugin_.calibrate == nullptr) throw Error("{}: asks for a calibration that it does not have", path_);
+    if (plugin_.calibrate == nullptr)
+      throw Error("{}: needs calibration, but has no function for it; correct the plug-in", path_);
     call(plugin_.calibrate);
     look();
   }
@@ -112,7 +113,7 @@ class PluginDevice final : public HapticDevice {
     const int status = plugin_.status(device_, &text);
     const bool known = status >= PALPATE_DEVICE_CLOSED && status <= PALPATE_DEVICE_FAULT;
     set_status(known ? static_cast<DeviceStatus>(status) : DeviceStatus::kFault,
-               !known            ? "it tells a status that there is not"
+               !known            ? "the plug-in returned an unknown status"
                : text == nullptr ? ""
                                  : text);
   }
@@ -159,18 +160,17 @@ const PalpateDevicePlugin& load(const std::string& path) {
   const auto entry =
       reinterpret_cast<decltype(&palpate_device_plugin)>(::dlsym(library, PALPATE_DEVICE_PLUGIN_SYMBOL));
   if (entry == nullptr)
-    throw Error("{}: is no device plug-in: it does not export {}", printable(path),
+    throw Error("{}: is not a device plug-in: it does not export {}", printable(path),
                 PALPATE_DEVICE_PLUGIN_SYMBOL);
   const PalpateDevicePlugin* plugin = entry(PALPATE_DEVICE_PLUGIN_VERSION);
   if (plugin == nullptr || plugin->version != PALPATE_DEVICE_PLUGIN_VERSION) {
-    throw Error("{}: is of {} of the plug-in interface, this program of version {}; compile it anew",
+    throw Error("{}: uses {} of the plug-in interface, this program version {}; recompile it",
                 printable(path),
                 plugin == nullptr ? "another version" : fmt::format("version {}", plugin->version),
                 PALPATE_DEVICE_PLUGIN_VERSION);
   }
   if (plugin->size != sizeof(PalpateDevicePlugin) || !is_complete(*plugin))
-    throw Error("{}: lacks a function that a device must have; see palpate/device/device_plugin.h",
-                printable(path));
+    throw Error("{}: lacks a required function; see palpate/device/device_plugin.h", printable(path));
   return *plugin;
 }
 

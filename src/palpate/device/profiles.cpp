@@ -71,7 +71,7 @@ const DeviceProfile& device_profile(std::string_view name) {
     if (p.capabilities.name == name) return p;
     names += (names.empty() ? "" : ", ") + p.capabilities.name;
   }
-  throw Error("there is no device profile '{}'; take one of {}", name, names);
+  throw Error("there is no device profile '{}'; use one of {}", name, names);
 }
 
 }  // namespace palpate

@@ -185,18 +185,24 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
   std::string who = fmt::format("{}: poses of '{}'", options_.capabilities.name, header.source);
   switch (problem) {
     case Problem::kBad:
-      return who + " are not finite or have no unit quaternion: no force until they do; correct the driver";
+      return who +
+             " are not finite or their quaternion is not of unit norm: no force until valid poses arrive; "
+             "correct the driver";
     case Problem::kFrame:
       return fmt::format("{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id",
                          who, header.frame, *frame_);
     case Problem::kStale:
-      return fmt::format("{} come late, twice or out of order (limit {:.0f} ms), and those are dropped", who,
+      return fmt::format("{} are late, repeated or out of order (age limit {:.0f} ms) and are dropped", who,
                          1e3 * age_limit_);
     case Problem::kFuture:
-      return who + " have stamps of the future, and are dropped; if its clock was set they count in a second";
+      return who +
+             " have stamps in the future and are dropped; if the clock was set, they are accepted after a "
+             "second";
     case Problem::kSecond:
-      return fmt::format("{} are dropped: '{}' holds the device, until it is silent for {:.0f} s; stop one",
-                         who, source_, kSilence);
+      return fmt::format(
+          "{} are dropped: '{}' controls the device until it is silent for {:.0f} s; stop one of the "
+          "publishers",
+          who, source_, kSilence);
     default: return who;
   }
 }
@@ -255,12 +261,12 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
   }
   if (t - good_at_ > age_limit_ + kFall && status() == DeviceStatus::kEnabled) {
     constexpr std::array<const char*, static_cast<std::size_t>(Problem::kCount)> kTexts{
-        "no poses come",
-        "poses are not finite or have no unit quaternion",
+        "no poses received",
+        "poses are not finite or their quaternion is not of unit norm",
         "poses have a wrong frame_id",
-        "poses come too late or out of order",
-        "poses have stamps of the future",
-        "two publish poses"};
+        "poses are late or out of order",
+        "pose stamps are in the future",
+        "two publishers of poses"};
     set_status(DeviceStatus::kFault,
                kTexts[static_cast<std::size_t>(reason_.load(std::memory_order_relaxed))]);
   }

@@ -35,7 +35,7 @@ double number_of(const std::string& where, const std::string& text) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number) || number < 0.0)
-    throw Error("{}: '{}' is no number of 0 or more", where, printable(text));
+    throw Error("{}: '{}' is not a number >= 0", where, printable(text));
   return number;
 }
 
@@ -70,7 +70,7 @@ CrtkArguments parse_crtk_arguments(const std::string& kind, const std::string& t
   std::getline(parts, result.prefix, ',');
   const std::string where = "--device " + kind + ":" + printable(text);
   if (!is_prefix(result.prefix))
-    throw Error("{}: wants the prefix of the device's topics, as {}:/omni for /omni/measured_cp", where,
+    throw Error("{}: needs the prefix of the device's topics, such as {}:/omni for /omni/measured_cp", where,
                 kind);
   DeviceCapabilities& can = result.options.capabilities;
   can.name = kind + ":" + result.prefix;

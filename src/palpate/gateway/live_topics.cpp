@@ -64,7 +64,7 @@ void LiveTopics::feel(std::shared_ptr<const SceneIndex> index, const Tool& tool)
 void LiveTopics::take(const Json& message, Client& from) {
   const StampedPose said = pose_stamped(message);
   if (holder_ != nullptr && holder_ != &from)
-    throw Refusal("another client holds the tool; it is free a second after that is silent");
+    throw Refusal("another client holds the tool; it is released once that client is silent for a second");
   if (holder_ == nullptr) hold(from);
   const bool world = said.frame.empty() ? !client_is_device_ : said.frame == kWorld;
   held_at_ = clock_.now();
@@ -81,7 +81,7 @@ std::optional<double> LiveTopics::measured_at(const Stamp& stamp, double now) {
   if (now - told_late_ < kTellAgain) return std::nullopt;
   told_late_ = now;
   throw Refusal(
-      fmt::format("poses come {:.0f} ms after they were measured, and are dropped from {:.0f} ms on",
+      fmt::format("poses arrive {:.0f} ms after measurement; those older than {:.0f} ms are dropped",
                   kMilli * *age, kMilli * stale_after));
 }
 
@@ -118,7 +118,7 @@ void LiveTopics::take_echo(const Json& message, const Client& from) {
   const double number = number_field(message, "seq", 0.0);
   const Stamp stamp = stamp_of(message);
   if (number < 0.0 || number > kMostEchoes || stamp.is_zero())
-    throw Refusal("an echo has the 'seq' that it answers, and the client's own time as 'stamp'");
+    throw Refusal("an echo needs the 'seq' of the message that it answers, and the client's time as 'stamp'");
   holder_clock_.answer(static_cast<std::uint64_t>(number), stamp.in_seconds(), clock_.now());
 }
 

@@ -34,7 +34,7 @@ class Assembly {
   explicit Assembly(const ChainListing& listing) : listing_(listing) {
     for (const ListedLink& link : listing.links)
       if (!links_.emplace(link.name, &link).second)
-        throw Error("{}: there are two links '{}'", listing.where, link.name);
+        throw Error("{}: two links are named '{}'", listing.where, link.name);
     for (const ListedJoint& joint : listing.joints) add(joint);
   }
 
@@ -60,13 +60,12 @@ class Assembly {
     require_link(joint.child, "the child of joint '" + name + "'");
     const auto [other, is_new] = above_.emplace(joint.child, &joint);
     if (!is_new)
-      throw Error("{}: link '{}' hangs from two joints, '{}' and '{}': a loop; a serial chain has none",
+      throw Error("{}: link '{}' has two parent joints, '{}' and '{}'; a serial chain has no loops",
                   listing_.where, joint.child, other->second->joint.name, name);
   }
 
   void require_link(const std::string& name, const std::string& what) const {
-    if (!links_.contains(name))
-      throw Error("{}: {} is link '{}', which is not there", listing_.where, what, name);
+    if (!links_.contains(name)) throw Error("{}: {}: link '{}' does not exist", listing_.where, what, name);
   }
 
   std::string root() const {
@@ -74,13 +73,12 @@ class Assembly {
     for (const ListedLink& link : listing_.links) {
       if (above_.contains(link.name)) continue;
       if (!found.empty())
-        throw Error(
-            "{}: links '{}' and '{}' both hang from nothing; name one as the base, and join the other to it",
-            listing_.where, found, link.name);
+        throw Error("{}: links '{}' and '{}' have no parent joint; set `base` to one and connect the other",
+                    listing_.where, found, link.name);
       found = link.name;
     }
     if (found.empty())
-      throw Error("{}: every link hangs from a joint: a loop; a serial chain has none", listing_.where);
+      throw Error("{}: every link has a parent joint; a serial chain has no loops", listing_.where);
     return found;
   }
 
@@ -96,11 +94,11 @@ class Assembly {
       if (next == nullptr) return at;
       at = next->child;
     }
-    throw Error("{}: the joints go round in a loop through link '{}'", listing_.where, at);
+    throw Error("{}: the joints form a loop through link '{}'", listing_.where, at);
   }
 
   [[noreturn]] void refuse_branch(const std::string& link, const ListedJoint& a, const ListedJoint& b) const {
-    throw Error("{}: link '{}' carries two joints, '{}' and '{}'; a serial chain has no branches",
+    throw Error("{}: link '{}' is the parent of two joints, '{}' and '{}'; a serial chain has no branches",
                 listing_.where, link, a.joint.name, b.joint.name);
   }
 
@@ -110,11 +108,11 @@ class Assembly {
     for (std::string at = tip; at != base;) {
       const auto above = above_.find(at);
       if (above == above_.end())
-        throw Error("{}: link '{}' does not hang from the base '{}'", listing_.where, tip, base);
+        throw Error("{}: link '{}' is not connected to the base '{}'", listing_.where, tip, base);
       way.push_back(above->second);
       at = above->second->parent;
       if (way.size() > listing_.joints.size())
-        throw Error("{}: the joints go round in a loop through link '{}'", listing_.where, at);
+        throw Error("{}: the joints form a loop through link '{}'", listing_.where, at);
     }
     std::reverse(way.begin(), way.end());
     return way;
@@ -137,10 +135,10 @@ class Assembly {
       for (const ListedJoint* other : way)
         if (other->parent == joint.parent) refuse_branch(joint.parent, *other, joint);
       if (joint.child == base || goes_round(joint))
-        throw Error("{}: joint '{}' closes a loop through link '{}'; a serial chain has none", listing_.where,
-                    joint.joint.name, joint.child);
-      throw Error("{}: joint '{}' is not on the way from base '{}' to the tip", listing_.where,
-                  joint.joint.name, base);
+        throw Error("{}: joint '{}' closes a loop through link '{}'; a serial chain has no loops",
+                    listing_.where, joint.joint.name, joint.child);
+      throw Error("{}: joint '{}' is not between base '{}' and the tip", listing_.where, joint.joint.name,
+                  base);
     }
   }
 

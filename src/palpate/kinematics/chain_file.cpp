@@ -21,7 +21,8 @@ Eigen::Vector3d vector_of(const TomlValue& value) {
 
 Eigen::Vector3d direction_of(const TomlValue& value) {
   const Eigen::Vector3d v = vector_of(value);
-  if (!(v.norm() > 1e-6 && v.norm() < 1e6)) throw value.must_be("a direction that is not zero");
+  if (!(v.norm() > 1e-6 && v.norm() < 1e6))
+    throw value.must_be("a direction with a norm between 1e-6 and 1e6");
   return v.normalized();
 }
 
@@ -29,7 +30,7 @@ Eigen::Quaterniond orientation_of(const TomlValue& value) {
   const auto q = value.numbers<4>();
   const Eigen::Quaterniond orientation(q[0], q[1], q[2], q[3]);
   if (!(orientation.norm() > 1e-6 && orientation.norm() < 1e6))
-    throw value.must_be("a quaternion qw, qx, qy, qz that is not zero");
+    throw value.must_be("a quaternion qw, qx, qy, qz with a norm between 1e-6 and 1e6");
   return orientation.normalized();
 }
 

@@ -6,8 +6,9 @@ namespace palpate {
 // person's head. The wrist's axes are perpendicular at rest, as in a gimbal, and the limits of the second
 // keep them from becoming coplanar; those of the elbow keep it from being straight.
 std::string_view giant_chain_text() {
-  return R"(# A room-scale haptic device of HapticGiant's class. Its room is 4.7 m x 5.5 m; what else stands here is assumed.
-# Weights are taken to be held by springs and counterweights: effort is what motors have for motion.
+  return R"(# A room-scale haptic device similar to HapticGiant, with the same room of 4.7 m x 5.5 m.
+# All other values are assumed. Springs and counterweights are assumed to balance gravity: `effort` is the
+# force or torque that the motors have left for motion.
 name = "giant"
 base = "room"
 tip = "handle"

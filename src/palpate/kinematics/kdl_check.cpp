@@ -50,7 +50,7 @@ void compare_with_kdl(const SerialChain& chain, const std::string& where) {
     frame.M.GetQuaternion(o.x(), o.y(), o.z(), o.w());
     const double apart = difference(ours.tip(), pose).norm();
     if (!(apart <= kAlike * (1.0 + pose.position.norm())))
-      throw Error("{}: KDL has the tip of this chain {} m elsewhere; report the file", where, apart);
+      throw Error("{}: the tip pose differs by {} m from that of KDL; report the file", where, apart);
   }
 }
 

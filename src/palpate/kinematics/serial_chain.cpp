@@ -22,19 +22,17 @@ void check_link(const LinkInertia& link, const std::string& joint) {
   if (!in(link.mass, 0.0, kAbsurd))
     throw Error("{}: the mass of its link is {}; it must be 0 or more", joint, link.mass);
   if (!link.center.allFinite() || link.center.norm() > kAbsurd)
-    throw Error("{}: the centre of mass of its link is not a place", joint);
+    throw Error("{}: the centre of mass of its link is not finite, or too far away", joint);
   const Eigen::Matrix3d& I = link.inertia;
   if (!I.allFinite() || (I - I.transpose()).norm() > kUnitTolerance * (1.0 + I.norm()))
-    throw Error("{}: the inertia of its link is not symmetric", joint);
+    throw Error("{}: the inertia of its link is not finite and symmetric", joint);
   const Eigen::Vector3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I).eigenvalues();
   const double rounding = kUnitTolerance * principal.cwiseAbs().maxCoeff();
   if (principal.minCoeff() < -rounding)
     throw Error("{}: the inertia of its link is negative: {} about one axis", joint, principal.minCoeff());
   // Triangle inequality of the principal moments of inertia.
   if (principal[2] > principal[0] + principal[1] + rounding)
-    throw Error(
-        "{}: no body has the inertia of its link: about one axis more than about the two others together",
-        joint);
+    throw Error("{}: the principal inertias of its link violate the triangle inequality", joint);
 }
 
 void check_limits(const ChainJoint& joint, const std::string& named) {
@@ -58,8 +56,8 @@ bool is_pose(const Pose& pose) {
 
 void check_joint(const ChainJoint& joint, const std::string& named) {
   if (!(std::abs(joint.axis.norm() - 1.0) <= kUnitTolerance))
-    throw Error("{}: its axis must be a direction of unit length", named);
-  if (!is_pose(joint.origin)) throw Error("{}: its origin is not a pose", named);
+    throw Error("{}: its axis must be a unit vector", named);
+  if (!is_pose(joint.origin)) throw Error("{}: its origin is not a valid pose", named);
   check_limits(joint, named);
   check_link(joint.link, named);
 }
@@ -119,12 +117,12 @@ ChainLimits::ChainLimits(const SerialChain& chain) {
 void check_chain(const SerialChain& chain, const std::string& where) {
   if (chain.joints.empty() || chain.size() > kMaxJoints)
     throw Error("{}: the chain has {} movable joints; it must have 1 to {}", where, chain.size(), kMaxJoints);
-  if (!is_pose(chain.tip)) throw Error("{}: the tip is not a pose", where);
+  if (!is_pose(chain.tip)) throw Error("{}: the tip is not a valid pose", where);
   std::set<std::string> names;
   for (const ChainJoint& joint : chain.joints) {
     const std::string named = fmt::format("{}: joint '{}'", where, joint.name);
     if (joint.name.empty()) throw Error("{}: a joint has no name", where);
-    if (!names.insert(joint.name).second) throw Error("{}: there are two of that name", named);
+    if (!names.insert(joint.name).second) throw Error("{}: two joints have this name", named);
     check_joint(joint, named);
   }
 }

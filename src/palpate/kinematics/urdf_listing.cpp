@@ -99,7 +99,8 @@ urdf::ModelInterfaceSharedPtr parsed(const std::string& name, std::string_view t
   }
   console_bridge::restorePreviousOutputHandler();
   const std::string& why = error.first().empty() ? thrown : error.first();
-  if (model == nullptr) throw Error("{}: is no URDF: {}", name, why.empty() ? "it cannot be parsed" : why);
+  if (model == nullptr)
+    throw Error("{}: is not valid URDF: {}", name, why.empty() ? "it cannot be parsed" : why);
   // A loop of links would never be freed; callers use the model's own lists.
   for (const auto& [link, given] : model->links_) given->child_links.clear();
   return model;
@@ -151,7 +152,7 @@ ListedJoint listed(const urdf::Joint& given, const std::string& where) {
   result.fixed = given.type == urdf::Joint::FIXED;
   if (result.fixed) return result;
   if (given.mimic != nullptr)
-    throw Error("{}: joint '{}' follows another; a serial chain has none of those", where, given.name);
+    throw Error("{}: joint '{}': mimic joints are not supported", where, given.name);
   switch (given.type) {
     case urdf::Joint::REVOLUTE:
     case urdf::Joint::CONTINUOUS: joint.type = JointType::kRevolute; break;

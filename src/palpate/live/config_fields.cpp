@@ -258,7 +258,7 @@ struct TextSetter {
   void operator()(const CountField& field) const {
     const double number = parse_number(text);
     if (!(number >= field.least && number <= field.most) || number != static_cast<int>(number))
-      throw BadValue(fmt::format("{} is no whole number from {} to {}", text, field.least, field.most));
+      throw BadValue(fmt::format("{} is not a whole number from {} to {}", text, field.least, field.most));
     field.member(config) = static_cast<int>(number);
   }
   void operator()(const NumberField& field) const {
@@ -334,7 +334,7 @@ const ConfigField& config_field(std::string_view name) {
   const auto fields = config_fields();
   const auto at = std::find_if(fields.begin(), fields.end(),
                                [&](const ConfigField& field) { return !name.empty() && field.name == name; });
-  if (at == fields.end()) throw Error("'{}' is no setting of a live system", printable(name));
+  if (at == fields.end()) throw Error("'{}' is not a setting of a live system", printable(name));
   return *at;
 }
 

@@ -127,8 +127,8 @@ LiveConfig read_live_config(const std::string& path, LiveConfig config, bool (*i
   TomlTable root = file.root();
   const auto admit = [&](const TomlValue& value, ConfigGroup group) {
     if (is_refused != nullptr && is_refused(group))
-      throw Error("{}: line {}: '{}' is for all hands: give it to the first", path, value.line(),
-                  value.key());
+      throw Error("{}: line {}: '{}' applies to all hands; set it for the first hand only", path,
+                  value.line(), value.key());
   };
   if (const auto scene = root.find(kScenePath)) {
     admit(*scene, ConfigGroup::kScene);

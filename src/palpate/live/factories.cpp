@@ -44,7 +44,7 @@ std::unique_ptr<JointPlant> make_giant_plant(DeviceKind kind, const GiantSetup& 
 #ifdef PALPATE_HAS_MUJOCO
   return std::make_unique<GiantMujoco>(setup.chain, drives, grip, std::move(hand));
 #else
-  throw Error("giant-mujoco: built without MuJoCo (libmujoco-dev); take giant");
+  throw Error("giant-mujoco: this program was built without MuJoCo (libmujoco-dev); use giant");
 #endif
 }
 
@@ -71,9 +71,7 @@ std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceCon
       return std::make_unique<FieldForce>(tool, FieldParameters{config.proxy.stiffness});
     default: break;
   }
-  throw Error(
-      "--model proxy asks for contacts by itself, as --pipeline exact finds them; take that, or --model "
-      "density");
+  throw Error("--model proxy requires --pipeline exact; use that, or --model density");
 }
 
 std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loop_rate,

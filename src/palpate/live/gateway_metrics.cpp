@@ -14,26 +14,26 @@ struct Metric {
 };
 
 constexpr std::array kCounters{
-    Metric{"ticks_total", "counter", "Ticks of the servo loop.",
+    Metric{"ticks_total", "counter", "Number of ticks of the servo loop.",
            [](const MetricsOfHand& h) { return static_cast<double>(h.statistics.ticks.load()); }},
-    Metric{"overruns_total", "counter", "Ticks that were left out.",
+    Metric{"overruns_total", "counter", "Number of ticks that were skipped.",
            [](const MetricsOfHand& h) { return static_cast<double>(h.statistics.overruns.load()); }},
 };
 
 constexpr std::array kGauges{
-    Metric{"force_newtons", "gauge", "Force that the device is sent.",
+    Metric{"force_newtons", "gauge", "Magnitude of the force sent to the device.",
            [](const MetricsOfHand& h) { return h.tick.record.sent.force.norm(); }},
-    Metric{"torque_newton_metres", "gauge", "Torque that the device is sent.",
+    Metric{"torque_newton_metres", "gauge", "Magnitude of the torque sent to the device.",
            [](const MetricsOfHand& h) { return h.tick.record.sent.torque.norm(); }},
-    Metric{"contacts", "gauge", "Gaussians that the tool touches.",
+    Metric{"contacts", "gauge", "Number of Gaussians in contact with the tool.",
            [](const MetricsOfHand& h) { return static_cast<double>(h.tick.record.contacts); }},
-    Metric{"stiffness_margin", "gauge", "How many times as stiff the spring might be; 0: unknown.",
+    Metric{"stiffness_margin", "gauge", "Largest passive stiffness over set stiffness; 0 if unknown.",
            [](const MetricsOfHand& h) { return h.tick.record.margin; }},
-    Metric{"port_energy_joules", "gauge", "Net energy that the device has put into the hand.",
+    Metric{"port_energy_joules", "gauge", "Net energy put into the hand.",
            [](const MetricsOfHand& h) { return h.tick.record.energy; }},
-    Metric{"force_age_seconds", "gauge", "Age of the pose that the force answers.",
+    Metric{"force_age_seconds", "gauge", "Age of the device reading when its force is sent.",
            [](const MetricsOfHand& h) { return h.tick.times.age; }},
-    Metric{"active", "gauge", "1 while the governor lets all of the force through.",
+    Metric{"active", "gauge", "1 while the safety governor passes the full force, else 0.",
            [](const MetricsOfHand& h) { return h.tick.record.state == GovernorState::kActive ? 1.0 : 0.0; }},
 };
 
@@ -56,7 +56,7 @@ std::string family(const Metric& metric, std::span<const MetricsOfHand> hands) {
 }
 
 std::string tick_summary(std::span<const MetricsOfHand> hands) {
-  std::string text = head("tick_seconds", "summary", "Time that a tick took.");
+  std::string text = head("tick_seconds", "summary", "Duration of a tick of the servo loop.");
   for (const auto& [hand, tick, statistics] : hands) {
     for (const double q : {0.5, 0.99, 0.999})
       text += fmt::format("palpate_tick_seconds{} {}\n", labels(hand, fmt::format("quantile=\"{}\"", q)),
@@ -73,7 +73,8 @@ std::string metrics_text(std::span<const MetricsOfHand> hands, std::size_t clien
   for (const Metric& counter : kCounters) text += family(counter, hands);
   text += tick_summary(hands);
   for (const Metric& gauge : kGauges) text += family(gauge, hands);
-  return text + head("clients", "gauge", "WebSocket clients.") + fmt::format("palpate_clients {}", clients);
+  return text + head("clients", "gauge", "Number of connected WebSocket clients.") +
+         fmt::format("palpate_clients {}", clients);
 }
 
 }  // namespace palpate

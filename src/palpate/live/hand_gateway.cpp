@@ -45,7 +45,7 @@ Json answer_of(const std::function<std::string()>& work) {
   } catch (const Error& error) {
     return {{"success", false}, {"message", error.what()}};
   } catch (const std::bad_alloc&) {
-    return {{"success", false}, {"message", "not enough memory for that"}};
+    return {{"success", false}, {"message", "not enough memory"}};
   }
 }
 
@@ -99,7 +99,7 @@ void HandGateway::end_recording(RecordingSwitch::Done done) {
   recording_.end([this, done = std::move(done)](const std::string& failure) {
     if (!failure.empty())
       around_.notices.tell(recording_notice_,
-                           fmt::format("the recording {}has ended: {}; what it has until then is there",
+                           fmt::format("the recording {}was ended: {}; the rows until then are kept",
                                        name_.empty() ? "" : "of hand " + name_ + " ", failure));
     done(failure);
   });
@@ -159,7 +159,7 @@ void HandGateway::add_switches() {
     flag_of(arguments) ? governor.stop(Fault::kPaused) : governor.unpause();
   });
   add("/demo", "std_srvs/SetBool", [this](const Json& arguments) {
-    if (!system_.has_hand()) throw Refusal("only a simulated hand moves by itself");
+    if (!system_.has_hand()) throw Refusal("the demo needs a simulated hand");
     const bool on = flag_of(arguments);
     if (on) topics_->let_go();
     system_.set_moves_itself(on);
@@ -178,7 +178,7 @@ void HandGateway::add_recording() {
         const Json begun = answer_of([&] {
           if (flag_of(arguments)) {
             if (around_.is_opening_scene())
-              throw Refusal("another scene is being opened: record once it is felt");
+              throw Refusal("another scene is being opened; start recording when it is active");
             recording_.begin([this] { return to_toml(system_.provenance("run")); }, done);
             around_.notices.tell(recording_notice_, "");
           } else {

@@ -34,16 +34,18 @@ bool is_shared(ConfigGroup group) { return group == ConfigGroup::kScene || group
 std::string hand_name_problem(std::string_view name) {
   if (name.empty() || name.size() > kLongestHandName || !is_letter(name[0]) ||
       !std::all_of(name.begin(), name.end(), may_follow))
-    return fmt::format("must be a small letter, then small letters, digits and _, {} at most",
-                       kLongestHandName);
+    return fmt::format(
+        "must begin with a lower-case letter and have only lower-case letters, digits and _, {} characters "
+        "at most",
+        kLongestHandName);
   if (std::find(kTaken.begin(), kTaken.end(), name) != kTaken.end())
-    return fmt::format("is what /palpate/{} is called already", name);
+    return fmt::format("is already used by /palpate/{}", name);
   return {};
 }
 
 std::vector<HandSetup> read_hands(const std::vector<std::string>& texts, const LiveConfig& first,
                                   std::string_view where) {
-  if (texts.size() >= kMostHands) throw Error("{}: {} hands at most, with the first", where, kMostHands);
+  if (texts.size() >= kMostHands) throw Error("{}: {} hands at most, including the first", where, kMostHands);
   std::vector<HandSetup> hands;
   for (const std::string& text : texts) {
     const std::size_t end = text.find('=');

@@ -12,7 +12,7 @@ namespace palpate {
 ForceModelKind force_model_kind(std::string_view name) {
   const auto at = std::find(kForceModelNames.begin(), kForceModelNames.end(), name);
   if (at == kForceModelNames.end())
-    throw Error("'{}' is no force model; there are {}", name, fmt::join(kForceModelNames, ", "));
+    throw Error("'{}' is not a force model; use one of {}", name, fmt::join(kForceModelNames, ", "));
   return static_cast<ForceModelKind>(at - kForceModelNames.begin());
 }
 

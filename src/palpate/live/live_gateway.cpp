@@ -367,7 +367,7 @@ void LiveGateway::Implementation::add_library() {
   add("/palpate/list_scenes", "std_srvs/Trigger",
       [this](const Json&) { return encode_json(scenes_json(library_.list())); });
   add("/palpate/open_scene", "palpate/SetString", [this](const Json& arguments) {
-    if (is_recording()) throw Refusal("a recording is of one scene: end it first");
+    if (is_recording()) throw Refusal("stop the recording before opening another scene");
     return open_from_library(text_field(arguments, "data"));
   });
 }
@@ -378,13 +378,13 @@ WebUploads LiveGateway::Implementation::uploads() {
   uploads.folder = "/scenes/";
   uploads.place = [this, from = uploads.folder.size()](const std::string& path, std::uint64_t bytes) {
     if (!pages_.one_scene.empty()) throw Error("{}", pages_.one_scene);
-    if (is_recording()) throw Error("a recording is of one scene: end it first");
+    if (is_recording()) throw Error("stop the recording before opening another scene");
     return library_.place_for(std::string_view(path).substr(from), bytes);
   };
   uploads.have = [this](const std::string& file) {
     live_.open_scene(file);
     library_.have(file, served()->path);
-    return text_page(200, "it is being opened");
+    return text_page(200, "upload complete; opening the scene");
   };
   uploads.drop = [this](const std::string& file) { library_.drop(file); };
   return uploads;
@@ -441,13 +441,13 @@ WebPage LiveGateway::Implementation::page(const std::string& path) {
   if (path == "/scene") return scene_page();
   if (path == "/felt") {
     const auto list = felt_list_.newest();
-    if (!list) return text_page(503, "what can be felt is still being looked for");
+    if (!list) return text_page(503, "the list of Gaussians is not ready yet");
     return page_of("application/octet-stream", list->bytes, felt_tag(*list), list);
   }
   if (path == "/healthz") return health();
   if (path == "/metrics") return metrics();
   if (auto page = recording_page(path)) return *std::move(page);
-  return text_page(404, "there is nothing here; the viewer is at /");
+  return text_page(404, "page not found; the viewer is at /");
 }
 
 /// Returns /recording or /recording.html; for a named hand, they are under /hands/NAME.
@@ -463,7 +463,8 @@ std::optional<WebPage> LiveGateway::Implementation::recording_page(const std::st
       page.file = recorded.csv;
       return page;
     }
-    if (!recorded.page) return text_page(404, "nothing has been recorded yet, or its report is being made");
+    if (!recorded.page)
+      return text_page(404, "nothing has been recorded yet, or the report is not ready yet");
     WebPage page = page_of("text/html; charset=utf-8", *recorded.page, tag, recorded.page);
     page.policy = kReportPolicy;
     return page;

@@ -81,7 +81,7 @@ void LiveHands::stop_force(Fault why) {
 void LiveHands::open_scene(const std::string& path) {
   for (const Hand& hand : all().subspan(1)) {
     if (const auto why = hand.system->needs_its_scene(); !why.empty())
-      throw Error("{}{}: start again with another", said_of(hand.name), why);
+      throw Error("{}{}; restart with the other scene", said_of(hand.name), why);
   }
   if (!path.empty()) palpate::open_scene(path);  // throws for an invalid scene, keeping the present one
   first().open_scene(path);

@@ -17,7 +17,7 @@ void say(const Notify& notify, const std::string& line) {
 void tell(const FilterReport& f, const std::string& path, const Notify& notify) {
   if (f.kept == 0) {
     say(notify,
-        fmt::format("warning: {}: nothing is left to touch: of {} Gaussians {} are defective, {} below "
+        fmt::format("warning: {}: no Gaussian passes the filter: of {} Gaussians {} are defective, {} below "
                     "--opacity-min, {} below --iso, {} above --max-scale, {} outside the crop",
                     path, f.total, f.defective(), f.low_opacity, f.below_iso, f.over_max_scale,
                     f.outside_crop));
@@ -57,13 +57,13 @@ SceneIndex open_index(const SceneConfig& config, IndexFiles files, const Notify&
                       const Progress& progress) {
   const OpenedIndex opened =
       open_index(config.path, config.filter, config.world_from_scene(), files, progress);
-  if (opened.rejected) say(notify, fmt::format("note: {}; made again", *opened.rejected));
+  if (opened.rejected) say(notify, fmt::format("note: {}; rebuilt", *opened.rejected));
   if (opened.not_written) {
-    say(notify, fmt::format("warning: {}; the index is in memory, and made again by every command",
+    say(notify, fmt::format("warning: {}; the index is in memory, and rebuilt by every command",
                             *opened.not_written));
   }
   if (opened.origin == OpenedIndex::Origin::kNewFile && progress) {  // only if a user is watching
-    say(notify, fmt::format("note: wrote {}, which the next command starts from", index_path(config.path)));
+    say(notify, fmt::format("note: wrote {}, which the next command reuses", index_path(config.path)));
   }
   tell(opened.report, config.path, notify);
   return opened.index;

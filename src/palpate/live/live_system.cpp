@@ -30,7 +30,7 @@ namespace {
 constexpr double kTares = 1.5;
 /// Time for a simulated hand to reach another scene. Unit: [s].
 constexpr double kMoves = 1.5;
-constexpr const char* kFollows = "the scene is that of the first hand: change it there";
+constexpr const char* kFollows = "the first hand owns the scene; change it there";
 /// Number of Gaussians across a tool above which a search is slow enough for a thread of its own.
 constexpr double kManyContacts = 200.0;
 
@@ -110,7 +110,7 @@ void LiveSystem::read_motion() {
   const DeviceConfig& device = settings_.device;
   if (!device.trajectory.empty()) path_ = read_trajectory(device.trajectory);
   if (device.kind == DeviceKind::kPlayback && path_.empty())
-    throw Error("--device playback has nothing to play; give --trajectory T.csv");
+    throw Error("--device playback needs --trajectory T.csv");
 }
 
 void LiveSystem::read_scene(const Progress& progress) {
@@ -136,9 +136,10 @@ void LiveSystem::place_giant() {
   WorkspaceMap& map = settings_.device.map;
   if (map != WorkspaceMap() || scene_.index->size() == 0) return;
   map.offset = waiting_place(*scene_.index, settings_.tool).position - home_->position;
-  notify_(fmt::format(
-      "note: the scene is put below where the handle rests: --workspace-offset {:.3f},{:.3f},{:.3f}",
-      map.offset.x(), map.offset.y(), map.offset.z()));
+  notify_(
+      fmt::format("note: the scene is placed below the rest position of the handle: --workspace-offset "
+                  "{:.3f},{:.3f},{:.3f}",
+                  map.offset.x(), map.offset.y(), map.offset.z()));
 }
 
 /// Plans the path of an exploring hand.
@@ -163,7 +164,8 @@ Trajectory LiveSystem::explore(const SceneIndex& index, const LiveConfig& config
 
 /// Plans a path within the reach of a giant.
 Trajectory LiveSystem::explore_room(const SceneIndex& index, const LiveConfig& config) const {
-  if (!config.device.chain.empty()) throw Error("nobody knows how far {} reaches", config.device.chain);
+  if (!config.device.chain.empty())
+    throw Error("the reach of {} is unknown; give --trajectory", config.device.chain);
   const WorkspaceMap& map = config.device.map;
   const Eigen::AlignedBox3d reach = giant_reach();
   RoomPathOptions options;
@@ -318,15 +320,14 @@ std::shared_ptr<const FeltScene> LiveSystem::felt() const {
 void LiveSystem::change(const std::function<void(LiveConfig&)>& edit) { become(edit, nullptr); }
 
 std::string_view LiveSystem::needs_its_scene() const {
-  if (home_) return "a scene for a room-scale device is placed when it starts";
-  if (device_kind_ == to_string(DeviceKind::kPlayback))
-    return "what is played back goes through the scene that is felt";
+  if (home_) return "the scene of a room-scale device is placed at start-up";
+  if (device_kind_ == to_string(DeviceKind::kPlayback)) return "a playback belongs to its scene";
   return {};
 }
 
 void LiveSystem::open_scene(const std::string& path) {
   if (follows_) throw Error("{}", kFollows);
-  if (const auto why = needs_its_scene(); !why.empty()) throw Error("{}: start again with another", why);
+  if (const auto why = needs_its_scene(); !why.empty()) throw Error("{}; restart with the other scene", why);
   become(
       [](LiveConfig& settings) {
         SceneConfig& scene = settings.scene;
@@ -417,7 +418,7 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     } catch (const Error& error) {
       failure = error.what();
     } catch (const std::bad_alloc&) {
-      failure = "not enough memory for that; it stays as it was";
+      failure = "not enough memory; the settings are unchanged";
     }
     if (!failure.empty()) next_.reset();
     lock.lock();
@@ -484,12 +485,13 @@ SharedScene LiveSystem::read_again(const LiveConfig& wanted, const LiveConfig& n
     const IndexFiles files = wanted.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kCopy;
     say("opening " + name);
     next.index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, files, notify_, progress));
-    if (next.index->size() == 0) throw Error("{}: nothing of it can be touched; what was felt stays", name);
+    if (next.index->size() == 0)
+      throw Error("{}: no Gaussian passes the filter; the current scene stays", name);
     next.materials = load_materials(wanted.force, wanted.scene.path, progress);
     next.materials_file = wanted.force.materials;
     next.origin = scene_origin(wanted.scene);
   } else if (other_gaussians) {
-    say("looking which Gaussians can be felt");
+    say("filtering the scene");
     next.index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
   } else if (other_place) {
     next.index = std::make_shared<SceneIndex>(scene_.index->registered(wanted.scene.world_from_scene()));
@@ -512,7 +514,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const Sh
   const bool other_feel = proxy.friction != before.friction || proxy.detail != before.detail ||
                           wanted.force.density != now.force.density;
   if (other_scene || other_tool || other_feel) {
-    if (busy().empty()) say("making it ready");
+    if (busy().empty()) say("preparing the force model");
     next_ = make_felt(scene.index, wanted, scene.materials);
   } else if (wanted.force.model != now.force.model) {
     next_ = felt_;

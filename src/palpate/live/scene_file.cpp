@@ -7,7 +7,7 @@
 namespace palpate {
 
 SceneFile::SceneFile(const std::string& path) : bytes_(std::make_shared<const InputFile>(path)) {
-  if (::stat(path.c_str(), &opened_) != 0) throw_file_error(path, "look at", errno);
+  if (::stat(path.c_str(), &opened_) != 0) throw_file_error(path, "read its attributes", errno);
   tag_ = fmt::format("{:x}-{:x}-{:x}", bytes_->size(), opened_.st_mtim.tv_sec, opened_.st_mtim.tv_nsec);
 }
 
@@ -23,11 +23,11 @@ SceneFile::Change SceneFile::change() const {
 std::string notice_of(SceneFile::Change change) {
   switch (change) {
     case SceneFile::Change::kReplaced:
-      return "the scene's file has been replaced since it was opened; what is drawn and felt is the old one: "
-             "start again for the new one";
+      return "the scene's file has been replaced since it was opened; the old version is still in use; "
+             "restart to load the new one";
     case SceneFile::Change::kOverwritten:
-      return "the scene's file has been written over since it was opened; what is felt is the old one, which "
-             "cannot be drawn any more: start again for the new one";
+      return "the scene's file has been overwritten since it was opened; forces use the old version, which "
+             "cannot be displayed any more; restart to load the new one";
     default: return {};
   }
 }

@@ -63,7 +63,7 @@ std::string refusal_of_format(std::string_view name) {
   if (is_one_of(extension, kForeign))
     return fmt::format("{} cannot be read; convert it first: npx @playcanvas/splat-transform {} scene.ply",
                        extension, tame(name));
-  return fmt::format("{} is no scene; give a 3DGS .ply or .splat file", tame(name));
+  return fmt::format("{} is not a scene; give a 3DGS .ply or .splat file", tame(name));
 }
 
 SceneLibrary::SceneLibrary(const std::vector<std::string>& folders, std::string first,
@@ -73,7 +73,7 @@ SceneLibrary::SceneLibrary(const std::vector<std::string>& folders, std::string 
     std::error_code error;
     const fs::path whole = fs::canonical(folder, error);
     if (error) throw Error("{} {}: {}", option, folder, error.message());
-    if (!fs::is_directory(whole, error)) throw Error("{} {}: is no folder", option, folder);
+    if (!fs::is_directory(whole, error)) throw Error("{} {}: is not a folder", option, folder);
     folders_.push_back(whole);
   }
 }
@@ -136,7 +136,8 @@ std::string SceneLibrary::path_of(std::string_view id) const {
     if (!found.entry.refusal.empty()) throw Error("{}", found.entry.refusal);
     return found.path;
   }
-  throw Error("there is no scene '{}'; ask /palpate/list_scenes", printable(std::string(id.substr(0, 80))));
+  throw Error("there is no scene '{}'; /palpate/list_scenes lists them",
+              printable(std::string(id.substr(0, 80))));
 }
 
 std::string SceneLibrary::place_for(std::string_view name, std::uint64_t bytes) {
@@ -151,7 +152,7 @@ std::string SceneLibrary::place_for(std::string_view name, std::uint64_t bytes) 
   const std::uint64_t free = fs::space(own_).available;
   // The index file takes about as much again.
   if (free < kRoom || (free - kRoom) / 2 < bytes)
-    throw Error("there is no room for {} ({} MB) in {}; open it from a folder of --scenes", tame(name),
+    throw Error("not enough disk space for {} ({} MB) in {}; open it from a folder of --scenes", tame(name),
                 bytes >> 20U, own_.parent_path().string());
   // A folder per upload: the name is kept, and equal names do not collide.
   const fs::path folder = own_ / std::to_string(++count_);

@@ -46,13 +46,14 @@ std::vector<double> parse_numbers(std::string_view text, std::size_t min_count, 
 Eigen::Quaterniond parse_quaternion(const double* wxyz) {
   const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   if (!(q.norm() > 1e-6 && q.norm() < 1e6)) {
-    throw BadValue("the quaternion qw,qx,qy,qz must not be zero");
+    throw BadValue("the quaternion qw,qx,qy,qz must have a norm between 1e-6 and 1e6");
   }
   return normalized_once(q);
 }
 
 HandProperties parse_hand(const double* mbk) {
-  if (std::any_of(mbk, mbk + 3, [](double v) { return v < 0.0; })) throw BadValue("none may be below zero");
+  if (std::any_of(mbk, mbk + 3, [](double v) { return v < 0.0; }))
+    throw BadValue("mass, damping and stiffness must not be negative");
   return {mbk[0], mbk[1], mbk[2]};
 }
 

@@ -102,8 +102,8 @@ RunRow RunReader::row() const {
   for (const auto& [column, index] : sources_) {
     const double value = (*values_)[index];
     if (!column.takes(value)) {
-      throw Error("{}: {}: column '{}': {} is not {}; whole numbers from 0 to {} are", csv_.header().source,
-                  csv_.where(), column.name, value, column.whole_number, column.most);
+      throw Error("{}: {}: column '{}': {} is not {}; it must be a whole number from 0 to {}",
+                  csv_.header().source, csv_.where(), column.name, value, column.whole_number, column.most);
     }
     column.set(made, value);
   }

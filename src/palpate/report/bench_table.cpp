@@ -40,7 +40,7 @@ struct Stage {
   std::size_t PoseFigures::*size;
 };
 constexpr Stage kStages[] = {{"contacts", "contacts", &PoseFigures::contacts},
-                             {"filtered", "after the spheres", &PoseFigures::filtered},
+                             {"filtered", "after bounding-sphere test", &PoseFigures::filtered},
                              {"candidates", "candidates", &PoseFigures::candidates}};
 
 OrderedJson latency_json(const Phase& phase) {
@@ -84,8 +84,7 @@ std::string head_text(const BenchFigures& f) {
                       f.open.gaussians);
   text += fmt::format("query     {} on {}; tool {}; {} force\n", f.pipeline, f.simd, f.tool_name, f.model);
   text += fmt::format("path      {}: {} poses, {} in contact\n",
-                      f.path.empty() ? "made for this scene" : printable(f.path), f.poses.size(),
-                      f.contact_poses());
+                      f.path.empty() ? "generated" : printable(f.path), f.poses.size(), f.contact_poses());
   text += fmt::format("open      {:.3g} s, from {}{}\n", f.open.seconds, f.open.origin,
                       f.open.index_bytes ? fmt::format(", {}", megabytes(*f.open.index_bytes)) : "");
   for (const std::string& remark : f.open.remarks) text += fmt::format("          {}\n", printable(remark));
@@ -96,7 +95,7 @@ std::string latencies_text(const BenchFigures& figures) {
   std::string text;
   text +=
       fmt::format("\n{:<26} {:>9} {:>10} {:>10} {:>10} {:>10}\n",
-                  fmt::format("least of {} rounds", figures.rounds), "count", "p50", "p99", "p99.9", "max");
+                  fmt::format("minimum of {} rounds", figures.rounds), "count", "p50", "p99", "p99.9", "max");
   for (const Phase& phase : phases_of(figures)) {
     if (phase.times.empty()) {
       text += fmt::format("{:<26} {:>9}\n", phase.name, "none");
@@ -113,10 +112,10 @@ std::string latencies_text(const BenchFigures& figures) {
 std::string sizes_text(const BenchFigures& figures) {
   std::string text;
   if (figures.contact_poses() == 0) {
-    text += fmt::format("\nthe path never touches the scene: there are no contacts to time or to count\n");
+    text += fmt::format("\nthe path never touches the scene: no contacts to time or count\n");
     return text;
   }
-  text += fmt::format("\n{:<26} {:>9} {:>10}\n", "of a pose in contact", "median", "max");
+  text += fmt::format("\n{:<26} {:>9} {:>10}\n", "per pose in contact", "median", "max");
   for (const Stage& stage : kStages) {
     const Spread spread = spread_of(figures, stage.size);
     text += fmt::format("{:<26} {:>9} {:>10}\n", stage.name, spread.median, spread.max);
@@ -130,9 +129,9 @@ std::string rest_text(const BenchFigures& f) {
                       f.contact_poses() != 0 ? "in contact " : "", f.threads, f.threads == 1 ? "" : "s");
   text += fmt::format("memory      ");
   if (const auto each = bytes_per_gaussian(f.open)) {
-    text += fmt::format("index {}, {:.1f} bytes a Gaussian; ", megabytes(*f.open.index_bytes), *each);
+    text += fmt::format("index {}, {:.1f} bytes per Gaussian; ", megabytes(*f.open.index_bytes), *each);
   }
-  text += fmt::format("at most {} resident while it was opened\n", megabytes(f.open.peak_bytes));
+  text += fmt::format("peak resident memory while opening: {}\n", megabytes(f.open.peak_bytes));
   return text;
 }
 
@@ -166,7 +165,7 @@ std::string bench_histogram(const BenchFigures& f) {
   return histogram_svg(
       times, {{"p50", t.median}, {"p99", t.p99}, {"p99.9", t.p999}},
       fmt::format("Contact query in {}", printable(name)),
-      fmt::format("{} Gaussians, {} poses {}, {} on {}, one thread, least of {} rounds a pose",
+      fmt::format("{} Gaussians, {} poses {}, {} on {}, one thread, minimum of {} rounds per pose",
                   f.open.gaussians, times.size(), f.contact_poses() != 0 ? "in contact" : "out of contact",
                   f.pipeline, f.simd, f.rounds));
 }

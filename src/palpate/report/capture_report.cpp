@@ -19,6 +19,10 @@ constexpr std::size_t kWorst = 5;
 
 using Column = FigureColumn<CaptureRow>;
 
+constexpr const char* kNote =
+    "Silent: the force is below a tenth of stiffness times depth. Avoidably silent: silent although an\n"
+    "ellipsoid is in contact and a rigid frictionless tool kept outside the visible surface would not be.\n";
+
 double of_likeness(const CaptureRow& row, double (*value)(const CaptureLikeness&)) {
   return row.likeness ? value(*row.likeness) : std::numeric_limits<double>::quiet_NaN();
 }
@@ -29,47 +33,49 @@ const std::vector<FigureColumn<CaptureRow>>& capture_columns() {
   static const std::vector<Column> all{
       {"pushes", "pushes", "{:.0f}",
        [](const CaptureRow& r) { return static_cast<double>(r.figures.pushes); }},
-      {"onset_within_5mm_percent", "force begins within 5 mm of the seen surface, %", "{:.1f}",
+      {"onset_within_5mm_percent", "onset within 5 mm of the visible surface, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.onset_within; }},
-      {"late_percent", "more than 5 mm behind it, or never, %", "{:.1f}",
+      {"late_percent", "onset over 5 mm late or missing, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.late; }},
-      {"early_percent", "more than 5 mm before it, %", "{:.1f}",
+      {"early_percent", "onset over 5 mm early, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.early; }},
-      {"onset_p50_mm", "depth at which it begins, median, mm", "{:.2f}",
+      {"onset_p50_mm", "onset depth, median, mm", "{:.2f}",
        [](const CaptureRow& r) { return kToMm * r.figures.onset.p50; }},
-      {"silent_5mm_percent", "silent 5 mm deep, %", "{:.1f}",
+      {"silent_5mm_percent", "silent at 5 mm depth, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.silent_5mm; }},
-      {"silent_10mm_percent", "silent 10 mm deep, %", "{:.1f}",
+      {"silent_10mm_percent", "silent at 10 mm depth, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.silent_10mm; }},
-      {"avoidable_5mm_percent", "silent 5 mm deep where a rigid tool is not, and an ellipsoid is touched, %",
-       "{:.1f}", [](const CaptureRow& r) { return kPercent * r.figures.avoidable_5mm; }},
-      {"untouched_percent", "more than 1 N before an ellipsoid is touched, %", "{:.1f}",
+      {"avoidable_5mm_percent", "avoidably silent at 5 mm depth, %", "{:.1f}",
+       [](const CaptureRow& r) { return kPercent * r.figures.avoidable_5mm; }},
+      {"untouched_percent", "force above 1 N before first contact, %", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.untouched; }},
-      {"push_step_p50_n", "largest step of the force, median push, N", "{:.3f}",
+      {"push_step_p50_n", "largest force step, median push, N", "{:.3f}",
        [](const CaptureRow& r) { return r.figures.push_step.p50; }},
-      {"push_step_max_n", "worst push, N", "{:.3f}",
+      {"push_step_max_n", "largest force step, worst push, N", "{:.3f}",
        [](const CaptureRow& r) { return r.figures.push_step.max; }},
       {"slides", "slides", "{:.0f}",
        [](const CaptureRow& r) { return static_cast<double>(r.figures.slides); }},
-      {"slide_strong_percent", "force above three times stiffness x depth, % of ticks", "{:.1f}",
+      {"slide_strong_percent", "slides: force above three times stiffness x depth, % of ticks", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.slide_strong; }},
-      {"slide_silent_percent", "silent, % of ticks", "{:.1f}",
+      {"slide_silent_percent", "slides: silent, % of ticks", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.slide_silent; }},
-      {"slide_silent_touched_percent", "silent though an ellipsoid is touched, % of ticks", "{:.1f}",
+      {"slide_silent_touched_percent", "slides: silent in contact with an ellipsoid, % of ticks", "{:.1f}",
        [](const CaptureRow& r) { return kPercent * r.figures.slide_silent_touched; }},
-      {"slide_step_p50_n", "largest step of the force, median slide, N", "{:.3f}",
+      {"slide_step_p50_n", "largest force step, median slide, N", "{:.3f}",
        [](const CaptureRow& r) { return r.figures.slide_step.p50; }},
-      {"slide_step_max_n", "worst slide, N", "{:.3f}",
+      {"slide_step_max_n", "largest force step, worst slide, N", "{:.3f}",
        [](const CaptureRow& r) { return r.figures.slide_step.max; }},
-      {"tick_p50_us", "a tick, median, us", "{:.1f}", [](const CaptureRow& r) { return r.figures.tick.p50; }},
-      {"tick_p99.9_us", "p99.9, us", "{:.1f}", [](const CaptureRow& r) { return r.figures.tick.p999; }},
-      {"first_touch_within_5mm_percent", "first ellipsoid touched within 5 mm of the seen surface, %",
+      {"tick_p50_us", "computation time per tick, median, us", "{:.1f}",
+       [](const CaptureRow& r) { return r.figures.tick.p50; }},
+      {"tick_p99.9_us", "computation time per tick, p99.9, us", "{:.1f}",
+       [](const CaptureRow& r) { return r.figures.tick.p999; }},
+      {"first_touch_within_5mm_percent", "first ellipsoid contact within 5 mm of the visible surface, %",
        "{:.1f}", [](const CaptureRow& r) { return kPercent * r.figures.touched_within; }},
-      {"against_p10", "force in the other capture over that in this one, p10", "{:.2f}",
+      {"against_p10", "force in the other capture / force in this one, p10", "{:.2f}",
        [](const CaptureRow& r) { return of_likeness(r, [](const CaptureLikeness& l) { return l.p10; }); }},
-      {"against_p90", "p90", "{:.2f}",
+      {"against_p90", "force in the other capture / force in this one, p90", "{:.2f}",
        [](const CaptureRow& r) { return of_likeness(r, [](const CaptureLikeness& l) { return l.p90; }); }},
-      {"silent_in_one_percent", "silent 5 mm deep in one of both alone, %", "{:.1f}",
+      {"silent_in_one_percent", "silent at 5 mm depth in one capture only, %", "{:.1f}",
        [](const CaptureRow& r) {
          return of_likeness(r, [](const CaptureLikeness& l) { return kPercent * l.silent_in_one; });
        }},
@@ -90,8 +96,8 @@ double error_of(const CapturePush& push) {
 }
 
 std::string onset_text(const CapturePush& push) {
-  if (!push.onset) return "never";
-  return fmt::format("{:.1f} mm {} the seen surface", kToMm * std::abs(*push.onset),
+  if (!push.onset) return "none";
+  return fmt::format("{:.1f} mm {} the visible surface", kToMm * std::abs(*push.onset),
                      *push.onset < 0.0 ? "before" : "behind");
 }
 
@@ -108,7 +114,7 @@ std::string capture_text(const std::vector<CaptureRow>& rows) {
     for (const CaptureRow& row : rows) text += fmt::format(" {:>8}", text_of(column, row));
     text += '\n';
   }
-  return text;
+  return text + "\n" + kNote;
 }
 
 OrderedJson capture_json(const std::vector<CaptureRow>& rows) {
@@ -137,7 +143,7 @@ std::string capture_html(const std::vector<CaptureRow>& rows) {
     for (const CaptureRow& row : rows) html += fmt::format("<td>{}</td>", text_of(column, row));
     html += "</tr>\n";
   }
-  return html + "</table></div>\n";
+  return html + "</table></div>\n<p>" + kNote + "</p>\n";
 }
 
 std::vector<std::size_t> worst_pushes(const std::vector<CapturePush>& pushes) {
@@ -155,16 +161,16 @@ Plot capture_path_plot(const std::string& name, const CapturePush& push,
   const Eigen::Vector3d aside = aim.along.unitOrthogonal();
   const double shown = 3.0 * tool.radius();
   Plot plot{name,
-            "Seen surface and paths",
-            fmt::format("in a plane through the push; the force begins {}", onset_text(push)),
-            {"aside, mm", false, -kToMm * shown, kToMm * shown, {}},
-            {"height over where the tool meets the seen surface, mm", false, {}, {}, {}},
+            "Visible surface and paths",
+            fmt::format("in a plane through the push; force onset: {}", onset_text(push)),
+            {"lateral position, mm", false, -kToMm * shown, kToMm * shown, {}},
+            {"height above first contact with the visible surface, mm", false, {}, {}, {}},
             {}};
   const Eigen::Vector3d touch = aim.from + aim.seen * aim.along;
   const auto image = [&](const Eigen::Vector3d& p) {
     return PlotPoint(kToMm * (p - touch).dot(aside), -kToMm * (p - touch).dot(aim.along));
   };
-  PlotSeries surface{"seen surface", PlotSeries::Style::kDots, PlotSeries::kTruth, {}};
+  PlotSeries surface{"visible surface", PlotSeries::Style::kDots, PlotSeries::kTruth, {}};
   const SeenRays rays(seen, aim.from, aim.along, shown);
   constexpr int kPoints = 120;
   for (int k = 0; k <= kPoints; ++k) {
@@ -178,7 +184,7 @@ Plot capture_path_plot(const std::string& name, const CapturePush& push,
     hand.points.push_back(image(tick.tool));
     proxy.points.push_back(image(tick.proxy));
   }
-  PlotSeries outline{"tool where it meets the seen surface", PlotSeries::Style::kLine, 2, {}};
+  PlotSeries outline{"tool at first contact", PlotSeries::Style::kLine, 2, {}};
   constexpr int kCorners = 72;
   const Ellipsoid solid = tool.parts().front().at({touch, Eigen::Quaterniond::Identity()});
   for (int k = 0; k <= kCorners; ++k) {
@@ -195,11 +201,11 @@ Plot capture_path_plot(const std::string& name, const CapturePush& push,
 Plot capture_force_plot(const std::string& name, const std::vector<CaptureTick>& ticks, double stiffness) {
   Plot plot{name,
             "Force",
-            "in, and back",
-            {"depth below the seen surface, mm", false, {}, {}, {}},
+            "approach and retreat",
+            {"depth below the visible surface, mm", false, {}, {}, {}},
             {"force, N", false, 0.0, {}, {}},
             {}};
-  PlotSeries felt{"felt", PlotSeries::Style::kLine, 0, {}},
+  PlotSeries felt{"rendered force", PlotSeries::Style::kLine, 0, {}},
       spring{"stiffness x depth", PlotSeries::Style::kLine, PlotSeries::kTruth, {}};
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     felt.points.emplace_back(kToMm * ticks[i].depth, ticks[i].force.norm());

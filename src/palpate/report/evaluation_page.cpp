@@ -44,7 +44,7 @@ class Figures {
 
   Plot direction() const {
     Plot plot{
-        "direction", "Direction of the force", shown() + "; median, and up to 95 of 100", depth_axis(), {},
+        "direction", "Direction of the force", shown() + "; median and 95th percentile", depth_axis(), {},
         {}};
     plot.y = {"angle from the true normal, degrees", true, {}, 180.0, {}};
     for_shown([&](const EvaluationRow& row, PlotSeries& line) {
@@ -56,7 +56,9 @@ class Figures {
   }
 
   Plot force() const {
-    Plot plot{"force", "Size of the force", shown() + "; median, and 5 to 95 of 100", depth_axis(), {}, {}};
+    Plot plot{
+        "force", "Magnitude of the force", shown() + "; median, 5th to 95th percentile", depth_axis(), {},
+        {}};
     plot.y = {"force, N", false, 0.0, {}, {}};
     PlotSeries true_line = truth("stiffness x depth");
     for_shown([&](const EvaluationRow& row, PlotSeries& line) {
@@ -71,7 +73,8 @@ class Figures {
   }
 
   Plot slide() const {
-    Plot plot{"slide", "Sliding", "", {"way, mm", false, 0.0, {}, {}}, {"force, N", false, 0.0, {}, {}}, {}};
+    Plot plot{"slide", "Sliding", "", {"distance, mm", false, 0.0, {}, {}}, {"force, N", false, 0.0, {}, {}},
+              {}};
     PlotSeries true_line = truth("stiffness x depth");
     for_shown([&](const EvaluationRow& row, PlotSeries& line) {
       const double depth = row.figures.slide_depth;
@@ -89,9 +92,9 @@ class Figures {
   Plot step() const {
     constexpr double kShown = 20.0;  // [mm]
     Plot plot{"step",
-              "A step of 3 mm",
-              "crossed by a ball of 5 mm, no noise; median, and 5 to 95 of 100",
-              {"way from the step, mm", false, -kShown, kShown, {}},
+              "Step of 3 mm",
+              "crossed by a ball of 5 mm, no noise; median, 5th to 95th percentile",
+              {"distance from the step, mm", false, -kShown, kShown, {}},
               {"height of the proxy's centre, mm", false, {}, {}, {}},
               {}};
     for (const EvaluationRow& row : rows_) {
@@ -110,10 +113,10 @@ class Figures {
   Plot edge() const {
     constexpr double kShown = 40.0;  // [mm]
     Plot plot{"edge",
-              "An edge of 90 degrees",
-              "crossed half a radius deep; median, and 5 to 95 of 100",
-              {"way from the middle of the turn, mm", false, -kShown, kShown, {}},
-              {"proxy above where a ball rolls, mm", false, {}, {}, {}},
+              "Edge of 90 degrees",
+              "crossed half a radius deep; median, 5th to 95th percentile",
+              {"distance from the middle of the turn, mm", false, -kShown, kShown, {}},
+              {"proxy above the rolling ball, mm", false, {}, {}, {}},
               {}};
     for (const EvaluationRow& row : rows_) {
       if (row.edge) draw_crossing(plot, row, row.edge->error, kShown);
@@ -125,9 +128,10 @@ class Figures {
   Plot friction() const {
     Plot plot{"friction",
               "Friction",
-              fmt::format("in slides, {:.3g} mm; median, and 5 to 95 of 100", kToMm * spacings_.front()),
-              {"coefficient set", false, 0.0, {}, {}},
-              {"measured over set", false, {}, {}, {}},
+              fmt::format("in slides, spacing {:.3g} mm; median, 5th to 95th percentile",
+                          kToMm * spacings_.front()),
+              {"nominal coefficient", false, 0.0, {}, {}},
+              {"measured / nominal", false, {}, {}, {}},
               {}};
     double most = 0.0;
     for (const EvaluationRow& row : rows_) {
@@ -142,17 +146,17 @@ class Figures {
       plot.series.push_back(std::move(dots));
     }
     set_apart(plot, 0.015 * most);
-    plot.series.push_back(level("as set", 0.0, 1.05 * most, 1.0));
+    plot.series.push_back(level("nominal", 0.0, 1.05 * most, 1.0));
     return plot;
   }
 
   Plot densities() const {
     Plot plot{"densities",
-              "Two densities",
-              fmt::format("force at the same poses on {:.3g} mm over that on {:.3g} mm",
+              "Dependence on density",
+              fmt::format("force at spacing {:.3g} mm over that at {:.3g} mm, same poses",
                           kToMm * spacings_.back(), kToMm * spacings_.front()),
               shape_axis(),
-              {"ratio of forces", true, {}, {}, {}},
+              {"force ratio", true, {}, {}, {}},
               {}};
     for (const std::string& model : models_) {
       PlotSeries dots{model, Style::kDots, color_of(model), {}};
@@ -164,13 +168,14 @@ class Figures {
       plot.series.push_back(std::move(dots));
     }
     set_apart(plot, 0.16);
-    plot.series.push_back(level("no matter how dense", -0.5, static_cast<double>(shapes_.size()) - 0.5, 1.0));
+    plot.series.push_back(
+        level("independent of density", -0.5, static_cast<double>(shapes_.size()) - 0.5, 1.0));
     return plot;
   }
 
  private:
   std::string shown() const {
-    return fmt::format("{}, {:.3g} mm", shapes_.front(), kToMm * spacings_.front());
+    return fmt::format("{}, spacing {:.3g} mm", shapes_.front(), kToMm * spacings_.front());
   }
 
   static PlotAxis depth_axis() { return {"true depth, mm", false, 0.0, {}, {}}; }
@@ -271,7 +276,7 @@ std::string evaluation_page(const Rows& rows, const std::vector<Plot>& figures, 
     tables += fmt::format("<h2>{}</h2>\n<p>{}</p>\n{}", markup_escaped(section.title),
                           markup_escaped(section.note), table_of(section, rows));
   }
-  return page_document("How true the force models are", setup, figures, tables, made);
+  return page_document("Accuracy of the force models", setup, figures, tables, made);
 }
 
 }  // namespace palpate

@@ -20,27 +20,28 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char *kMm = "{:.2f}", *kShare = "{:.3f}", *kCount = "{:.0f}", *kUs = "{:.1f}";
 
 Section pressed() {
-  return {
-      "Pressed in",
-      "Angle of the force from the true normal, degrees; |F| over stiffness times true depth;\n"
-      "depth at which it begins, mm; ticks without force, and with one that pulls in.",
-      {{"direction_p50_deg", "dir p50", "{:.1f}", [](const Row& r) { return r.figures.direction.p50; }},
-       {"direction_p95_deg", "p95", "{:.1f}", [](const Row& r) { return r.figures.direction.p95; }},
-       {"direction_p99_deg", "p99", "{:.1f}", [](const Row& r) { return r.figures.direction.p99; }},
-       {"magnitude_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p05; }},
-       {"magnitude_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p50; }},
-       {"magnitude_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p95; }},
-       {"onset_p50_mm", "onset", kMm, [](const Row& r) { return kToMm * r.figures.onset.p50; }},
-       {"silent", "silent", kCount, [](const Row& r) { return static_cast<double>(r.figures.silent); }},
-       {"flipped", "flipped", kCount, [](const Row& r) { return static_cast<double>(r.figures.flipped); }}}};
+  return {"Presses along the normal",
+          "Depth of the first force (onset), mm. Deeper than 4 mm: angle of the force to the true normal,\n"
+          "degrees; |F| over stiffness times true depth; ticks without force (silent); ticks with an\n"
+          "attractive force.",
+          {{"direction_p50_deg", "angle p50", "{:.1f}", [](const Row& r) { return r.figures.direction.p50; }},
+           {"direction_p95_deg", "p95", "{:.1f}", [](const Row& r) { return r.figures.direction.p95; }},
+           {"direction_p99_deg", "p99", "{:.1f}", [](const Row& r) { return r.figures.direction.p99; }},
+           {"magnitude_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p05; }},
+           {"magnitude_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p50; }},
+           {"magnitude_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p95; }},
+           {"onset_p50_mm", "onset", kMm, [](const Row& r) { return kToMm * r.figures.onset.p50; }},
+           {"silent", "silent", kCount, [](const Row& r) { return static_cast<double>(r.figures.silent); }},
+           {"flipped", "attractive", kCount,
+            [](const Row& r) { return static_cast<double>(r.figures.flipped); }}}};
 }
 
 Section seen() {
   return {
-      "Held against the seen surface",
-      "Where compositing along the press falls below one half of the light: how deep the tool is in\n"
-      "the true surface when it meets that, mm; |F| over stiffness times the depth from there.",
-      {{"seen_p50_mm", "met at", kMm, [](const Row& r) { return kToMm * r.figures.seen.p50; }},
+      "Relative to the visible surface",
+      "The visible surface is where the transmittance along the press falls below one half. True depth of\n"
+      "the tool at first contact with it, mm; |F| over stiffness times the depth below that contact.",
+      {{"seen_p50_mm", "contact at", kMm, [](const Row& r) { return kToMm * r.figures.seen.p50; }},
        {"magnitude_seen_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude_seen.p05; }},
        {"magnitude_seen_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude_seen.p50; }},
        {"magnitude_seen_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude_seen.p95; }}}};
@@ -48,10 +49,10 @@ Section seen() {
 
 Section moved() {
   return {
-      "Slid along, around a circle, and pushed through",
-      "Standard deviation of |F| over its mean; largest change of the force in 1 ms, N; work around a\n"
-      "circle over the energy of the spring; pushes that came out on the other side, of all and of\n"
-      "those at 2 m/s.",
+      "Slides, loops and push-through",
+      "Slides: standard deviation of |F| over its mean (ripple); largest force change in 1 ms, N (jump).\n"
+      "Loops: work per closed circle relative to the spring energy. Pushes that passed through the surface,\n"
+      "of all and of those at 2 m/s (fast).",
       {{"ripple_p50", "ripple", kShare, [](const Row& r) { return r.figures.ripple.p50; }},
        {"ripple_p95", "p95", kShare, [](const Row& r) { return r.figures.ripple.p95; }},
        {"jump_max_n", "jump", kShare, [](const Row& r) { return r.figures.jump.max; }},
@@ -66,8 +67,7 @@ Section moved() {
 
 Section rubbed() {
   return {"Friction",
-          "Drag over normal force while sliding, a slide; the farthest that the proxy creeps in 10 s of\n"
-          "rest, um.",
+          "Friction over normal force, per slide; largest creep of the proxy in 10 s of rest, um.",
           {{"friction_p05", "p5", kShare, [](const Row& r) { return r.figures.friction.p05; }},
            {"friction_p50", "p50", kShare, [](const Row& r) { return r.figures.friction.p50; }},
            {"friction_p95", "p95", kShare, [](const Row& r) { return r.figures.friction.p95; }},
@@ -76,8 +76,8 @@ Section rubbed() {
 
 Section denser() {
   return {
-      "Two densities",
-      "|F| over that at the first spacing, at the same poses.",
+      "Dependence on density",
+      "Ratio of |F| to |F| at the first spacing, same poses.",
       {{"force_ratio_p05", "F/F p5", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p05 : kNone; }},
        {"force_ratio_p50", "p50", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p50 : kNone; }},
        {"force_ratio_p95", "p95", "{:.2f}", [](const Row& r) { return r.denser ? r.denser->p95 : kNone; }}}};
@@ -88,9 +88,9 @@ double step_mm(const std::optional<StepResponse>& step, double Spread::*quantile
 }
 
 Section stepped() {
-  return {"A step of 3 mm crossed by a ball of 5 mm",
-          "The largest rise within 15 mm, mm, without noise, and the way over which it comes; and with\n"
-          "noise.",
+  return {"Crossing of a step of 3 mm by a ball of 5 mm",
+          "Largest rise of the proxy within 15 mm, mm, without noise, and the distance over which it occurs\n"
+          "(10 % to 90 %), mm; largest rise with noise, mm.",
           {{"step_p05_mm", "rise p5", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p05); }},
            {"step_p50_mm", "p50", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p50); }},
            {"step_p95_mm", "p95", kMm, [](const Row& r) { return step_mm(r.clean_step, &Spread::p95); }},
@@ -103,19 +103,20 @@ Section stepped() {
 
 Section edged() {
   return {
-      "An edge of 90 degrees crossed",
-      "The farthest that the proxy is from where a ball rolls, mm, and where that is, on the way of the\n"
-      "ball's centre from the middle of its turn.",
-      {{"edge_off_p50_mm", "off p50", kMm,
+      "Crossing of an edge of 90 degrees",
+      "Largest deviation of the proxy from the path of a rolling ball, mm, and its position along the path\n"
+      "of the ball's centre, from the middle of its turn, mm.",
+      {{"edge_off_p50_mm", "deviation p50", kMm,
         [](const Row& r) { return r.edge ? kToMm * r.edge->off.p50 : kNone; }},
        {"edge_off_p95_mm", "p95", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->off.p95 : kNone; }},
        {"edge_off_max_mm", "max", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->off.max : kNone; }},
-       {"edge_where_mm", "where", kMm, [](const Row& r) { return r.edge ? kToMm * r.edge->where : kNone; }}}};
+       {"edge_where_mm", "position", kMm,
+        [](const Row& r) { return r.edge ? kToMm * r.edge->where : kNone; }}}};
 }
 
 Section timed() {
-  return {"A tick",
-          "Time of contacts and force, in contact, us.",
+  return {"Computation time per tick",
+          "Contacts and force, in contact, us.",
           {{"tick_p50_us", "p50", kUs, [](const Row& r) { return r.figures.tick.p50; }},
            {"tick_p99_us", "p99", kUs, [](const Row& r) { return r.figures.tick.p99; }},
            {"tick_p99.9_us", "p99.9", kUs, [](const Row& r) { return r.figures.tick.p999; }}}};

@@ -51,7 +51,7 @@ std::string live_text(const LiveOutcome& outcome, const LoopStatistics& statisti
   std::string text;
   const LiveTotals& totals = outcome.totals;
   const auto times = [&text](const char* name, const TimeHistogram& h) {
-    text += fmt::format("{:<16} p50 {:.1f} us, p99 {:.1f}, p99.9 {:.1f}, max {:.0f}\n", name,
+    text += fmt::format("{:<22} p50 {:.1f} us, p99 {:.1f}, p99.9 {:.1f}, max {:.0f}\n", name,
                         kMicro * h.quantile(0.5), kMicro * h.quantile(0.99), kMicro * h.quantile(0.999),
                         kMicro * h.max());
   };
@@ -59,22 +59,21 @@ std::string live_text(const LiveOutcome& outcome, const LoopStatistics& statisti
                       static_cast<double>(outcome.ticks) / outcome.seconds, statistics.overruns.load(),
                       to_string(outcome.state));
   times("tick", statistics.whole);
-  times("of it computing", statistics.spent);
-  times("age of the force", statistics.age);
-  times("late", statistics.late);
-  text += fmt::format("in contact       {:.1f} % of the ticks, up to {} contacts, up to {:.2f} N\n",
+  times("processor time", statistics.spent);
+  times("reading age at output", statistics.age);
+  times("start delay", statistics.late);
+  text += fmt::format("in contact             {:.1f} % of the ticks, up to {} contacts, up to {:.2f} N\n",
                       100.0 * static_cast<double>(totals.contact_ticks) /
                           static_cast<double>(std::max<std::uint64_t>(1, outcome.ticks)),
                       totals.contacts_max, totals.force_max);
   text +=
-      fmt::format("port             put out at most {:.3f} mJ more than it took in; stiffness {}\n",
-                  1e3 * totals.port_energy,
-                  totals.margin_min >= 1.0 ? fmt::format("could be {:.1f} times as large", totals.margin_min)
+      fmt::format("net energy output      at most {:.3f} mJ; stiffness {}\n", 1e3 * totals.port_energy,
+                  totals.margin_min >= 1.0 ? fmt::format("margin {:.1f}", totals.margin_min)
                   : totals.margin_min > 0.0
-                      ? fmt::format("was lowered to {:.2f} of what was set: forces come too late for more",
-                                    totals.margin_min)
-                      : "has no margin to tell");
-  if (!outcome.faults.empty()) text += fmt::format("faults           {}\n", fmt::join(outcome.faults, ", "));
+                      ? fmt::format("reduced to {:.2f} of the setting because of delay", totals.margin_min)
+                      : "margin unknown");
+  if (!outcome.faults.empty())
+    text += fmt::format("faults                 {}\n", fmt::join(outcome.faults, ", "));
   return text;
 }
 

@@ -48,8 +48,8 @@ std::string page_document(const std::string& title, const std::string& intro,
                       markup_escaped(intro), pairs ? " pairs" : "");
   for (const Plot& plot : figures) html += fmt::format("<figure>{}</figure>\n", plot_in_page(plot));
   html += "</div>\n" + body;
-  html += fmt::format("<h2>How it was made</h2>\n<pre class='table' tabindex='0'>{}</pre>\n",
-                      markup_escaped(made));
+  html +=
+      fmt::format("<h2>Provenance</h2>\n<pre class='table' tabindex='0'>{}</pre>\n", markup_escaped(made));
   return html + "</body>\n</html>\n";
 }
 

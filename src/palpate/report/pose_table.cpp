@@ -59,7 +59,7 @@ OrderedJson pose_json(PoseReport answer) {
 std::string pose_text(const PoseReport& answer, std::string_view model) {
   std::string text;
   const Wrench& wrench = answer.felt.wrench;
-  text += fmt::format("{} candidates, {} after the spheres, {} in contact\n", answer.candidates,
+  text += fmt::format("{} candidates, {} after bounding-sphere test, {} in contact\n", answer.candidates,
                       answer.filtered, answer.rows.size());
   text += fmt::format("force  {:.4f} {:.4f} {:.4f} N, |F| = {:.4f} N ({})\n", wrench.force.x(),
                       wrench.force.y(), wrench.force.z(), wrench.force.norm(), model);

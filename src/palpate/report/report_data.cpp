@@ -170,11 +170,11 @@ OrderedJson summary_json(const Run& run, const GovernorStretches* stretches, std
   };
   add("Poses", fmt::format("{}", run.rows.size()));
   add("Time", fmt::format("{:.2f} s", s.seconds));
-  add("Contacts made", fmt::format("{}", contact_episodes(run.rows).size()));
+  add("Contacts", fmt::format("{}", contact_episodes(run.rows).size()));
   add("In contact", fmt::format("{:.1f} %", 100.0 * static_cast<double>(s.contact_rows) /
                                                 static_cast<double>(run.rows.size())));
   add("Largest force", fmt::format("{:.2f} N", s.largest_force));
-  add("Compute, median", fmt::format("{:.1f} \u00b5s", s.compute_us.p50));
+  add("Computation time, median", fmt::format("{:.1f} \u00b5s", s.compute_us.p50));
   if (stretches != nullptr) add("Faults", fmt::format("{}", fault_count(*stretches)));
   if (stride > 1) add("Shown", fmt::format("every {}th pose", stride));
   return json;

@@ -34,7 +34,7 @@ std::string bound_text(const Claim& claim) {
 }
 
 const char* verdict(const Claim& claim, double value) {
-  if (std::isnan(value)) return "not known";
+  if (std::isnan(value)) return "unknown";
   return claim.holds(value) ? "met" : "not met";
 }
 
@@ -126,7 +126,7 @@ Plot vector_row(const ReproductionRun& run, const std::string& name, const std::
 
 Plot times(const ReproductionRun& run) {
   Plot plot = row_of(run, "times", "Computation time", {"us", true, 0.5, {}, {}});
-  plot.series = {line_of(run, "of the processor", 0, [](const auto& t) { return std::max(0.5, t.cpu_us); }),
+  plot.series = {line_of(run, "processor time", 0, [](const auto& t) { return std::max(0.5, t.cpu_us); }),
                  {"1 kHz", Style::kLine, PlotSeries::kTruth, {{0.0, 1e3}, {run.ticks.back().t, 1e3}}},
                  {"50 ms", Style::kLine, 1, {{0.0, 5e4}, {run.ticks.back().t, 5e4}}}};
   return plot;
@@ -157,9 +157,9 @@ Plot view(const ReproductionRun& run, const RoomPath& path, const EllipsoidScene
 
 std::string claims_table(const ReproductionResult& result) {
   std::string html =
-      "<div class='table' tabindex='0'><table>\n<tr><th class='text'>the paper</th><th>its figure</th><th "
-      "class='text'>measured</th>"
-      "<th>true where</th><th>paper's pipeline</th><th>default</th><th>default is</th><th>ratio</th></tr>\n";
+      "<div class='table' tabindex='0'><table>\n<tr><th class='text'>statement</th><th>value in the "
+      "paper</th><th class='text'>measured quantity</th><th>criterion</th><th>paper's pipeline</th>"
+      "<th>default</th><th>verdict</th><th>margin</th></tr>\n";
   for (const Claim& c : result.claims) {
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}, "
@@ -173,10 +173,10 @@ std::string claims_table(const ReproductionResult& result) {
 
 std::string runs_table(const ReproductionResult& result) {
   std::string html =
-      "<div class='table' tabindex='0'><table>\n<tr><th>run</th><th>places felt</th><th>force at rest N</th>"
-      "<th>hand off it</th><th>swing mm</th><th>overshoot mm</th><th>bounces</th><th>off true "
-      "normal</th><th>N a metre of true depth</th><th>energy mJ</th><th>held "
-      "ticks</th><th>faults</th></tr>\n";
+      "<div class='table' tabindex='0'><table>\n<tr><th>run</th><th>contacts</th><th>force at rest N</th>"
+      "<th>user force deviation</th><th>oscillation mm</th><th>overshoot mm</th><th>bounces</th>"
+      "<th>angle to true normal</th><th>N per metre of true depth</th><th>net energy mJ</th>"
+      "<th>ticks at a device limit</th><th>faults</th></tr>\n";
   for (const ReproductionRun& run : result.runs) {
     const RunFigures f = figures_of(run);
     html += fmt::format(
@@ -210,19 +210,19 @@ OrderedJson contact_json(const ReproductionContact& c) {
 std::string reproduction_text(const ReproductionResult& result) {
   std::string text = result.setup + "\n\n";
   for (const Claim& c : result.claims) {
-    fmt::format_to(std::back_inserter(text),
-                   "{}  [{}]\n    {}: paper's pipeline {} ({}), default {} ({}{})\n", c.words, c.figure,
-                   c.what, figure_text(c.paper), verdict(c, c.paper), figure_text(c.own), verdict(c, c.own),
-                   std::isnan(c.ratio(c.own)) ? "" : fmt::format(", {}x", figure_text(c.ratio(c.own))));
+    fmt::format_to(
+        std::back_inserter(text), "{}  [{}]\n    {}: paper's pipeline {} ({}), default {} ({}{})\n", c.words,
+        c.figure, c.what, figure_text(c.paper), verdict(c, c.paper), figure_text(c.own), verdict(c, c.own),
+        std::isnan(c.ratio(c.own)) ? "" : fmt::format(", margin {}x", figure_text(c.ratio(c.own))));
   }
   fmt::format_to(std::back_inserter(text),
-                 "\n{:<34} {:>5} {:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>12} {:>10}  {}\n", "run", "felt",
-                 "rest N", "hand off", "swing mm", "over mm", "bounces", "off deg", "N/m of depth",
+                 "\n{:<32} {:>8} {:>7} {:>9} {:>9} {:>12} {:>8} {:>9} {:>12} {:>10}  {}\n", "run", "contacts",
+                 "rest N", "user dev", "osc mm", "overshoot mm", "bounces", "angle deg", "N/m of depth",
                  "energy mJ", "faults");
   for (const ReproductionRun& run : result.runs) {
     const RunFigures f = figures_of(run);
     fmt::format_to(std::back_inserter(text),
-                   "{:<34} {:>5} {:>7.2f} {:>8.1f}% {:>9.3f} {:>9.2f} {:>8} {:>8.1f} {:>12} {:>10.3f}  {}\n",
+                   "{:<32} {:>8} {:>7.2f} {:>8.1f}% {:>9.3f} {:>12.2f} {:>8} {:>9.1f} {:>12} {:>10.3f}  {}\n",
                    run_name(run), f.felt, f.force, 100.0 * f.user_off, kMilli * f.swing, kMilli * f.overshoot,
                    f.bounces, f.off, per_depth_text(f), kMilli * run.port_energy, faults_text(run));
   }
@@ -291,19 +291,21 @@ std::vector<Plot> reproduction_figures(const ReproductionResult& result, const E
 std::string reproduction_page(const ReproductionResult& result, const std::vector<Plot>& figures,
                               const std::string& made) {
   return page_document(
-      "The paper's evaluation, repeated", result.setup, figures,
-      "<h2>What the paper says, and what was measured</h2>\n<p>Section V. Ratio: how many times as good as "
-      "what makes "
-      "the statement true.</p>\n" +
+      "Reproduction of the paper's evaluation", result.setup, figures,
+      "<h2>Statements of the paper and measured values</h2>\n<p>Statements of section V. Verdict and margin "
+      "are those of the default. Margin: factor by which the measured value satisfies the criterion.</p>\n" +
           claims_table(result) +
-          "<h2>What the paper leaves open</h2>\n<p>The same path with a device that takes a wrench, as heavy "
-          "and as damped "
-          "as the handle of the other in free space; and with forces that are computed for as long as "
-          "stated, and held "
-          "meanwhile. At rest, the worst of all places: swing is peak to peak about the line that the tool "
-          "goes; the hand's force is off that "
-          "of the scene "
-          "by friction; the true normal and depth are of the surface that the scene was made of.</p>\n" +
+          "<h2>Further runs</h2>\n<p>The same path with an impedance device that has the mass and damping of "
+          "the admittance device's handle in free space; and with forces that take the stated time to "
+          "compute and are held meanwhile. Values are at rest, worst of all places.<br/>\n"
+          "Contacts: places at which a force occurs.<br/>\n"
+          "User force deviation: relative difference of user force and scene force, due to friction.<br/>\n"
+          "Oscillation: peak-to-peak motion about a linear fit of the tool's path.<br/>\n"
+          "Overshoot: largest depth beyond the rest position.<br/>\n"
+          "Bounces: rebounds that end the force before rest, total of all places.<br/>\n"
+          "Angle to true normal, N per metre of true depth: with respect to the surface that the scene was "
+          "made of.<br/>\n"
+          "Ticks at a device limit: ticks in which a limit of the device held its motion.</p>\n" +
           runs_table(result),
       made, true);
 }

@@ -21,7 +21,7 @@ void ResultFile::write(const std::string& bytes, std::vector<std::string>& writt
 
 void check_figure_folder(const std::string& folder) {
   if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw Error("{}: --svg is not a folder", folder);
+    throw Error("--svg {}: is not a folder", folder);
 }
 
 void write_figures(const std::vector<Plot>& figures, const std::string& folder, const std::string& command,

@@ -65,7 +65,7 @@ class Figures {
   }
 
   Plot times() const {
-    Plot plot = over_time("compute", "Computing time", {"us", true, kLeastTime, {}, {}});
+    Plot plot = over_time("compute", "Computation time", {"us", true, kLeastTime, {}, {}});
     return with_lines(std::move(plot), compute);
   }
 

@@ -14,14 +14,14 @@ std::string episodes_text(const std::vector<RunRow>& rows) {
   if (episodes.empty()) {
     return "no contact\n";
   }
-  std::string text = fmt::format("{:>7} {:>9} {:>9} {:>9} {:>11}  {}\n", "contact", "onset s", "for s",
+  std::string text = fmt::format("{:>7} {:>9} {:>10} {:>9} {:>11}  {}\n", "contact", "onset s", "duration s",
                                  "colliding", "max |F| N", "tool at onset, m");
   for (std::size_t k = 0; k < std::min(kShown, episodes.size()); ++k) {
     const Episode& e = episodes[k];
     const Eigen::Vector3d& p = rows[e.first].tool.position;
-    text +=
-        fmt::format("{:>7} {:>9.3f} {:>9.3f} {:>9} {:>11.3f}  {:.4f} {:.4f} {:.4f}\n", k + 1, rows[e.first].t,
-                    rows[e.last].t - rows[e.first].t, e.most_colliding, e.peak_force, p.x(), p.y(), p.z());
+    text += fmt::format("{:>7} {:>9.3f} {:>10.3f} {:>9} {:>11.3f}  {:.4f} {:.4f} {:.4f}\n", k + 1,
+                        rows[e.first].t, rows[e.last].t - rows[e.first].t, e.most_colliding, e.peak_force,
+                        p.x(), p.y(), p.z());
   }
   if (episodes.size() > kShown) text += fmt::format("  ... and {} more\n", episodes.size() - kShown);
   return text;
@@ -45,8 +45,8 @@ OrderedJson run_json(const std::vector<RunRow>& rows) {
 std::string run_text(const std::vector<RunRow>& rows) {
   const RunSummary s = summarize(rows);
   return episodes_text(rows) + fmt::format(
-                                   "\n{} poses over {:.2f} s, {} in contact, up to {} colliding, up to "
-                                   "{:.2f} N; compute p50 {:.1f} us, "
+                                   "\n{} poses over {:.2f} s, {} in contact; at most {} colliding "
+                                   "Gaussians and {:.2f} N; computation time p50 {:.1f} us, "
                                    "p99 {:.1f} us, max {:.0f} us\n",
                                    rows.size(), s.seconds, s.contact_rows, s.most_colliding, s.largest_force,
                                    s.compute_us.p50, s.compute_us.p99, s.compute_us.max);

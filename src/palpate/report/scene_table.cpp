@@ -54,8 +54,8 @@ std::string counts_text(const SceneReport& report) {
   const FilterReport& f = report.filtered;
   std::string text;
   text += fmt::format(
-      "\nlint              {} NaN, {} infinite, {} zero quaternion, {} zero scale: cannot collide, left "
-      "out\n",
+      "\nlint              {} NaN, {} infinite, {} zero quaternion, {} zero scale: cannot collide, "
+      "excluded\n",
       lint.defects[1], lint.defects[2], lint.defects[3], lint.defects[4]);
   text += fmt::format(
       "                  {} giant (longest sigma above {:.3g}, a tenth of the scene){}, {} flat (a sigma of "

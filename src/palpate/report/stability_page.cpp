@@ -65,8 +65,8 @@ PlotSeries level(const std::string& name, std::size_t profiles, double value) {
 
 Plot limit_cycles(const StabilityTables& tables) {
   Plot plot{"cycle",
-            "At rest on the surface",
-            "how far the handle swings, the worst of all hands and places",
+            "Limit cycle at rest",
+            "peak-to-peak motion of the handle, worst of all hands and places",
             {},
             {},
             {}};
@@ -80,12 +80,7 @@ Plot limit_cycles(const StabilityTables& tables) {
 }
 
 Plot energies(const StabilityTables& tables) {
-  Plot plot{"energy",
-            "What the port puts out",
-            "beyond what it took in and stored, the worst of all hands and places",
-            {},
-            {},
-            {}};
+  Plot plot{"energy", "Net energy output at the port", "worst of all hands and places", {}, {}, {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"energy, mJ", true, kLeastEnergy, {}, {}};
   add_dots(plot, tables, [](double at, const StabilitySummary& s) {
@@ -96,8 +91,7 @@ Plot energies(const StabilityTables& tables) {
 }
 
 Plot widths(const StabilityTables& tables) {
-  Plot plot{"z-width", "Z-width", "the stiffest that a hand can rest on; from the worst hand to the best",
-            {},        {},        {}};
+  Plot plot{"z-width", "Z-width", "largest stable stiffness, range over hands", {}, {}, {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"stiffness, N/m", true, {}, {}, {}};
   add_dots(plot, tables, [](double at, const StabilitySummary& s) -> std::optional<PlotPoint> {
@@ -108,9 +102,8 @@ Plot widths(const StabilityTables& tables) {
 }
 
 Plot walls(const StabilityTables& tables) {
-  Plot plot{
-      "wall", "An ideal wall", "measured by bisection, and in theory (2 b / T, Colgate and Schenkel)", {}, {},
-      {}};
+  Plot plot{"wall", "Ideal wall", "by bisection, and the theoretical limit (2 b / T, Colgate and Schenkel)",
+            {},     {},           {}};
   plot.x.categories = profiles_of(tables);
   plot.y = {"stiffness, N/m", true, {}, {}, {}};
   for (const bool passivity : {false, true}) {
@@ -152,8 +145,8 @@ std::string rows_table(const std::vector<StabilityRow>& rows) {
   std::string html =
       "<div class='table' "
       "tabindex='0'><table>\n<tr><th>profile</th><th>hand</th><th class='name'>model</th><th>contacts</th>"
-      "<th>limit cycle mm</th><th>energy mJ</th><th>changes</th><th>rest N</th><th>slide "
-      "off</th><th>fault</th>"
+      "<th>limit cycle mm</th><th>net energy mJ</th><th>contact changes</th><th>force at rest N</th>"
+      "<th>force deviation</th><th>fault</th>"
       "<th>Z-width N/m</th></tr>\n";
   std::string last;
   for (const StabilityRow& r : rows) {
@@ -192,18 +185,18 @@ std::vector<Plot> stability_figures(const StabilityTables& tables, const std::ve
 
 std::string stability_page(const StabilityTables& tables, const std::vector<Plot>& figures,
                            const std::string& setup, const std::string& made) {
-  return page_document("How firmly it can be held", setup, figures,
-                       "<h2>A hand on a scene</h2>\n<p>The worst of the places. Contacts: looked for in the "
-                       "loop; by a worker that looks "
-                       "ahead and is late; or a force that is computed late and held. Slide off: how far the "
-                       "force is from that of "
-                       "the loop, in 95 of 100 ticks.</p>\n" +
-                           rows_table(tables.rows) +
-                           "<h2>An ideal wall</h2>\n<p>The stiffest on which a disturbance dies out, without "
-                           "dry friction, encoder steps or "
-                           "a hand, by bisection and by the eigenvalues of the sampled loop.</p>\n" +
-                           walls_table(tables.walls),
-                       made);
+  return page_document(
+      "Contact stability", setup, figures,
+      "<h2>Hand in contact with a scene</h2>\n<p>Worst of all places. Contact search: in the loop; by a "
+      "delayed lookahead worker; or with a delayed, held force. Force deviation: relative "
+      "deviation from the force with the search in the loop while sliding, 95th "
+      "percentile.</p>\n" +
+          rows_table(tables.rows) +
+          "<h2>Ideal wall</h2>\n<p>Largest stiffness at which a disturbance decays, without dry "
+          "friction, encoder steps or a hand: by bisection (measured), and from the "
+          "eigenvalues of the sampled loop (in theory).</p>\n" +
+          walls_table(tables.walls),
+      made);
 }
 
 }  // namespace palpate

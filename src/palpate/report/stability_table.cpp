@@ -86,7 +86,7 @@ std::string stability_csv(const StabilityTables& tables) {
 
 std::string stability_text(const StabilityTables& tables) {
   std::string text = fmt::format("{:<9} {:<8} {:<13} {:>12} {:>11} {:>8} {:>10} {:>15}\n", "profile", "model",
-                                 "contacts", "cycle mm", "energy mJ", "changes", "slide off", "Z-width N/m");
+                                 "contacts", "cycle mm", "energy mJ", "changes", "deviation", "Z-width N/m");
   for (const StabilitySummary& s : summarize(tables.rows)) {
     const StabilityRow& row = *s.any;
     const std::string source = row.source == ContactSource::kLoop

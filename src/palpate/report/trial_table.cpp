@@ -37,7 +37,7 @@ const std::vector<Column>& columns() {
       {"through", "through", kCount, [](const Figures& f) { return number(f.through); }},
       {"stuck", "stuck", kCount, [](const Figures& f) { return number(f.stuck); }},
       {"onsets", "onsets", kCount, [](const Figures& f) { return number(f.onsets); }},
-      {"onset_p05_mm", "begin p5", kMm, [](const Figures& f) { return kToMm * f.onset.p05; }},
+      {"onset_p05_mm", "onset p5", kMm, [](const Figures& f) { return kToMm * f.onset.p05; }},
       {"onset_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.onset.p50; }},
       {"onset_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.onset.p95; }},
       {"true_p50_mm", nullptr, kMm, [](const Figures& f) { return kToMm * f.onset_depth.p50; }},
@@ -45,9 +45,9 @@ const std::vector<Column>& columns() {
       {"late_p05_mm", "late p5", kMm, [](const Figures& f) { return kToMm * f.late.p05; }},
       {"late_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.late.p50; }},
       {"late_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.late.p95; }},
-      {"within_half_mm_percent", "in .5mm", kShare,
+      {"within_half_mm_percent", "<=0.5 mm %", kShare,
        [](const Figures& f) { return kPercent * f.within_half_mm; }},
-      {"within_1mm_percent", "in 1mm", kShare, [](const Figures& f) { return kPercent * f.within_1mm; }},
+      {"within_1mm_percent", "<=1 mm %", kShare, [](const Figures& f) { return kPercent * f.within_1mm; }},
       {"magnitude_p05", "F/kd p5", kMm, [](const Figures& f) { return f.magnitude.p05; }},
       {"magnitude_p50", "p50", kMm, [](const Figures& f) { return f.magnitude.p50; }},
       {"magnitude_p95", "p95", kMm, [](const Figures& f) { return f.magnitude.p95; }},
@@ -55,7 +55,7 @@ const std::vector<Column>& columns() {
       {"tick_p50_us", "tick us", kUs, [](const Figures& f) { return f.tick.p50; }},
       {"tick_p99.9_us", "p99.9", kUs, [](const Figures& f) { return f.tick.p999; }},
       {"tick_max_us", "max", kUs, [](const Figures& f) { return f.tick.max; }},
-      {"first_silent", "1st silent", kCount, [](const Figures& f) { return first_of(f.silent_strokes); }},
+      {"first_silent", "first silent", kCount, [](const Figures& f) { return first_of(f.silent_strokes); }},
       {"first_sunk", "sunk", kCount, [](const Figures& f) { return first_of(f.sunk_strokes); }},
       {"first_through", "through", kCount, [](const Figures& f) { return first_of(f.through_strokes); }},
       {"first_stuck", "stuck", kCount, [](const Figures& f) { return first_of(f.stuck_strokes); }},
@@ -73,10 +73,19 @@ std::size_t width_of(const Column& column) {
 
 std::string trial_text(const std::vector<TrialRow>& rows) {
   std::string text =
-      "Strokes in which nothing is felt deep inside, the proxy sinks in, or comes out behind, and at whose\n"
-      "end a force is left; where the force begins, from the seen and the true surface, and late, from the\n"
-      "seen one or the first ellipsoid, mm; shares of that, %; |F| over stiffness times depth; largest step\n"
-      "of the force; time of a tick; the first strokes that failed, for --stroke.\n\n";
+      "silent    strokes with less than a tenth of stiffness times depth deep inside\n"
+      "sunk      strokes in which the proxy sinks in by more than half the shortest semi-axis of the tool\n"
+      "through   strokes in which the proxy passes through to the far side\n"
+      "stuck     strokes that end with a residual force\n"
+      "onsets    slow strokes (up to 0.5 m/s) from outside that reach the visible surface\n"
+      "onset     force onset of those, relative to the visible surface (negative: before it), mm\n"
+      "true      the same relative to the true surface, mm\n"
+      "late      onset delay from the visible surface or the first ellipsoid, whichever is later, mm\n"
+      "<=        share of onsets that differ from that reference by at most 0.5 and 1 mm, %\n"
+      "F/kd      force over stiffness times depth, in slow strokes at flat places\n"
+      "step      largest force change in a tick beyond stiffness times the tool motion, in slow strokes, N\n"
+      "tick      computation time per tick in contact: median, 99.9th percentile and maximum, us\n"
+      "first     numbers of the first failed strokes, for --stroke; late: by more than 1 mm, or no force\n\n";
   text += fmt::format("{:<12} {:<7} {:<9}", "tool", "place", "like");
   for (const Column& c : columns()) {
     if (c.heading != nullptr) text += fmt::format(" {:>{}}", c.heading, width_of(c));

@@ -98,7 +98,9 @@ bool Access::is_own_host(std::string_view host) const {
 std::optional<Access::Refused> Access::refusal(const RequestHead& head, double now) {
   if (head.host.empty() || !is_own_host(head.host))
     return Refused{
-        403, fmt::format("this server is not called that; open it by its address, with port {}", port_)};
+        403, fmt::format(
+                 "the Host header is not an address of this server; open it by its IP address, with port {}",
+                 port_)};
   if (!head.origin.empty()) {
     const std::string origin = lower(head.origin), host = lower(head.host);
     if (origin != "http://" + host && origin != "https://" + host)
@@ -175,7 +177,8 @@ std::string token_problem(std::string_view token) {
     return std::isalnum(c) != 0 || c == '-' || c == '.' || c == '_' || c == '~';
   });
   if (plain && token.size() >= kLeastToken && token.size() <= kMostToken) return {};
-  return fmt::format("a token has {} to {} letters, digits, '-', '.', '_' or '~'", kLeastToken, kMostToken);
+  return fmt::format("a token must have {} to {} characters: letters, digits, '-', '.', '_' or '~'",
+                     kLeastToken, kMostToken);
 }
 
 std::string without_query_value(std::string_view target, std::string_view name) {

@@ -45,10 +45,10 @@ Encoding encoding_of(const Json& subscribe, const Topic& topic) {
   if (name.empty() || name == "none") return Encoding::kText;
   if (name == "cbor") return Encoding::kCbor;
   if (name != "cbor-raw")
-    throw Refusal(fmt::format("compression {} is not known here; take none, cbor or cbor-raw", quoted(name)));
+    throw Refusal(fmt::format("compression {} is not supported; use none, cbor or cbor-raw", quoted(name)));
   if (ros_definition(topic.type()).empty())
-    throw Refusal(
-        fmt::format("{} cannot be had as cbor-raw: {} is no message of ROS", topic.name(), topic.type()));
+    throw Refusal(fmt::format("{} is not available as cbor-raw: {} is not a ROS message type", topic.name(),
+                              topic.type()));
   return Encoding::kRaw;
 }
 
@@ -209,7 +209,7 @@ void Client::handle(const Json& message) {
     return;
   }
   throw Refusal(op.empty() ? "'op' is missing"
-                           : fmt::format("op {} is not known here; take subscribe, unsubscribe, advertise, "
+                           : fmt::format("op {} is not supported; use subscribe, unsubscribe, advertise, "
                                          "unadvertise, publish, call_service or set_level",
                                          quoted(op)));
 }
@@ -218,7 +218,7 @@ void Client::subscribe(const Json& message) {
   const std::string name = named(message, "topic");
   const auto topic = hub_.topics_.find(name);
   if (topic == hub_.topics_.end())
-    throw Refusal(fmt::format("there is no topic {}; /rosapi/topics has those there are", quoted(name)));
+    throw Refusal(fmt::format("there is no topic {}; /rosapi/topics lists them", quoted(name)));
   check_type(message, name, topic->second.type());
   const Encoding encoding = encoding_of(message, topic->second);
   const Subscription::Wish wish{kMilli * std::max(0.0, number_field(message, "throttle_rate", 0.0)),
@@ -255,16 +255,14 @@ void Client::unsubscribe(const Json& message) {
 void Client::advertise(const Json& message) {
   const std::string name = named(message, "topic");
   const auto input = hub_.inputs_.find(name);
-  if (input == hub_.inputs_.end())
-    throw Refusal(fmt::format("{} is not for clients to publish", quoted(name)));
+  if (input == hub_.inputs_.end()) throw Refusal(fmt::format("clients cannot publish on {}", quoted(name)));
   check_type(message, name, input->second.type);
 }
 
 void Client::publish(const Json& message) {
   const std::string name = named(message, "topic");
   const auto input = hub_.inputs_.find(name);
-  if (input == hub_.inputs_.end())
-    throw Refusal(fmt::format("{} is not for clients to publish", quoted(name)));
+  if (input == hub_.inputs_.end()) throw Refusal(fmt::format("clients cannot publish on {}", quoted(name)));
   const Json& published = field(message, "msg");
   if (!published.is_object()) throw Refusal("'msg' must be an object");
   input->second.listener(published, *this);
@@ -278,8 +276,7 @@ void Client::call(const Json& message) {
   try {
     const auto offer = hub_.services_.find(name);
     if (offer == hub_.services_.end())
-      throw Refusal(
-          fmt::format("there is no service {}; /rosapi/services has those there are", quoted(name)));
+      throw Refusal(fmt::format("there is no service {}; /rosapi/services lists them", quoted(name)));
     const auto arguments = message.find("args");
     const bool none = arguments == message.end() || arguments->is_null() || arguments->empty();
     if (!none && !arguments->is_object()) throw Refusal("'args' must be an object");
@@ -301,7 +298,7 @@ void Client::answer(const Json& message) {
   answer_bytes_ += text->size();
   answers_.push_back(std::move(text));
   if (answers_.size() > kMostAnswers || answer_bytes_ > kMostAnswerBytes)
-    fault_ = "does not read what it is answered";
+    fault_ = "the client does not read its responses";
   wake_();
 }
 

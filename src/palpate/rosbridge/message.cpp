@@ -27,7 +27,7 @@ class CborWalk {
       --open_.back();
       item();
     }
-    if (!rest_.empty()) throw Refusal("CBOR: something follows the message");
+    if (!rest_.empty()) throw Refusal("CBOR: data after the message");
   }
 
  private:
@@ -35,7 +35,7 @@ class CborWalk {
     const auto head = static_cast<unsigned char>(take(1)[0]);
     const unsigned major = head >> 5U, minor = head & 31U;
     if (major == 7) {  // simple values and floats; no break
-      if (minor > 27) throw Refusal("CBOR: of indefinite length, or not well-formed");
+      if (minor > 27) throw Refusal("CBOR: malformed, or of indefinite length, which is not supported");
       if (minor >= 24) take(std::size_t{1} << (minor - 24));
       return;
     }
@@ -47,23 +47,24 @@ class CborWalk {
       case 3: take(n); return;
       case 4: open(n); return;
       case 5:
-        if (n > rest_.size()) throw Refusal("CBOR: ends too early");  // so that 2 * n does not overflow
+        if (n > rest_.size())
+          throw Refusal("CBOR: the message is truncated");  // so that 2 * n does not overflow
         open(2 * n);
         return;
-      default: throw Refusal("CBOR: has a tag");
+      default: throw Refusal("CBOR: tags are not supported");
     }
   }
 
   void open(std::uint64_t items) {
-    if (items > rest_.size()) throw Refusal("CBOR: ends too early");
+    if (items > rest_.size()) throw Refusal("CBOR: the message is truncated");
     if (open_.size() > kMostLevels)
-      throw Refusal(fmt::format("CBOR: nested in more than {} levels", kMostLevels));
+      throw Refusal(fmt::format("CBOR: nested more than {} levels deep", kMostLevels));
     open_.push_back(items);
   }
 
   std::uint64_t argument(unsigned minor) {
     if (minor < 24) return minor;
-    if (minor > 27) throw Refusal("CBOR: of indefinite length, or not well-formed");
+    if (minor > 27) throw Refusal("CBOR: malformed, or of indefinite length, which is not supported");
     std::uint64_t value = 0;
     for (const char byte : take(std::size_t{1} << (minor - 24)))
       value = value << 8U | static_cast<unsigned char>(byte);
@@ -71,7 +72,7 @@ class CborWalk {
   }
 
   std::string_view take(std::uint64_t n) {
-    if (n > rest_.size()) throw Refusal("CBOR: ends too early");
+    if (n > rest_.size()) throw Refusal("CBOR: the message is truncated");
     const std::string_view taken = rest_.substr(0, n);
     rest_.remove_prefix(n);
     return taken;
@@ -93,14 +94,15 @@ Json decode_json(std::string_view text) {
     const bool begins =
         event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
     if (depth + (begins ? 1 : 0) > static_cast<int>(kMostLevels))
-      throw Refusal(fmt::format("JSON: nested in more than {} levels", kMostLevels));
+      throw Refusal(fmt::format("JSON: nested more than {} levels deep", kMostLevels));
     return true;
   };
-  if (text.find('\0') != std::string_view::npos) throw Refusal("this is not JSON");  // the parser stops there
+  if (text.find('\0') != std::string_view::npos)
+    throw Refusal("the message is not valid JSON");  // the parser stops there
   try {
     return Json::parse(text.begin(), text.end(), levels);
   } catch (const Json::exception&) {
-    throw Refusal("this is not JSON");
+    throw Refusal("the message is not valid JSON");
   }
 }
 
@@ -109,7 +111,7 @@ Json decode_cbor(std::string_view bytes) {
   try {
     return Json::from_cbor(bytes.begin(), bytes.end());
   } catch (const Json::exception&) {
-    throw Refusal("this is not CBOR");
+    throw Refusal("the message is not valid CBOR");
   }
 }
 
@@ -118,7 +120,8 @@ std::string text_field(const Json& message, const char* name) {
   if (at == message.end() || at->is_null()) return {};
   if (!at->is_string()) throw Refusal(fmt::format("'{}' must be text", name));
   const auto& text = at->get_ref<const std::string&>();
-  if (text.size() > kLongestText) throw Refusal(fmt::format("'{}' is longer than {}", name, kLongestText));
+  if (text.size() > kLongestText)
+    throw Refusal(fmt::format("'{}' is longer than {} bytes", name, kLongestText));
   return text;
 }
 

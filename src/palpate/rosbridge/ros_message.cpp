@@ -103,7 +103,8 @@ StampedPose pose_stamped(const Json& message) {
   const double norm = result.pose.orientation.norm();
   if (!(std::abs(norm - 1.0) <= kNotUnit)) throw Refusal("'orientation' must be a unit quaternion");
   constexpr double kFarthest = 1e6;  // m; beyond it is an error
-  if (!(result.pose.position.norm() <= kFarthest)) throw Refusal("'position' is more than 1000 km away");
+  if (!(result.pose.position.norm() <= kFarthest))
+    throw Refusal("'position' is more than 1000 km from the origin");
   result.pose.orientation.normalize();
   return result;
 }

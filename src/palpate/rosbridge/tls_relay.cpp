@@ -141,14 +141,15 @@ void load(net::ssl::context& tls, const std::string& certificate, const std::str
   tls.set_password_callback([](std::size_t, net::ssl::context::password_purpose) { return std::string(); },
                             error);
   tls.use_certificate_chain_file(certificate, error);
-  if (error) throw Error("{}: --tls-cert is no certificate in PEM ({})", certificate, error.message());
+  if (error) throw Error("{}: --tls-cert is not a PEM certificate ({})", certificate, error.message());
   tls.use_private_key_file(key, net::ssl::context::pem, error);
   const bool other =
       error && ERR_GET_REASON(static_cast<unsigned long>(error.value())) == X509_R_KEY_VALUES_MISMATCH;
   if (error && !other)
-    throw Error("{}: --tls-key is no private key in PEM without a password ({})", key, error.message());
+    throw Error("{}: --tls-key is not a PEM private key without a password ({})", key, error.message());
   if (other || ::SSL_CTX_check_private_key(tls.native_handle()) != 1)
-    throw Error("{}: --tls-key is not the key of {}; give the two that were made together", key, certificate);
+    throw Error("{}: --tls-key does not match the certificate {}; give the key of that certificate", key,
+                certificate);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ Json type_def(const RosType& type) {
 
 [[noreturn]] void refuse(const char* what, const std::string& type) {
   constexpr std::size_t kShown = 80;
-  throw Refusal(fmt::format("there is no {} '{}' here", what, printable(type.substr(0, kShown))));
+  throw Refusal(fmt::format("there is no {} '{}'", what, printable(type.substr(0, kShown))));
 }
 
 /// Adds `type`, and its nested types that are not in `seen`.
@@ -88,7 +88,7 @@ Json details_of(const RosType& type) {
 
 Json half_of_service(const std::string& service, const char* half) {
   const RosType* const found = find_ros_type(plain_type(service) + half);
-  if (found == nullptr) refuse("type of services", service);
+  if (found == nullptr) refuse("service type", service);
   return details_of(*found);
 }
 
@@ -98,7 +98,7 @@ Json message_details(const std::string& type) {
   if (is_basic(type)) return Json::array();
   if (is_time(type)) return Json::array({time_def(type)});
   const RosType* const found = find_ros_type(plain_type(type));
-  if (found == nullptr) refuse("type of messages", type);
+  if (found == nullptr) refuse("message type", type);
   return details_of(*found);
 }
 

@@ -360,9 +360,10 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     const auto length = head_->content_length();
     const auto path = path_of(head.target);
     if (!pages_.uploads.place || !path || !path->starts_with(pages_.uploads.folder))
-      return send(request_, text_page(405, "only GET and HEAD are answered here"));
-    if (!length) return send(request_, text_page(411, "the length of the file is missing"));
-    if (pages_.receives) return send(request_, text_page(503, "another file is just being received"));
+      return send(request_, text_page(405, "only GET and HEAD are supported here"));
+    if (!length) return send(request_, text_page(411, "the Content-Length header is missing"));
+    if (pages_.receives)
+      return send(request_, text_page(503, "another upload is in progress; try again later"));
     try {
       file_ = pages_.uploads.place(*path, *length);
     } catch (const std::exception& error) {
@@ -418,10 +419,10 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     if (websocket::is_upgrade(request)) return upgrade(request);
     if (is_stranger()) enter(pages_.guests, WebServer::kMostConnections);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
-      return send(request, text_page(405, "only GET and HEAD are answered here"));
+      return send(request, text_page(405, "only GET and HEAD are supported here"));
     const auto path = path_of(head.target);
     brings_token_ = pages_.access.has_token_in_target(head);
-    send(request, path ? page_at(*path, head.target) : text_page(400, "this is no path"));
+    send(request, path ? page_at(*path, head.target) : text_page(400, "invalid path"));
   }
 
   void upgrade(const Request& request) {
@@ -438,7 +439,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     WebPage page = pages_.site(path);
     const bool elsewhere_by_slashes = target.starts_with("//");  // would redirect to another host
     if (!brings_token_ || !page.type.starts_with("text/html") || elsewhere_by_slashes) return page;
-    WebPage moved = text_page(303, "the same without the token");
+    WebPage moved = text_page(303, "redirect without the token");
     moved.location = without_query_value(target, "token");
     return moved;
   }
@@ -698,7 +699,8 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
   void listen(const WebServerOptions& options) {
     error_code error;
     const auto address = net::ip::make_address(options.address, error);
-    if (error) throw Error("{}: is not an address to listen on; give one of this machine", options.address);
+    if (error)
+      throw Error("{}: is not an IP address; give one of this machine to listen on", options.address);
     const tcp::endpoint endpoint(address, options.port);
     acceptor_.open(endpoint.protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);

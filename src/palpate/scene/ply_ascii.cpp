@@ -43,7 +43,7 @@ class AsciiRows final : public PlyRows {
     // A number and its separator take at least two bytes: a larger count is wrong, and must not cause an
     // allocation.
     if (ply.vertex().count > (lines_.bytes_left() + 1) / (2 * values_.size())) {
-      throw Error("{}: byte {}: is too short for {} Gaussians; the file is cut or its header is wrong",
+      throw Error("{}: byte {}: is too short for {} Gaussians; the file is truncated or its header is wrong",
                   ply.file.path(), ply.file.size(), ply.vertex().count);
     }
   }
@@ -89,7 +89,8 @@ class AsciiRows final : public PlyRows {
     const auto line = lines_.next();
     if (!line) {
       throw Error(
-          "{}: byte {}: ends before row {} of {} of element '{}'; the file is cut or its header is wrong",
+          "{}: byte {}: ends before row {} of {} of element '{}'; the file is truncated or its header is "
+          "wrong",
           ply_.file.path(), ply_.file.size(), row, element.count, element.name);
     }
     return *line;

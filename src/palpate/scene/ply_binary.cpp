@@ -59,7 +59,7 @@ class ElementSkipper {
   }
 
   Error ends_early(const PlyElement& element) const {
-    return Error("{}: byte {}: ends inside element '{}'; the file is cut or its header is wrong",
+    return Error("{}: byte {}: ends inside element '{}'; the file is truncated or its header is wrong",
                  file_.path(), file_.size(), element.name);
   }
 
@@ -79,7 +79,7 @@ std::uint64_t find_rows(const PlyScene& ply) {
     throw Error("{}: element 'vertex' has a list property; rows of one size are needed", file.path());
   const std::uint64_t whole_rows = (file.size() - offset) / *stride;
   if (vertex.count > whole_rows) {
-    throw Error("{}: byte {}: ends inside Gaussian {} of {}; the file is cut or its header is wrong",
+    throw Error("{}: byte {}: ends inside Gaussian {} of {}; the file is truncated or its header is wrong",
                 file.path(), file.size(), whole_rows, vertex.count);
   }
   return offset;

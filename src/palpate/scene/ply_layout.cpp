@@ -55,8 +55,8 @@ int find_sh_degree(const std::string& path, const PlyElement& vertex) {
     return degree;
   }
   throw Error(
-      "{}: has {} properties f_rest_*, which is no SH degree (0, 9, 24, 45 or 72); the file is damaged", path,
-      count);
+      "{}: has {} properties f_rest_*, which matches no SH degree (0, 9, 24, 45 or 72); the file is damaged",
+      path, count);
 }
 
 bool is_wide(const PlyElement& vertex, PlyField field) {

@@ -85,7 +85,7 @@ std::unique_ptr<SceneReader> open_scene(const std::string& path, const Progress&
   for (const ForeignFormat& foreign : kForeignFormats) {
     if (start.starts_with(foreign.magic)) {
       throw Error(
-          "{}: is {}, which cannot be read; convert it to .ply first, say with npx "
+          "{}: is {}, which cannot be read; convert it to .ply first, for example with npx "
           "@playcanvas/splat-transform",
           path, foreign.name);
     }

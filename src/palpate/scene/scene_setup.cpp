@@ -130,20 +130,19 @@ Proposal<UpAxis> propose_frame(const std::vector<Piece>& pieces, const Eigen::Al
   const double first = seen[std::size_t(order[0])], second = seen[std::size_t(order[1])];
   if (!(first > kStandsOut * all) || first < kAhead * second)
     return {UpAxis::kAsIs,
-            "no direction has more surface than the others; turn it by --frame until it is upright"};
+            "no direction has more surface than the others; choose --frame so that it is upright"};
   const Level level = largest_level(pieces, order[0], box, faces);
   const double share = 100.0 * first / all;
   const char axis = kAxes[std::size_t(order[0])];
   if (level.upward == 0)
-    return {
-        UpAxis::kAsIs,
-        fmt::format("{:.0f} % of the surface faces along {}, and nothing tells which way is up; turn it by "
-                    "--frame until it is upright",
-                    share, axis)};
-  return {kUpAxes[std::size_t(order[0])][level.upward > 0 ? 1 : 0],
-          fmt::format(
-              "{:.0f} % of the surface is level with {} = {:.3g}, and most of the scene on one side of it",
-              share, axis, level.at)};
+    return {UpAxis::kAsIs, fmt::format("{:.0f} % of the surface faces along {}, and the up direction is "
+                                       "ambiguous; choose --frame so that it is upright",
+                                       share, axis)};
+  return {
+      kUpAxes[std::size_t(order[0])][level.upward > 0 ? 1 : 0],
+      fmt::format(
+          "{:.0f} % of the surface is parallel to {} = {:.3g}, and most of the scene is on one side of it",
+          share, axis, level.at)};
 }
 
 Proposal<double> propose_opacity(const std::vector<Piece>& pieces) {
@@ -157,7 +156,7 @@ Proposal<double> propose_opacity(const std::vector<Piece>& pieces) {
     best = threshold;
     kept = all > 0.0 ? seen / all : 0.0;
   }
-  return {best, fmt::format("keeps {:.0f} % of what is seen (opacity times area)", 100.0 * kept)};
+  return {best, fmt::format("keeps {:.0f} % of the visible surface (opacity times area)", 100.0 * kept)};
 }
 
 /// Proposes Tukey's far fence of the logarithms, since sizes span decades; or the limit of giant Gaussians in
@@ -201,7 +200,7 @@ double rounded(double scale) {
 
 SceneSetup propose_setup(const GaussianScene& scene, double tool_radius) {
   const std::vector<Piece> pieces = pieces_of(scene);
-  if (pieces.empty()) throw Error("{}: no Gaussian of it can collide; look at palpate info", scene.source);
+  if (pieces.empty()) throw Error("{}: no Gaussian can collide; see palpate info", scene.source);
   const Eigen::AlignedBox3d box = central_box(pieces);
   const double usual = quantile_of(pieces, 0.5, [](const Piece& piece) { return piece.longest; });
   SceneSetup setup;
@@ -209,7 +208,7 @@ SceneSetup propose_setup(const GaussianScene& scene, double tool_radius) {
   const double scale = tool_radius / (SceneSetup::kGaussiansAcross * usual);
   setup.scale.value = rounded(scale);
   setup.scale.reason = fmt::format(
-      "the usual Gaussian is then {:.2g} mm large, a {:g}th of the tool, and the scene {:.2g} m across",
+      "the median Gaussian is then {:.2g} mm large, a {:g}th of the tool, and the scene {:.2g} m across",
       1e3 * setup.scale.value * usual, SceneSetup::kGaussiansAcross,
       setup.scale.value * box.sizes().maxCoeff());
   setup.opacity_min = propose_opacity(pieces);

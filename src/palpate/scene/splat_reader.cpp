@@ -58,7 +58,8 @@ std::unique_ptr<SceneReader> open_splat(InputFile file, const Progress& progress
   const std::uint64_t count = file.size() / kRecordBytes;
   if (file.size() % kRecordBytes != 0) {
     throw Error(
-        "{}: byte {}: ends inside Gaussian {}; a .splat file has {} bytes a Gaussian, this one is cut",
+        "{}: byte {}: ends inside Gaussian {}; a .splat file has {} bytes per Gaussian, this one is "
+        "truncated",
         file.path(), file.size(), count, kRecordBytes);
   }
   if (count > std::numeric_limits<std::uint32_t>::max()) {

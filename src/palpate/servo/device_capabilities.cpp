@@ -26,14 +26,14 @@ void check_capabilities(const DeviceCapabilities& device) {
   const auto all_or_none = [](int actuated, int sensed) { return actuated == 0 || actuated == sensed; };
   require(all_or_none(device.actuated.translation, device.sensed.translation) &&
               all_or_none(device.actuated.rotation, device.sensed.rotation),
-          "of each kind it must show all axes that it senses, or none");
+          "of each kind, it must actuate all sensed axes or none");
   require((device.actuated.rotation > 0) == (device.torque_max > 0.0),
-          "it must have a torque_max where it has motors for the orientation, and none elsewhere");
+          "torque_max must be positive if it actuates rotation, else 0");
   require(not_negative(device.stiffness_max), "stiffness_max must not be negative");
   require(not_negative(device.damping_max), "damping_max must not be negative");
   require(not_negative(device.damping), "damping must not be negative");
   require(device.damping == 0.0 || device.damping_source != DampingSource::kUnknown,
-          "damping must be 0 where its source is not known");
+          "damping must be 0 if its source is unknown");
   require(not_negative(device.delay), "delay must not be negative");
   require(not_negative(device.watchdog), "watchdog must not be negative");
   require(not_negative(device.workspace), "workspace must not be negative");

@@ -181,9 +181,9 @@ void require_stable(const AxisAdmittance& admittance, const AdmittanceLoopModel&
   const double damping = least_damping(admittance.mass, loop, margin);
   const AxisAdmittance least = least_admittance(loop, margin);
   throw Error(
-      "{}: a virtual mass of {:.3g} and damping of {:.3g} are not stable on {:.4g} N/m with a delay of "
-      "{:.3g} ms; that "
-      "mass needs a damping of {:.3g}, and the lightest that is stable is {:.3g} with {:.3g}",
+      "{}: a virtual mass of {:.3g} and damping of {:.3g} are not stable at {:.4g} N/m and a delay of {:.3g} "
+      "ms; this mass needs a damping of {:.3g}; the lightest stable pair is a mass of {:.3g} and damping of "
+      "{:.3g}",
       name, admittance.mass, admittance.damping, loop.contact_stiffness, 1e3 * loop.delay, damping,
       least.mass, least.damping);
 }

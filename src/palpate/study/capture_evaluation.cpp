@@ -40,7 +40,7 @@ std::vector<CaptureAim> capture_aims(const EllipsoidScene& kept, const SeenSurfa
     const SeenRays rays(seen, from, along, tool.radius());
     if (const auto touch = rays.first_touch(tool, Vector3d::Zero(), rings))
       aims.push_back({from, along, *touch});
-    report(progress, "aiming", static_cast<double>(aims.size()) / static_cast<double>(count));
+    report(progress, "selecting pushes", static_cast<double>(aims.size()) / static_cast<double>(count));
   }
   return aims;
 }

@@ -17,7 +17,7 @@ std::vector<SurfaceSample> smooth_places(const AnalyticSurface& surface, const T
     if (tool_fits(surface, place, tool) && is_smooth(surface, place, 1.5 * radius)) smooth.push_back(place);
   }
   if (smooth.empty())
-    throw Error("{}: nowhere is it smooth enough for a tool of {} mm", surface.name(), 1e3 * radius);
+    throw Error("{}: no place is smooth enough for a tool of {} mm", surface.name(), 1e3 * radius);
   return smooth;
 }
 

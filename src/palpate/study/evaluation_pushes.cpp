@@ -26,7 +26,7 @@ Pushes::Aim Pushes::aim(const Tool& tool, const std::vector<SurfaceSample>& plac
     const bool same_side = end.normal.dot(along) < 0.0;
     if (same_side && is_inland(surface_, last, 2.0 * tool.radius())) return {place, along};
   }
-  throw Error("{}: nowhere is it large enough for a tool of {} mm to be pushed through", surface_.name(),
+  throw Error("{}: no place is large enough for a tool of {} mm to be pushed through", surface_.name(),
               1e3 * tool.radius());
 }
 

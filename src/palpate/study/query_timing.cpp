@@ -66,7 +66,7 @@ std::vector<PoseFigures> time_path(const TimedQuery& timed, const Trajectory& pa
   for (int round = 0; round < rounds; ++round) {
     go_fresh(timed, path, figures);
     go_as_a_hand(timed, path, model, figures);
-    report(progress, "measuring", static_cast<double>(round + 1) / rounds);
+    report(progress, "measuring latency", static_cast<double>(round + 1) / rounds);
   }
   return figures;
 }
@@ -86,7 +86,7 @@ double time_batches(const TimedQuery& timed, const std::vector<Pose>& poses, int
       query_batch(timed.query, all.subspan(first, n), std::span(results).first(n));
     }
     least = std::min(least, watch.seconds());
-    report(progress, "batches", static_cast<double>(round + 1) / rounds);
+    report(progress, "measuring throughput", static_cast<double>(round + 1) / rounds);
   }
   return static_cast<double>(all.size()) / least;
 }

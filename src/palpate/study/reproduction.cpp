@@ -254,7 +254,7 @@ ReproductionRun reproduce(const ReproductionScene& scene, const Tool& tool, cons
     if (broken) note(run.faults, held.device().status_text());
     if (record.fault != Fault::kNone && !broken) note(run.faults, traits(record.fault).name);
     if (k % 1000 == 0)
-      report(progress, "feeling, " + run.model + ", " + std::string(to_string(device)),
+      report(progress, "simulating, " + run.model + ", " + std::string(to_string(device)),
              static_cast<double>(k) / static_cast<double>(count));
   }
   for (const RoomTouch& touch : path.touches) run.contacts.push_back(contact_of(run.ticks, touch));

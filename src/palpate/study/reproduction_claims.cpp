@@ -185,43 +185,43 @@ std::vector<Claim> claims(std::size_t gaussians, std::size_t kept, const RoomPat
   const auto millions = [](std::size_t n) { return 1e-6 * static_cast<double>(n); };
   add("The original model contains 2.5 million Gaussians", "2.5 million", "Gaussians, millions",
       Bound::kAtLeast, 2.5, [&](const auto&) { return millions(gaussians); });
-  add("... reduced to 1 million after opacity filtering", "1 million", "kept, millions", Bound::kAtLeast, 1.0,
-      [&](const auto&) { return millions(kept); });
-  add("In the area of 2.0 m times 3.0 m", "6 m^2", "area of the path, m^2", Bound::kAtLeast, 6.0, area);
-  add("Seven contact points are created", "7", "places with a force", Bound::kAtLeast,
+  add("... reduced to 1 million after opacity filtering", "1 million", "kept Gaussians, millions",
+      Bound::kAtLeast, 1.0, [&](const auto&) { return millions(kept); });
+  add("In the area of 2.0 m times 3.0 m", "6 m^2", "bounding area of the path, m^2", Bound::kAtLeast, 6.0,
+      area);
+  add("Seven contact points are created", "7", "contacts with a force", Bound::kAtLeast,
       static_cast<double>(path.touches.size()), felt_contacts);
   add("The kd-tree identifies sets of candidates that contain less than 500 ellipsoids", "< 500",
-      "candidates, the most", Bound::kAtMost, 500.0, [](const auto& run) {
+      "largest number of candidates", Bound::kAtMost, 500.0, [](const auto& run) {
         return most(run, [](const auto& t) { return static_cast<double>(t.candidates); });
       });
-  add("Each contact can contain up to 100 colliding ellipsoids", "100", "colliding, the most",
-      Bound::kAtLeast, 100.0, [](const auto& run) {
+  add("Each contact can contain up to 100 colliding ellipsoids", "100",
+      "largest number of colliding Gaussians", Bound::kAtLeast, 100.0, [](const auto& run) {
         return most(run, [](const auto& t) { return static_cast<double>(t.colliding); });
       });
-  add("No repulsion is calculated without contact", "0 N", "largest force before anything collides, N",
-      Bound::kAtMost, 0.0, without_contact);
+  add("No repulsion is calculated without contact", "0 N", "largest force without contact, N", Bound::kAtMost,
+      0.0, without_contact);
   add("Already single collisions result in low repulsive forces", "-",
-      "mean force of one collision, share of the largest (true: at most 0.1)", Bound::kAtMost, 0.1,
+      "mean force at a single collision over the largest force (criterion: at most 0.1)", Bound::kAtMost, 0.1,
       single_share);
   add("With increasing collision count, the repulsive force also increases", "-",
-      "rank correlation of both while the hand presses, mean of all places (true: at least 0.5)",
+      "rank correlation of count and force while pressing, mean of all places (criterion: at least 0.5)",
       Bound::kAtLeast, 0.5, [&](const auto& run) { return grows_with_count(run, path); });
   add("The direction depends on the geometry of the object", "-",
-      "force off the true normal at rest, the worst place, degrees (true: at most 18, which a person "
-      "notices)",
+      "worst angle of the force to the true normal at rest, degrees (criterion: at most 18, the perception "
+      "threshold)",
       Bound::kAtMost, kNoticed, degrees_off);
   add("Contact points are characterised by significant spikes of the user force", "-",
-      "user force in contact over that in free motion, the least (true: at least 2)", Bound::kAtLeast, 2.0,
-      spike);
+      "smallest ratio of user force in contact to that in free motion (criterion: at least 2)",
+      Bound::kAtLeast, 2.0, spike);
   add("At t_a and t_g a small oscillatory behaviour can be observed", "2 of 7",
-      "places where contact is lost again, or the tool swings more than 0.05 mm at rest", Bound::kAtMost, 2.0,
-      oscillating);
-  add("The overlap computation requires up to 50 ms", "50 ms", "computing, the longest tick, ms",
+      "contacts with a rebound, or an oscillation above 0.05 mm at rest", Bound::kAtMost, 2.0, oscillating);
+  add("The overlap computation requires up to 50 ms", "50 ms", "longest computation of a tick, ms",
       Bound::kAtMost, 50.0, [](const auto& run) { return most(run, cpu_ms); });
   add("In the first contact points computation time remains mainly below 1 ms", "1 ms",
-      "computing in the first 0.1 s of each contact, p95, ms", Bound::kAtMost, 1.0, first_ms);
-  add("The control frequency is 1 kHz", "1 ms", "computing, p99.9 of all ticks, ms", Bound::kAtMost, 1.0,
-      [](const auto& run) { return cpu_quantile(run, 0.999); });
+      "computation time in the first 0.1 s of each contact, p95, ms", Bound::kAtMost, 1.0, first_ms);
+  add("The control frequency is 1 kHz", "1 ms", "computation time, p99.9 of all ticks, ms", Bound::kAtMost,
+      1.0, [](const auto& run) { return cpu_quantile(run, 0.999); });
   return all;
 }
 

@@ -176,9 +176,9 @@ RoomPath room_path(const ContactQuery& query, const EllipsoidScene& scene, const
   }
   if (reached.size() < options.touches) {
     throw Error(
-        "only {} places of the scene can be reached from x {:.2f} to {:.2f}, y {:.2f} to {:.2f}, z {:.2f} to "
-        "{:.2f} m, and {} are wanted; register the scene into that box (--scale, --translate), or ask for "
-        "fewer",
+        "only {} places of the scene can be reached in the box x {:.2f} to {:.2f}, y {:.2f} to {:.2f}, z "
+        "{:.2f} to {:.2f} m, but {} are required; register the scene into that box (--scale, --translate), "
+        "or request fewer",
         reached.size(), options.reach.min().x(), options.reach.max().x(), options.reach.min().y(),
         options.reach.max().y(), options.reach.min().z(), options.reach.max().z(), options.touches);
   }

@@ -31,7 +31,7 @@ EllipsoidScene kept_of(const GaussianScene& scene, const RoomPlacement& placemen
   FilterReport report;
   EllipsoidScene kept =
       filter_scene(scene, placement.filter, upright(placement.frame, placement.registration), report);
-  if (kept.size() == 0) throw Error("{}: nothing is left to touch; lower --opacity-min", scene.source);
+  if (kept.size() == 0) throw Error("{}: no Gaussian passes the filter; lower --opacity-min", scene.source);
   return kept;
 }
 

@@ -101,7 +101,8 @@ StabilityTables measure_stability(const StabilityStudy& study, const Progress& p
   tbb::parallel_for(std::size_t{0}, tables.rows.size(), [&](std::size_t i) {
     measure(tables.rows[i], study);
     const std::scoped_lock lock(watched);
-    report(progress, "holding", static_cast<double>(++done) / static_cast<double>(tables.rows.size() + 1));
+    report(progress, "stability trials",
+           static_cast<double>(++done) / static_cast<double>(tables.rows.size() + 1));
   });
   for (const std::string& name : study.profiles) {
     const DeviceProfile& profile = device_profile(name);
@@ -112,7 +113,7 @@ StabilityTables measure_stability(const StabilityStudy& study, const Progress& p
            wall_bound(profile, period, passivity ? profile.capabilities.damping_max : 0.0)});
     }
   }
-  report(progress, "holding", 1.0);
+  report(progress, "stability trials", 1.0);
   return tables;
 }
 

@@ -153,7 +153,7 @@ Arrangement arranged(std::uint64_t seed, double spacing) {
 
 StillLife make_still_life(std::uint64_t seed, double spacing) {
   if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing))
-    throw Error("spacing {} m: a still life has {} m to {} m", spacing, kLeastSpacing, kMostSpacing);
+    throw Error("spacing {} m: must be {} m to {} m for a still life", spacing, kLeastSpacing, kMostSpacing);
   const Arrangement all = arranged(seed, spacing);
   StillLife result;
   GaussianScene& scene = result.scene;
@@ -164,7 +164,7 @@ StillLife make_still_life(std::uint64_t seed, double spacing) {
     const auto first = static_cast<std::uint32_t>(scene.size());
     const int object = static_cast<int>(result.objects.size());
     for (const PaintedPatch& patch : thing.patches) append_patch(patch, all.light(), object, random, scene);
-    if (scene.size() == first) throw Error("{}: nothing of it is left; use a smaller spacing", thing.name);
+    if (scene.size() == first) throw Error("{}: no Gaussians remain; use a smaller spacing", thing.name);
     const IdRange ids{first, static_cast<std::uint32_t>(scene.size()) - 1U};
     result.objects.push_back({thing.name, ids, thing.material, thing.shape, thing.pose, thing.relief});
   }

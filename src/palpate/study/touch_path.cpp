@@ -210,10 +210,10 @@ class Search {
     keep_clear(found);
     if (found.empty()) {
       throw Error(
-          "touch path: no place in {} tries has a surface that this tool can press on from outside; "
+          "touch path: no surface that this tool can press on from outside was found in {} tries; "
           "keep more Gaussians (a lower opacity threshold), make them larger (a higher sigma), or scale the "
-          "scene "
-          "to the tool: {:.3g} m across now, its tool {:.3g} m (palpate setup proposes a --scale)",
+          "scene to the tool: the scene is now {:.3g} m across, the tool {:.3g} m (palpate setup proposes a "
+          "--scale)",
           kTriesPerTouch * wanted, bounds_.diagonal().norm(), 2.0 * prober_.tool().longest());
     }
     return found;
@@ -486,8 +486,7 @@ class Script {
     for (const Motion& motion : motions_) seconds += motion.duration;
     throw Error(
         "touch path: a hand takes {:.0f} s for {} touches of a scene of {:.3g} m, more than {} poses; make "
-        "the scene "
-        "smaller (palpate setup proposes a --scale), or ask for fewer touches or a lower rate",
+        "the scene smaller (palpate setup proposes a --scale), or request fewer touches or a lower rate",
         seconds, options_.touches, 2.0 * sphere_.radius, kMaxPoses);
   }
 

@@ -46,8 +46,8 @@ describe('a driver on ROS 2', () => {
   });
 
   for (const [what, words, message] of [
-    ['NaN', 'no force until they do', poseMessage('base', NaN)],
-    ['another norm', 'no force until they do', poseMessage('base', 0.016, 2)],
+    ['NaN', 'no force until valid poses arrive', poseMessage('base', NaN)],
+    ['another norm', 'no force until valid poses arrive', poseMessage('base', 0.016, 2)],
     ['another frame', "in the frame 'else', not 'base'", poseMessage('else', 0.016)],
   ]) {
     test(`drops ${what}, and says so once`, async () => {
@@ -65,15 +65,15 @@ describe('a driver on ROS 2', () => {
     await driver.lean();
     driver.tell('late 0.5');
     await driver.noForce();
-    await palpate.says('late, twice or out of order');
+    await palpate.says('late, repeated or out of order');
     driver.tell('late 0');
     await driver.lean();
   });
 
-  test('drops what is of the future, until its clock is known to be set', async () => {
+  test('drops poses with stamps in the future, until its clock is known to be set', async () => {
     await driver.lean();
     driver.tell('late -5');
-    await palpate.says('stamps of the future');
+    await palpate.says('stamps in the future');
     driver.tell('late 0');
     await driver.lean();
   });
@@ -81,7 +81,7 @@ describe('a driver on ROS 2', () => {
   test('does not feel a second publisher', async (context) => {
     const other = new Driver('/omni');
     context.after(() => other.kill());
-    await palpate.says('holds the device, until it is silent for 1 s; stop one');
+    await palpate.says('controls the device until it is silent for 1 s; stop one');
   });
 
   test('lets the force fall where the driver is killed, and feels the next one', async () => {
@@ -113,7 +113,7 @@ test('bad settings are one line', () => {
     }
     assert.fail(`${device} is taken`);
   };
-  refuse("wants the prefix of the device's topics, as ros2:/omni", 'ros2:omni');
+  refuse("needs the prefix of the device's topics, such as ros2:/omni", 'ros2:omni');
   refuse("there is no option 'weight'", 'ros2:/omni,weight=3');
   refuse("ROS_DOMAIN_ID: 'many' is not a whole number from 0 to 232", 'ros2:/omni', { ROS_DOMAIN_ID: 'many' });
 });

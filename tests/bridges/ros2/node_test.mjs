@@ -239,11 +239,11 @@ describe('the node', () => {
   });
 
   for (const [words, said, spoil, mend] of [
-    ['not finite', 'no force until they do', () => driver.bad(poseMessage('base', NaN))],
-    ['no unit quaternion', 'no force until they do', () => driver.bad(poseMessage('base', 0.016, 2))],
+    ['not finite', 'no force until valid poses arrive', () => driver.bad(poseMessage('base', NaN))],
+    ['not of unit norm', 'no force until valid poses arrive', () => driver.bad(poseMessage('base', 0.016, 2))],
     ['wrong frame_id', "in the frame 'else', not 'base'", () => driver.bad(poseMessage('else', 0.016))],
-    ['too late', 'late, twice or out of order', () => driver.tell('late 0.5'), () => driver.tell('late 0')],
-    ['no poses come', '', () => driver.tell('mute 1'), () => driver.tell('mute 0')],
+    ['poses are late', 'late, repeated or out of order', () => driver.tell('late 0.5'), () => driver.tell('late 0')],
+    ['no poses received', '', () => driver.tell('mute 1'), () => driver.tell('mute 0')],
   ]) {
     test(`says in diagnostics: ${words}`, async () => {
       await driver.lean();
@@ -259,15 +259,15 @@ describe('the node', () => {
     });
   }
 
-  test('says in diagnostics: stamps of the future, and a second publisher', async (context) => {
+  test('says in diagnostics: stamps in the future, and a second publisher', async (context) => {
     await driver.lean();
     driver.tell('late -5');
-    await eventually(async () => (await status('palpate: device')).notice.includes('stamps of the future'), 'a notice');
+    await eventually(async () => (await status('palpate: device')).notice.includes('stamps in the future'), 'a notice');
     driver.tell('late 0');
     await driver.lean();
     const other = new Driver('/arm');
     context.after(() => other.kill());
-    await eventually(async () => (await status('palpate: device')).notice.includes('holds the device, until it is silent for 1 s'), 'a notice');
+    await eventually(async () => (await status('palpate: device')).notice.includes('controls the device until it is silent for 1 s'), 'a notice');
     await statusIs('palpate: device', 1, 'poses are dropped');
   });
 });
@@ -280,7 +280,7 @@ test('bad arguments are one line', async () => {
     ["'1bad:=x y' are not names of topics", '-r', '1bad:=x y'],
     ["'left' is not a valid namespace", '-r', '__ns:=left'],
     ["'--params-file' is not an argument", '--params-file', 'x.yaml'],
-    ["wants the prefix of the device's topics, as ros2:/omni", '-p', 'device:=omni'],
+    ["needs the prefix of the device's topics, such as ros2:/omni", '-p', 'device:=omni'],
   ]) {
     const node = new Program(process.env.PALPATE_ROS2, '--ros-args', ...args);
     const [code] = await node.ended;

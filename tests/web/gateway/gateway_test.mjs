@@ -65,8 +65,8 @@ describe('a client that looks on', () => {
     }
     const { typedefs } = await ask('getServiceRequestDetails', 'std_srvs/SetBool');
     assert.deepEqual(ros.decodeTypeDefs(typedefs), { data: 'bool' });
-    await assert.rejects(ask('getMessageDetails', 'no_msgs/Nothing'), (why) => why === "there is no type of messages 'no_msgs/Nothing' here");
-    await assert.rejects(ask('getServiceRequestDetails', 'std_msgs/String'), (why) => /no type of services/.test(why));
+    await assert.rejects(ask('getMessageDetails', 'no_msgs/Nothing'), (why) => why === "there is no message type 'no_msgs/Nothing'");
+    await assert.rejects(ask('getServiceRequestDetails', 'std_msgs/String'), (why) => /no service type/.test(why));
   });
 
   for (const compression of ['none', 'cbor']) {

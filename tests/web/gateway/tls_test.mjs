@@ -155,8 +155,8 @@ test('files that are wrong are refused with one line', () => {
     [['--tls-cert', 'text.pem', '--tls-key', 'own-key.pem'], /text\.pem.*--tls-cert/],
     [['--tls-cert', 'own-cert.pem', '--tls-key', 'text.pem'], /text\.pem.*--tls-key/],
     [['--tls-cert', 'own-cert.pem', '--tls-key', 'locked.pem'], /locked\.pem.*password/],
-    [['--tls-cert', 'own-cert.pem', '--tls-key', 'other-key.pem'], /other-key\.pem.*not the key of own-cert\.pem/],
-    [['--tls-cert', 'own-cert.pem', '--tls-key', 'curve-key.pem'], /curve-key\.pem.*not the key of own-cert\.pem/],
+    [['--tls-cert', 'own-cert.pem', '--tls-key', 'other-key.pem'], /other-key\.pem.*not match the certificate own-cert\.pem/],
+    [['--tls-cert', 'own-cert.pem', '--tls-key', 'curve-key.pem'], /curve-key\.pem.*not match the certificate own-cert\.pem/],
   ];
   for (const [args, words] of cases) {
     const result = spawnSync(process.env.PALPATE, ['run', 'sphere.ply', '--port', '0', '-q', '--seconds', '1', ...args],

@@ -29,7 +29,7 @@ async function run(args) {
     let said = '';
     program.stderr.on('data', (data) => {
       said += data;
-      const at = /take part: (\S+)/.exec(said);
+      const at = /viewer: (\S+)/.exec(said);
       if (at) found(at[1]);
     });
     program.on('exit', () => failed(new Error(said)));

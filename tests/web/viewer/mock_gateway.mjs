@@ -77,8 +77,8 @@ export class MockGateway {
       fault: { level: 0, state: 'active', fault: 'none', advice: '' }, parameters: initialParameters(this.ply),
       tool: { position, orientation: [0, 0, 0, 1] }, lines: ['omega (simulated), tool 20/20/40 mm'], velocity: [0, 0, 0], margin: 3.2,
       setup: {
-        frame: { value: 'y-down', reason: 'most of the surface is parallel to it' }, scale: { value: 0.25, reason: 'the usual Gaussian is 7 times smaller than the tool' },
-        opacity_min: { value: 0.2, reason: 'it keeps 96 % of what is seen' }, max_scale: { value: null, reason: 'none is an outlier' },
+        frame: { value: 'y-down', reason: 'most of the surface is parallel to it' }, scale: { value: 0.25, reason: 'the median Gaussian is 7 times smaller than the tool' },
+        opacity_min: { value: 0.2, reason: 'keeps 96 % of the visible surface' }, max_scale: { value: null, reason: 'none is an outlier' },
         crop_box: { value: [-1, -1, -1, 1, 1, 1], reason: '3 centres are far outside' },
       },
     });
@@ -146,7 +146,7 @@ export class MockGateway {
     for await (const chunk of request) bytes += chunk.length;
     if (this.uploadRefusal) return response.writeHead(422).end(this.uploadRefusal);
     this.uploaded.push({ name: pathname.replace('/scenes/', ''), bytes });
-    return response.writeHead(200).end('it is being opened');
+    return response.writeHead(200).end('upload complete; opening the scene');
   }
 
   // All of it, or half of it and the rest once `stalls` is called off.
@@ -315,7 +315,7 @@ export class MockGateway {
 
   #diagnostics(force) {
     const { state, fault, advice } = this.parameters.paused
-      ? { state: 'stopped', fault: 'paused', advice: 'resume when you like' } : this.fault;
+      ? { state: 'stopped', fault: 'paused', advice: 'resume when ready' } : this.fault;
     return {
       state, fault, advice, rate_hz: 1000, tick_us: 21 + 5 * Math.sin(Date.now() / 900), tick_mean_us: 22, tick_p50_us: 20, tick_p99_us: 41, age_us: 12, overruns: 0,
       contacts: this.contacts.length, candidates: 2 * this.contacts.length, k_max: 0.5, force_n: Math.hypot(...force), torque_nm: 0,

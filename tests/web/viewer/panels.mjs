@@ -89,7 +89,7 @@ describe('panels', () => {
   test('a setup is proposed with its reasons, and taken or left', async () => {
     await openSection('Placement');
     await desk.page.getByRole('button', { name: 'Propose a setup' }).click();
-    await desk.page.getByText('the usual Gaussian is 7 times smaller').waitFor();
+    await desk.page.getByText('the median Gaussian is 7 times smaller').waitFor();
     await desk.page.getByText('Largest Gaussian: unchanged').waitFor();
     await desk.page.locator('.setup').getByRole('button', { name: 'Dismiss' }).click();
     assert.equal(requests('set_parameters').length, 0);

@@ -167,7 +167,7 @@ describe('for everyone', () => {
       for (const details of document.querySelectorAll('details')) details.open = true;
     });
     await page.getByRole('button', { name: 'Propose a setup' }).click();
-    await page.getByText('the usual Gaussian').waitFor();
+    await page.getByText('the median Gaussian').waitFor();
   });
 
   for (const colorScheme of ['light', 'dark']) {

@@ -73,7 +73,7 @@ function chartSpecs(run) {
   }
   if (run.hasLive) specs.push(...liveSpecs(run));
   specs.push({
-    id: 'compute', title: 'Computing time', unit: '\u00b5s', height: 130, log: true,
+    id: 'compute', title: 'Computation time', unit: '\u00b5s', height: 130, log: true,
     format: (v) => formatFixed(v, 1), limit: { value: servoBudget, name: '1 kHz budget' },
     series: [
       { name: 'time', symbol: ['time'], values: run.col.compute_us, color: '--compute' },

@@ -134,13 +134,13 @@ TEST_P(HapticDeviceContract, ReadsWhatIsAPoseAtATimeThatHasCome) {
     ASSERT_TRUE(std::isfinite(reading_.t) && reading_.pose.position.allFinite());
     ASSERT_TRUE(reading_.velocity.linear.allFinite() && reading_.velocity.angular.allFinite());
     ASSERT_NEAR(reading_.pose.orientation.norm(), 1.0, 1e-3);
-    ASSERT_LE(reading_.t, t_ + kClock) << "it has not been measured yet";
+    ASSERT_LE(reading_.t, t_ + kClock) << "the reading is in the future";
     if (readings > 0) {
       ASSERT_GE(reading_.t, last.t);
     }
     if (readings > 0 && device_->capabilities().sensed.rotation == 0) {
       ASSERT_LT(reading_.pose.orientation.angularDistance(last.pose.orientation), 1e-9)
-          << "it senses no rotation";
+          << "the device senses no rotation";
     }
     last = reading_;
     ++readings;
@@ -164,7 +164,7 @@ TEST_P(HapticDeviceContract, LeavesTheReadingAloneWhereThereIsNone) {
 }
 
 TEST_P(HapticDeviceContract, TakesNothingFromTheHeapInATick) {
-  if (options().allocations == nullptr) GTEST_SKIP() << "nobody counts";
+  if (options().allocations == nullptr) GTEST_SKIP() << "no allocation counter";
   open_and_enable();
   for (int k = 0; k < kTicks; ++k) {
     t_ = options().real_time ? clock_.now() : t_ + kTick;
@@ -230,21 +230,21 @@ TEST_P(HapticDeviceContract, MayBeStoppedAtAnyTimeOfItsLife) {
 }
 
 TEST_P(HapticDeviceContract, ShowsNothingUnlessItIsEnabled) {
-  if (!options().shown) GTEST_SKIP() << "what it shows cannot be told";
+  if (!options().shown) GTEST_SKIP() << "the output cannot be measured";
   open_and_enable();
-  EXPECT_EQ(shown(), 0.0) << "it is enabled with no force";
+  EXPECT_EQ(shown(), 0.0) << "output right after enable()";
   show(small_force());
   EXPECT_GT(shown(), 0.0);
   device_->close();
   EXPECT_EQ(shown(), 0.0);
   device_->write(small_force());
-  EXPECT_EQ(shown(), 0.0) << "it is closed";
+  EXPECT_EQ(shown(), 0.0) << "output while closed";
   open_device(*device_, {});
   EXPECT_EQ(shown(), 0.0);
   show(small_force());
-  EXPECT_EQ(shown(), 0.0) << "it is open, and not enabled";
+  EXPECT_EQ(shown(), 0.0) << "output while open but not enabled";
   device_->enable();
-  EXPECT_EQ(shown(), 0.0) << "what was written before is not shown";
+  EXPECT_EQ(shown(), 0.0) << "output of a wrench written before enable()";
 }
 
 TEST_P(HapticDeviceContract, MayBeLetGoOfWhileItIsEnabled) {
