@@ -20,20 +20,20 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char *kMm = "{:.2f}", *kShare = "{:.3f}", *kCount = "{:.0f}", *kUs = "{:.1f}";
 
 Section pressed() {
-  return {"Presses along the normal",
-          "Depth of the first force (onset), mm. Deeper than 4 mm: angle of the force to the true normal,\n"
-          "degrees; |F| over stiffness times true depth; ticks without force (silent); ticks with an\n"
-          "attractive force.",
-          {{"direction_p50_deg", "angle p50", "{:.1f}", [](const Row& r) { return r.figures.direction.p50; }},
-           {"direction_p95_deg", "p95", "{:.1f}", [](const Row& r) { return r.figures.direction.p95; }},
-           {"direction_p99_deg", "p99", "{:.1f}", [](const Row& r) { return r.figures.direction.p99; }},
-           {"magnitude_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p05; }},
-           {"magnitude_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p50; }},
-           {"magnitude_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p95; }},
-           {"onset_p50_mm", "onset", kMm, [](const Row& r) { return kToMm * r.figures.onset.p50; }},
-           {"silent", "silent", kCount, [](const Row& r) { return static_cast<double>(r.figures.silent); }},
-           {"flipped", "attractive", kCount,
-            [](const Row& r) { return static_cast<double>(r.figures.flipped); }}}};
+  return {
+      "Presses along the normal",
+      "Depth of the first force (onset), mm. Deeper than 4 mm: angle of the force to the true normal,\n"
+      "degrees; |F| over stiffness times true depth; ticks without force (silent); ticks with an\n"
+      "attractive force (pulling).",
+      {{"direction_p50_deg", "angle p50", "{:.1f}", [](const Row& r) { return r.figures.direction.p50; }},
+       {"direction_p95_deg", "p95", "{:.1f}", [](const Row& r) { return r.figures.direction.p95; }},
+       {"direction_p99_deg", "p99", "{:.1f}", [](const Row& r) { return r.figures.direction.p99; }},
+       {"magnitude_p05", "F/kd p5", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p05; }},
+       {"magnitude_p50", "p50", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p50; }},
+       {"magnitude_p95", "p95", "{:.2f}", [](const Row& r) { return r.figures.magnitude.p95; }},
+       {"onset_p50_mm", "onset", kMm, [](const Row& r) { return kToMm * r.figures.onset.p50; }},
+       {"silent", "silent", kCount, [](const Row& r) { return static_cast<double>(r.figures.silent); }},
+       {"flipped", "pulling", kCount, [](const Row& r) { return static_cast<double>(r.figures.flipped); }}}};
 }
 
 Section seen() {
