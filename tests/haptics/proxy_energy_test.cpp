@@ -113,7 +113,8 @@ TEST(ProxyEnergy, StripesAreFeltOneAfterTheOther) {
     soft.push_back(stroke.force().z());
   }
   for (const double force : stiff) EXPECT_NEAR(force, stiff.front(), 0.1 * stiff.front());
-  for (const double force : soft) EXPECT_NEAR(force, soft.front(), 0.1 * soft.front());
+  // Stiffness times depth, but for where in the noise the proxy rests, which differs between compilers.
+  for (const double force : soft) EXPECT_NEAR(force, 300.0 * 0.01, 0.2 * 300.0 * 0.01);
   EXPECT_GT(stiff.back(), 2.0 * soft.back());
 }
 
