@@ -1,0 +1,69 @@
+// A driver, exported as a plug-in, that keeps in the file of its argument whether its motors pull ('1') or
+// not ('0'): it outlives the process. The handle goes down by itself from 50 mm above the origin to 5 mm.
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <palpate/device/export_device.h>
+#include <palpate/servo/haptic_device.h>
+
+namespace {
+
+class LoggedMotors final : public palpate::HapticDevice {
+ public:
+  explicit LoggedMotors(const std::string& path) : file_(::open(path.c_str(), O_WRONLY | O_CREAT, 0600)) {
+    if (file_ < 0) throw std::runtime_error(path + " cannot be written");
+    capabilities_.name = "logged-motors";
+    capabilities_.force_max = 10.0;
+  }
+  ~LoggedMotors() override { ::close(file_); }
+
+  void enable() override {
+    stopped_ = false;
+    HapticDevice::enable();
+  }
+  void close() noexcept override {
+    stop();
+    HapticDevice::close();
+  }
+  const palpate::DeviceCapabilities& capabilities() const override { return capabilities_; }
+
+  bool read(double t, palpate::DeviceReading& reading) override {
+    if (!(t > last_)) return false;
+    last_ = t;
+    if (first_ < 0.0) first_ = t;
+    palpate::Pose pose;
+    pose.position.z() = std::max(0.05 - 0.02 * (t - first_), 0.005);
+    reading.t = t;
+    reading.pose = palpate::DevicePose(pose);
+    return true;
+  }
+  void write(const palpate::Wrench& wrench) override {
+    if (!stopped_) log(!wrench.force.isZero(0.0));
+  }
+  void stop() noexcept override {
+    stopped_ = true;
+    log(false);
+  }
+
+ private:
+  void log(bool pulls) noexcept { (void)!::pwrite(file_, pulls ? "1" : "0", 1, 0); }
+
+  palpate::DeviceCapabilities capabilities_;
+  int file_;
+  double first_ = -1.0, last_ = 0.0;
+  std::atomic<bool> stopped_ = false;
+};
+
+std::unique_ptr<palpate::HapticDevice> make(const std::string& path) {
+  return std::make_unique<LoggedMotors>(path);
+}
+
+}  // namespace
+
+const PalpateDevicePlugin* palpate_device_plugin(uint32_t) { return &palpate::ExportedDevice<make>::kPlugin; }
