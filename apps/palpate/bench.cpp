@@ -30,7 +30,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct BenchOptions {
   CommonOptions common;
   LiveConfig live;
   QueryOptions query;
@@ -60,7 +60,7 @@ const char* name_of(OpenedIndex::Origin origin) {
   }
 }
 
-Opened open_exact(const Options& options, const Progress& progress) {
+Opened open_exact(const BenchOptions& options, const Progress& progress) {
   const SceneConfig& scene = options.live.scene;
   const IndexFiles files = options.live.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
   Opened opened;
@@ -78,7 +78,7 @@ Opened open_exact(const Options& options, const Progress& progress) {
   return opened;
 }
 
-Opened open_paper(const Options& options, const Progress& progress) {
+Opened open_paper(const BenchOptions& options, const Progress& progress) {
   Opened opened;
   const Stopwatch watch;
   opened.pipeline = options.query.build(options.live, progress);
@@ -89,7 +89,7 @@ Opened open_paper(const Options& options, const Progress& progress) {
   return opened;
 }
 
-Opened open_query(const Options& options, const Progress& progress) {
+Opened open_query(const BenchOptions& options, const Progress& progress) {
   const bool exact = options.query.is_exact();
   Opened opened = exact ? open_exact(options, progress) : open_paper(options, progress);
   opened.figures.peak_bytes = peak_resident_bytes();
@@ -102,7 +102,7 @@ Opened open_query(const Options& options, const Progress& progress) {
 }
 
 /// Reads the --trajectory, or else generates the path of make-path, the same for every pipeline.
-Trajectory path_of(const Options& options, const SceneIndex* index, const Progress& progress) {
+Trajectory path_of(const BenchOptions& options, const SceneIndex* index, const Progress& progress) {
   if (!options.trajectory.empty()) return read_trajectory(options.trajectory);
   const LoadedScene loaded = load(options.live.scene, progress);
   try {
@@ -124,7 +124,7 @@ std::vector<Pose> poses_for_batches(const BenchFigures& figures, const Trajector
   return poses;
 }
 
-BenchFigures measure(const Options& options, const Progress& progress) {
+BenchFigures measure(const BenchOptions& options, const Progress& progress) {
   Opened opened = open_query(options, progress);
   const TimedQuery timed{opened.pipeline.query(), opened.pipeline.index.get(), options.live.tool};
   const Trajectory path = path_of(options, timed.index, progress);
@@ -154,7 +154,7 @@ BenchFigures measure(const Options& options, const Progress& progress) {
   return figures;
 }
 
-void run(Options& options) {
+void run(BenchOptions& options) {
   check_output(
       options.histogram,
       {options.live.scene.path, options.trajectory, options.live.force.materials, options.common.config},
@@ -180,7 +180,7 @@ void run(Options& options) {
 Command declare_bench(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "bench", "Latency and throughput of the contact query on a scene and a path");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   declare_common(app, options->common, "print figures as JSON");
   declare_scene(app, options->live, SceneArgument::kPositional);
   add_text(app, "--trajectory", options->trajectory, "T.csv",

@@ -26,7 +26,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   CommonOptions common;
   LiveConfig live;  ///< tool and force
   std::vector<std::string> shapes{"sphere", "plane", "box", "cylinder", "torus", "step", "shell"};
@@ -43,7 +43,7 @@ struct Options {
   TrialOptions trials;
 };
 
-EvaluationSetup setup_of(const Options& options, const std::string& shape, double spacing,
+EvaluationSetup setup_of(const EvaluateOptions& options, const std::string& shape, double spacing,
                          const std::string& model) {
   EvaluationSetup setup;
   setup.shape = shape;
@@ -67,7 +67,7 @@ EvaluationSetup setup_of(const Options& options, const std::string& shape, doubl
   return setup;
 }
 
-std::vector<EvaluationRow> measure_all(const Options& options) {
+std::vector<EvaluationRow> measure_all(const EvaluateOptions& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   const auto total =
       static_cast<double>(options.shapes.size() * options.spacings.size() * options.models.size());
@@ -86,7 +86,7 @@ std::vector<EvaluationRow> measure_all(const Options& options) {
   return rows;
 }
 
-std::string setup_text(const Options& options) {
+std::string setup_text(const EvaluateOptions& options) {
   return fmt::format(
       "A tool of {} touches surfaces of known shape, made of Gaussians that are displaced by {:.3g} mm and "
       "tilted by {:.3g} degrees (standard deviations). {} scenes per row, seeds from {}; {} places and {} "
@@ -95,7 +95,7 @@ std::string setup_text(const Options& options) {
       options.seed, options.places, options.pushes, options.live.force.proxy.stiffness);
 }
 
-void run(const Options& options) {
+void run(const EvaluateOptions& options) {
   if (!options.capture.live.scene.path.empty()) {
     evaluate_capture(options.capture, {options.common, options.live.tool, options.live.force, options.models,
                                        options.pushes, options.seed, options.csv, options.html, options.svg});
@@ -125,7 +125,7 @@ void run(const Options& options) {
   for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
 }
 
-void declare_what(CLI::App& app, Options& options) {
+void declare_what(CLI::App& app, EvaluateOptions& options) {
   const auto known = procedural_shapes();
   add_choices(app, "--shapes", options.shapes, {known.begin(), known.end()},
               "surfaces to evaluate, named as in make-scene");
@@ -138,7 +138,7 @@ void declare_what(CLI::App& app, Options& options) {
              "standard deviation of the tilt of a splat's normal");
 }
 
-void declare_how_much(CLI::App& app, Options& options) {
+void declare_how_much(CLI::App& app, EvaluateOptions& options) {
   constexpr int kMost = 100'000;
   add_count(app, "--scenes", options.scenes, 1, 1000, "scenes per row, with consecutive seeds");
   add_count(app, "--places", options.places, 1, kMost,
@@ -154,7 +154,7 @@ Command declare_evaluate(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "evaluate",
                   "Force models against analytic ground truth, or against the visible surface of a capture");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   declare_common(app, options->common, "print the tables as JSON");
   declare_what(app, *options);
   declare_how_much(app, *options);

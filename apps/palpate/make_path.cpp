@@ -19,7 +19,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct MakePathOptions {
   CommonOptions common;
   LiveConfig live;
   std::string out;
@@ -27,7 +27,7 @@ struct Options {
 };
 
 /// Generates the path; errors name the scene.
-Trajectory make_path(const Options& options, const SceneIndex& index, const EllipsoidScene& kept) {
+Trajectory make_path(const MakePathOptions& options, const SceneIndex& index, const EllipsoidScene& kept) {
   try {
     return touch_path(index, kept, options.live.tool, options.path);
   } catch (const Error& error) {
@@ -35,14 +35,14 @@ Trajectory make_path(const Options& options, const SceneIndex& index, const Elli
   }
 }
 
-Provenance provenance_of(const Options& options) {
+Provenance provenance_of(const MakePathOptions& options) {
   using enum ConfigGroup;
   Provenance known = made_by(options.common, options.live, {kScene, kTool});
   set(known, "rate", fmt::format("{}", options.path.rate));  // of poses; a live loop has a field of that name
   return known;
 }
 
-void run(const Options& options) {
+void run(const MakePathOptions& options) {
   check_output(options.out, {options.live.scene.path, options.common.config});
   const Progress progress = terminal_progress(options.common.quiet);
   const LoadedScene loaded = load(options.live.scene, progress);
@@ -66,7 +66,7 @@ void run(const Options& options) {
 Command declare_make_path(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "make-path", "Trajectory file of a path that touches a scene at several places");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MakePathOptions>();
   declare_common(app, options->common);
   add_text(app, "--out", options->out, "T.csv", "output file of the trajectory").required();
   add_count(app, "--touches", options->path.touches, 1, 1000, "number of places to touch");

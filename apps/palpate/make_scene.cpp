@@ -20,7 +20,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct MakeSceneOptions {
   CommonOptions common;
   std::string shape;
   std::string out;
@@ -31,7 +31,7 @@ struct Options {
 
 /// Writes the still life, which has its own lighting, materials and spacing per object, and no capture
 /// defects.
-void run_still_life(const Options& options) {
+void run_still_life(const MakeSceneOptions& options) {
   if (options.procedural.noise > 0.0 || options.tilt_degrees > 0.0 || !options.like.empty())
     throw Error("{} takes neither --noise nor --tilt nor --like; leave them out, or make a table",
                 kStillLife);
@@ -45,7 +45,7 @@ void run_still_life(const Options& options) {
     fmt::print("wrote {}: {}, {} Gaussians\n", printable(options.out), kStillLife, made.scene.size());
 }
 
-void run(const Options& options) {
+void run(const MakeSceneOptions& options) {
   check_output(options.out, {options.common.config});
   if (options.shape == kStillLife) {
     run_still_life(options);
@@ -71,7 +71,7 @@ void run(const Options& options) {
 Command declare_make_scene(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "make-scene", "Synthetic scene with analytically known surface, as INRIA .ply");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MakeSceneOptions>();
   declare_common(app, options->common);
   const auto shapes = procedural_shapes();
   std::vector<std::string> names{shapes.begin(), shapes.end()};

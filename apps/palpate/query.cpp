@@ -19,14 +19,14 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct QueryCommandOptions {
   CommonOptions common;
   LiveConfig live;
   QueryOptions query;
   Pose pose;
 };
 
-PoseReport ask(const Options& options, const Pipeline& pipeline, ForceModel& model) {
+PoseReport ask(const QueryCommandOptions& options, const Pipeline& pipeline, ForceModel& model) {
   ContactSet set;
   const Tool& tool = options.live.tool;
   palpate::query(pipeline.query(), tool, options.pose, set);
@@ -41,7 +41,7 @@ PoseReport ask(const Options& options, const Pipeline& pipeline, ForceModel& mod
   return answer;
 }
 
-void run(const Options& options) {
+void run(const QueryCommandOptions& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   const Pipeline pipeline = options.query.build(options.live, progress);
   const auto model = options.query.build_model(options.live, pipeline, progress);
@@ -63,7 +63,7 @@ void run(const Options& options) {
 
 Command declare_query(CLI::App& parent) {
   CLI::App& app = add_command(parent, "query", "Contacts and wrench at one pose");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<QueryCommandOptions>();
   declare_common(app, options->common, "print contacts and wrench as JSON");
   declare_scene(app, options->live, SceneArgument::kPositional);
   add_parsed(app, "--pose", "x,y,z[,qw,qx,qy,qz]", "tool pose, world frame, m",

@@ -23,7 +23,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct ReplayOptions {
   CommonOptions common;
   LiveConfig live;
   QueryOptions query;
@@ -33,7 +33,7 @@ struct Options {
   int threads = 0;
 };
 
-void settle(Options& options) {
+void settle(ReplayOptions& options) {
   const RunOrigin origin(options.from);
   origin.settle(options.live);
   if (origin.version() != version()) {
@@ -42,7 +42,7 @@ void settle(Options& options) {
   }
 }
 
-void run(Options& options) {
+void run(ReplayOptions& options) {
   if (!options.from.empty()) settle(options);
   check_output(options.out, {options.from, options.trajectory, options.live.scene.path,
                              options.live.force.materials, options.common.config});
@@ -77,7 +77,7 @@ void run(Options& options) {
 Command declare_replay(CLI::App& parent) {
   CLI::App& app = add_command(
       parent, "replay", "Contacts and wrench at every pose of a trajectory file, offline and deterministic");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   declare_common(app, options->common, "print the summary as JSON");
   declare_scene(app, options->live, SceneArgument::kOptionalPositional);
   need_one(app, "SCENE", kFromRun);

@@ -29,7 +29,7 @@ extern const char palpate_report_page_end[];
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct ReportOptions {
   CommonOptions common;
   LiveConfig live;
   std::vector<std::string> runs;  ///< the first run, and those plotted over it
@@ -48,7 +48,7 @@ std::string fill_page(const std::string& title, const std::string& json) {
   return page;
 }
 
-void warn_if_different(const RunContacts& contacts, const Options& options) {
+void warn_if_different(const RunContacts& contacts, const ReportOptions& options) {
   if (contacts.rows_differing == 0) return;
   notify(fmt::format(
       "warning: {}: {} of {} checked poses have other contacts in {}; give the replay's "
@@ -56,7 +56,7 @@ void warn_if_different(const RunContacts& contacts, const Options& options) {
       options.runs.front(), contacts.rows_differing, contacts.rows_checked, options.live.scene.path));
 }
 
-std::vector<Run> read_all(const Options& options, const Progress& progress) {
+std::vector<Run> read_all(const ReportOptions& options, const Progress& progress) {
   std::vector<Run> all;
   for (const std::string& path : options.runs) {
     all.push_back(read_run(path, options.window, progress));
@@ -66,7 +66,7 @@ std::vector<Run> read_all(const Options& options, const Progress& progress) {
   return all;
 }
 
-void run(const Options& options) {
+void run(const ReportOptions& options) {
   check_output(options.out, {options.live.scene.path, options.common.config});
   for (const std::string& path : options.runs) check_output(options.out, {path});
   check_figure_folder(options.svg);
@@ -117,7 +117,7 @@ std::string recording_page(const std::string& csv) {
 
 Command declare_report(CLI::App& parent) {
   CLI::App& app = add_command(parent, "report", "Interactive, self-contained page of a run");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   declare_common(app, options->common);
   add_files(app, "RUN.csv", options->runs,
             "output of replay, or a recording; with --scene, its settings apply unless options override "

@@ -24,7 +24,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct ReproduceOptions {
   CommonOptions common;
   LiveConfig live;
   std::string plant = "own";
@@ -45,7 +45,7 @@ struct Ground {
   std::unique_ptr<PaperPipeline> paper;
 };
 
-Ground ground_of(Options& options, const Eigen::Vector3d& home, const Progress& progress) {
+Ground ground_of(ReproduceOptions& options, const Eigen::Vector3d& home, const Progress& progress) {
   Ground ground;
   SceneConfig& scene = options.live.scene;
   GaussianScene gaussians;
@@ -74,7 +74,7 @@ Ground ground_of(Options& options, const Eigen::Vector3d& home, const Progress& 
   return ground;
 }
 
-std::string setup_text(const Options& options, const Ground& ground) {
+std::string setup_text(const ReproduceOptions& options, const Ground& ground) {
   const Similarity& placed = options.live.scene.registration;
   return fmt::format(
       "{}, {} Gaussians, of which {} have an opacity above {:g}; registered into the room with scale {:.4g} "
@@ -89,7 +89,8 @@ std::string setup_text(const Options& options, const Ground& ground) {
       machine());
 }
 
-ReproductionModel model_of(const Options& options, const Ground& ground, ForceModelKind kind, double stall) {
+ReproductionModel model_of(const ReproduceOptions& options, const Ground& ground, ForceModelKind kind,
+                           double stall) {
   ReproductionModel model;
   model.name = to_string(kind);
   model.force = make_force_model(kind, options.live.force, *ground.index, options.live.tool);
@@ -98,14 +99,14 @@ ReproductionModel model_of(const Options& options, const Ground& ground, ForceMo
   return model;
 }
 
-Provenance provenance_of(const Options& options, const Ground& ground) {
+Provenance provenance_of(const ReproduceOptions& options, const Ground& ground) {
   using enum ConfigGroup;
   SceneOrigin scene{ground.name, {}};
   if (!options.live.scene.path.empty()) scene = scene_origin(options.live.scene);
   return made_by(options.common, scene, options.live, {kScene, kTool, kForce, kDevice, kLoop});
 }
 
-void run(Options options) {
+void run(ReproduceOptions options) {
   const LiveConfig& given = options.live;
   check_output(options.csv,
                {given.scene.path, given.device.chain, given.force.materials, options.common.config}, "--csv");
@@ -172,7 +173,7 @@ void run(Options options) {
 Command declare_reproduce(CLI::App& parent) {
   CLI::App& app = add_command(parent, "reproduce",
                               "Reproduction of the paper's evaluation on a simulated room-scale device");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReproduceOptions>();
   declare_common(app, options->common, "print all figures as JSON");
   LiveConfig& live = options->live;
   live.tool = Tool(Eigen::Vector3d::Constant(0.03));

@@ -35,7 +35,7 @@ namespace {
 
 constexpr const char* kCommand = "run";
 
-struct Options {
+struct RunOptions {
   CommonOptions common;
   LiveConfig live;
   std::string record;
@@ -78,7 +78,7 @@ class Lines {
 Tool fingertip() { return Tool(Eigen::Vector3d::Constant(0.008)); }
 
 /// Reason why pages may not open another scene; empty if they may.
-std::string one_scene(const Options& options) {
+std::string one_scene(const RunOptions& options) {
   return options.record.empty() ? "" : "with --record, the scene cannot change; restart for another";
 }
 
@@ -167,7 +167,7 @@ double end_of(const LiveHands& hands, double seconds) {
   return longest;
 }
 
-std::vector<HandSetup> setups_of(const Options& options) {
+std::vector<HandSetup> setups_of(const RunOptions& options) {
   std::vector<HandSetup> setups = read_hands(options.hands, options.live);
   setups.insert(setups.begin(), HandSetup{{}, options.live});
   return setups;
@@ -189,7 +189,7 @@ void tell_outcomes(const std::vector<LiveOutcome>& outcomes, const LiveHands& ha
   if (as_json) print_json(json);
 }
 
-void run(const Options& options) {
+void run(const RunOptions& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   Lines lines;
   const auto tell = [&lines](const std::string& line) {
@@ -269,7 +269,7 @@ void run(const Options& options) {
 Command declare_run(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, kCommand, "Live haptic rendering: a servo loop between a device and a scene");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunOptions>();
   declare_common(app, options->common, "print the summary as JSON");
   LiveConfig& live = options->live;
   declare_scene(app, live, SceneArgument::kOptionalPositional);
@@ -289,7 +289,7 @@ Command declare_run(CLI::App& parent) {
   add_texts(app, "--scenes", options->scenes, "DIR,...", "folders of scenes that the viewer may open")
       .in_group(std::string(title(ConfigGroup::kGateway)));
   declare_field(app, live, "tool");
-  declare_field(app, live, "no-index-file").in_group("Options");
+  declare_field(app, live, "no-index-file").in_group("RunOptions");
   declare_group(app, live, ConfigGroup::kForce);
   return {&app, [&app, options] {
             LiveConfig& settings = options->live;

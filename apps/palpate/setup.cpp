@@ -29,20 +29,20 @@ void apply(const SceneSetup& setup, SceneConfig& scene) {
   scene.filter.crop_box = setup.crop_box.value;
 }
 
-struct Options {
+struct SetupOptions {
   CommonOptions common;
   LiveConfig live;
   std::string out;
 };
 
 /// Provenance of the request; the proposals are not part of it.
-Provenance provenance_of(const Options& options) {
+Provenance provenance_of(const SetupOptions& options) {
   Provenance known = made_by(options.common, options.live, {ConfigGroup::kTool});
   set(known, "scene", toml_quoted(options.live.scene.path));
   return known;
 }
 
-void run(const Options& options) {
+void run(const SetupOptions& options) {
   if (!options.out.empty()) check_output(options.out, {options.live.scene.path, options.common.config});
   LiveConfig live = options.live;
   const GaussianScene scene = load_scene(live.scene.path, terminal_progress(options.common.quiet));
@@ -70,7 +70,7 @@ void run(const Options& options) {
 Command declare_setup(CLI::App& parent) {
   CLI::App& app = add_command(
       parent, "setup", "Proposed frame, scale, filter and crop for an unknown scene, each with a reason");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SetupOptions>();
   declare_common(app, options->common, "print the proposals as JSON");
   add_text(app, "SCENE", options->live.scene.path, "", "3DGS scene, .ply or .splat").required();
   add_text(app, "--out", options->out, "FILE.toml", "write the proposals as a file for --config");

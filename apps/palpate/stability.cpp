@@ -26,7 +26,7 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct StabilityOptions {
   CommonOptions common;
   LiveConfig live;
   std::vector<std::string> profiles;
@@ -39,7 +39,7 @@ struct Options {
 };
 
 /// A scene and the places to press.
-struct Ground {
+struct TrialGround {
   std::string name;
   std::unique_ptr<SceneIndex> index;
   Materials materials;
@@ -48,7 +48,7 @@ struct Ground {
 
 /// Loads the scene file, or generates the table of make-scene with one material: simple shapes, so that
 /// results remain comparable.
-LoadedScene read_ground(const LiveConfig& live, Ground& ground, const Progress& progress) {
+LoadedScene read_ground(const LiveConfig& live, TrialGround& ground, const Progress& progress) {
   const SceneConfig& scene = live.scene;
   if (!scene.path.empty()) {
     ground.name = std::filesystem::path(scene.path).filename().string();
@@ -62,8 +62,8 @@ LoadedScene read_ground(const LiveConfig& live, Ground& ground, const Progress& 
   return filter_made_scene(make_scene(*make_surface(kTable), {}), scene, notify, progress);
 }
 
-Ground ground_of(const Options& options, const Progress& progress) {
-  Ground ground;
+TrialGround ground_of(const StabilityOptions& options, const Progress& progress) {
+  TrialGround ground;
   const LoadedScene loaded = read_ground(options.live, ground, progress);
   ground.index = std::make_unique<SceneIndex>(loaded.scene, options.live.scene.filter,
                                               options.live.scene.world_from_scene(), progress);
@@ -75,7 +75,7 @@ Ground ground_of(const Options& options, const Progress& progress) {
   return ground;
 }
 
-StabilityStudy study_of(const Options& options, const Ground& ground) {
+StabilityStudy study_of(const StabilityOptions& options, const TrialGround& ground) {
   StabilityStudy study;
   study.index = ground.index.get();
   study.tool = options.live.tool;
@@ -110,7 +110,7 @@ std::vector<StabilityTrace> traces_of(const StabilityStudy& study, const Stabili
   return traces;
 }
 
-std::string setup_text(const Options& options, const Ground& ground) {
+std::string setup_text(const StabilityOptions& options, const TrialGround& ground) {
   return fmt::format(
       "A simulated hand approaches {} at {} place{}, presses {:g} mm beyond first contact (or with half of "
       "the device's maximum force), rests for {:g} s, slides for {:g} s at {:g} m/s, and lifts off; 1 kHz in "
@@ -121,20 +121,20 @@ std::string setup_text(const Options& options, const Ground& ground) {
       1e3 * options.delay);
 }
 
-Provenance provenance_of(const Options& options, const Ground& ground) {
+Provenance provenance_of(const StabilityOptions& options, const TrialGround& ground) {
   using enum ConfigGroup;
   SceneOrigin scene{ground.name, {}};
   if (!options.live.scene.path.empty()) scene = scene_origin(options.live.scene);
   return made_by(options.common, scene, options.live, {kScene, kTool, kForce});
 }
 
-void run(const Options& options) {
+void run(const StabilityOptions& options) {
   check_output(options.csv, {options.common.config, options.live.scene.path}, "--csv");
   check_output(options.html, {options.common.config, options.live.scene.path, options.csv}, "--html");
   check_figure_folder(options.svg);
   ResultFile csv(options.csv), html(options.html);
   const Progress progress = terminal_progress(options.common.quiet);
-  const Ground ground = ground_of(options, progress);
+  const TrialGround ground = ground_of(options, progress);
   const StabilityStudy study = study_of(options, ground);
   const StabilityTables tables = measure_stability(study, progress);
   std::string subtitle;
@@ -159,7 +159,7 @@ Command declare_stability(CLI::App& parent) {
   CLI::App& app =
       add_command(parent, "stability",
                   "Contact stability of a scene across devices, hands and force models, in virtual time");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StabilityOptions>();
   options->profiles = profile_names();
   options->hands = usual_hands();
   declare_common(app, options->common, "print the tables as JSON");

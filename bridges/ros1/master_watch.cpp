@@ -12,7 +12,7 @@
 namespace palpate::ros1 {
 namespace {
 
-constexpr std::chrono::milliseconds kLook(200);
+constexpr std::chrono::milliseconds kLookEvery(200);
 
 /// Process id of the master; 0 if it cannot be reached.
 int master_pid() {
@@ -47,7 +47,7 @@ void MasterWatch::run() {
   int known = 0;
   bool gone = false;
   while (!ends_) {
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kLookEvery);
     const int pid = master_pid();
     if (pid == 0) {
       if (!gone) lost_();

@@ -17,15 +17,11 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+using test::entries;
 using test::message_of;
 using test::TemporaryFile;
 using testing::AllOf;
 using testing::HasSubstr;
-
-/// Number of entries of a folder, hidden ones included.
-std::size_t entries(const fs::path& folder) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
 
 std::string bytes_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -21,18 +21,15 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+using test::entries;
 using test::message_of;
 using testing::AllOf;
 using testing::HasSubstr;
 using NamedFile = test::TemporaryFile;  // one of this test's own, with a name
 
-std::size_t entries(const fs::path& folder) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
-
 TEST(TemporaryFile, ReadsWhatWasWrittenAnywhere) {
   const NamedFile beside("x");
-  TemporaryFile file(beside.folder().string());
+  palpate::TemporaryFile file(beside.folder().string());
   const std::string early(5000, 'e'), late(100'000, 'l');
   file.write(1'000'000, late);
   file.write(0, early);
@@ -53,7 +50,7 @@ TEST(TemporaryFile, HasNoNameAndLeavesNothing) {
   const auto descriptors = [] { return entries("/proc/self/fd"); };
   const std::size_t before = descriptors();
   {
-    TemporaryFile file(beside.folder().string());
+    palpate::TemporaryFile file(beside.folder().string());
     file.write(0, std::string(100'000, 'x'));
     EXPECT_EQ(entries(beside.folder()), 1U);
   }
@@ -64,9 +61,9 @@ TEST(TemporaryFile, HasNoNameAndLeavesNothing) {
 TEST(TemporaryFile, SaysWhatItCannot) {
   const NamedFile beside("x");
   const std::string missing = (beside.folder() / "missing").string();
-  EXPECT_THAT(message_of<Error>([&] { TemporaryFile file(missing); }),
+  EXPECT_THAT(message_of<Error>([&] { palpate::TemporaryFile file(missing); }),
               AllOf(HasSubstr(missing), HasSubstr("No such file")));
-  TemporaryFile file(beside.folder().string());
+  palpate::TemporaryFile file(beside.folder().string());
   file.write(0, std::string("abc"));
   std::string out(4, '?');
   EXPECT_THAT(message_of<Error>([&] { file.read(0, out); }), HasSubstr(beside.folder().string()));
@@ -74,7 +71,7 @@ TEST(TemporaryFile, SaysWhatItCannot) {
 
 TEST(TemporaryFile, SaysWhenThereIsNoRoom) {
   const NamedFile beside("x");
-  TemporaryFile file(beside.folder().string());
+  palpate::TemporaryFile file(beside.folder().string());
   struct rlimit before {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto ignored = ::signal(SIGXFSZ, SIG_IGN);

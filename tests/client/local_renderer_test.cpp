@@ -3,21 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include <support/allocation_guard.h>
+#include <support/not_finite.h>
 
 namespace palpate_client {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTick = LocalRenderer::kPeriod;
-constexpr double kDamping = 1.0;      // N s/m
-constexpr double kForceMax = 12.0;    // N
-constexpr double kStiffness = 500.0;  // N/m
+using palpate::test::kNan;
+
+constexpr double kPeriod = LocalRenderer::kPeriod;
+constexpr double kDamping = 1.0;            // N s/m
+constexpr double kRenderedForceMax = 12.0;  // N
+constexpr double kStiffness = 500.0;        // N/m
 
 /// A floor that ends at `height`.
 LocalModel floor_at(double height, double stiffness = kStiffness) {
@@ -33,7 +34,7 @@ class LocalRendererTest : public testing::Test {
  protected:
   Vector tick(const Vector& to) {
     place = to;
-    now += kTick;
+    now += kPeriod;
     const Vector force = renderer.ask(model, place, now);
     renderer.show(force);
     return force;
@@ -54,7 +55,7 @@ class LocalRendererTest : public testing::Test {
   double now = 100.0;
   Vector place{};
   LocalModel model = floor_at(0.0);
-  LocalRenderer renderer{{kForceMax, 0.0, kDamping}};
+  LocalRenderer renderer{{kRenderedForceMax, 0.0, kDamping}};
 };
 
 TEST_F(LocalRendererTest, AFloorIsASpring) {
@@ -93,7 +94,7 @@ TEST_F(LocalRendererTest, ASpringThatStiffensUnderAStillHandKeepsItsEnergy) {
 TEST_F(LocalRendererTest, WhatIsGoneIsLetGoWithinTheSlew) {
   go({0, 0, -0.006});
   model.count = 0;
-  const double step = kForceMax * kTick / LocalRenderer::kSlewTime;
+  const double step = kRenderedForceMax * kPeriod / LocalRenderer::kSlewTime;
   EXPECT_NEAR(tick(place)[2], 3.0 - step, 1e-9);
   EXPECT_NEAR(tick(place)[2], 3.0 - 2.0 * step, 1e-9);
   EXPECT_EQ(tick(place)[2], 0.0);
@@ -189,7 +190,7 @@ class Chaos {
 TEST(TheEnergyOfALocalRenderer, IsNoMoreThanTheDeviceAbsorbs) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Chaos chaos(seed);
-    LocalRenderer renderer({kForceMax, 0.0, kDamping});
+    LocalRenderer renderer({kRenderedForceMax, 0.0, kDamping});
     LocalModel model = chaos.model({});
     Vector position{}, force{};
     double now = 1.0, out = 0.0, absorbed = 0.0;
@@ -197,13 +198,13 @@ TEST(TheEnergyOfALocalRenderer, IsNoMoreThanTheDeviceAbsorbs) {
       if (chaos.uniform(0.0, 1.0) < 0.1) model = chaos.model(position);
       const Vector way = chaos.way(force);
       out += vectors::dot(force, way);
-      absorbed += kDamping * vectors::dot(way, way) / kTick;
+      absorbed += kDamping * vectors::dot(way, way) / kPeriod;
       position = vectors::sum(position, way);
-      now += kTick;
+      now += kPeriod;
       force = renderer.ask(model, position, now);
       ASSERT_TRUE(vectors::is_finite(force));
       ASSERT_LE(vectors::norm(force), renderer.most() * (1.0 + 1e-12));
-      force = vectors::scaled(vectors::clamped(force, kForceMax), chaos.uniform(0.0, 1.0));  // a gate
+      force = vectors::scaled(vectors::clamped(force, kRenderedForceMax), chaos.uniform(0.0, 1.0));  // a gate
       renderer.show(force);
       ASSERT_LE(out, absorbed + 1e-9) << "seed " << seed << ", tick " << k;
     }
@@ -213,7 +214,7 @@ TEST(TheEnergyOfALocalRenderer, IsNoMoreThanTheDeviceAbsorbs) {
 
 // A call that is late lets more out than the formula knows: then there is no force until that is paid back.
 TEST(TheEnergyOfALocalRenderer, OfALateCallIsADebt) {
-  LocalRenderer renderer({kForceMax, 0.0, kDamping});
+  LocalRenderer renderer({kRenderedForceMax, 0.0, kDamping});
   const LocalModel model = floor_at(0.0, 2000.0);
   double now = 1.0, z = 0.0;
   Vector force{};
@@ -224,16 +225,16 @@ TEST(TheEnergyOfALocalRenderer, OfALateCallIsADebt) {
     renderer.show(force);
     return force[2];
   };
-  call(0.0, kTick);
-  for (int k = 1; k <= 10; ++k) call(-1e-4 * k, kTick);
+  call(0.0, kPeriod);
+  for (int k = 1; k <= 10; ++k) call(-1e-4 * k, kPeriod);
   ASSERT_NEAR(force[2], 2.0, 1e-9);
   // 2 N over 4 mm are 8 mJ; 1 mJ was stored, and 1 N s/m absorbs 0.8 mJ of that in 20 ms.
   EXPECT_EQ(call(0.003, 0.02), 0.0);
   EXPECT_NEAR(renderer.energy(), -6.2e-3, 1e-6);
   EXPECT_EQ(call(-0.001, 0.02), 0.0) << "it owes 5.4 mJ";
-  for (int k = 0; k < 20; ++k) call(k % 2 == 0 ? 0.002 : 0.001, kTick);
+  for (int k = 0; k < 20; ++k) call(k % 2 == 0 ? 0.002 : 0.001, kPeriod);
   EXPECT_EQ(renderer.energy(), 0.0) << "paid by what the device has absorbed";
-  for (int k = 10; k >= -10; --k) call(1e-4 * k, kTick);
+  for (int k = 10; k >= -10; --k) call(1e-4 * k, kPeriod);
   EXPECT_NEAR(force[2], 2.0, 1e-9);
 }
 
@@ -242,7 +243,7 @@ class LocalModelInTheGovernor : public testing::Test {
   static constexpr double kDeep = 3e-3, kForce = 1.5;  // m, N
 
   double tick(double z, bool comes = true) {
-    now += kTick;
+    now += kPeriod;
     if (comes) {
       model.position = {0, 0, z};
       governor.take(Wrench{{0, 0, 7.0}, {}}, now - late, now);
@@ -259,7 +260,7 @@ class LocalModelInTheGovernor : public testing::Test {
 
   double now = 100.0, late = 0.0;
   LocalModel model = floor_at(0.0);
-  WrenchGovernor governor{{kForceMax, 0.0, kDamping}};
+  WrenchGovernor governor{{kRenderedForceMax, 0.0, kDamping}};
 };
 
 TEST_F(LocalModelInTheGovernor, IsShownInPlaceOfTheForce) { press(); }
@@ -280,8 +281,8 @@ TEST_F(LocalModelInTheGovernor, EndsFiftyMillisecondsAfterTheLastOne) {
 
 TEST_F(LocalModelInTheGovernor, EndsWhereThePoseThatItAnswersIsTooOld) {
   press();
-  for (late = 0.0; late < 0.094; late += kTick) EXPECT_NEAR(tick(-kDeep), kForce, 1e-9);
-  for (int k = 0; k < 8; ++k, late += kTick) tick(-kDeep);
+  for (late = 0.0; late < 0.094; late += kPeriod) EXPECT_NEAR(tick(-kDeep), kForce, 1e-9);
+  for (int k = 0; k < 8; ++k, late += kPeriod) tick(-kDeep);
   EXPECT_EQ(tick(-kDeep), 0.0);
 }
 
@@ -289,7 +290,7 @@ TEST_F(LocalModelInTheGovernor, EndsFarFromWhereItWasMade) {
   press();
   model.position = {0, 0, 0.0078};
   const auto shown = [&] {
-    now += kTick;
+    now += kPeriod;
     governor.take_model(model, now, now);
     return governor.show(Vector{0, 0, -kDeep}, now).force[2];
   };
@@ -337,7 +338,7 @@ TEST_F(LocalModelInTheGovernor, OpensNoGateForAModelWithoutAShare) {
 
 TEST_F(LocalModelInTheGovernor, EndsWhereTheHandleIsNowhere) {
   press();
-  now += kTick;
+  now += kPeriod;
   EXPECT_EQ(vectors::norm(governor.show(Vector{0, kNan, -kDeep}, now).force), 0.0);
   for (int k = 0; k < 5; ++k) tick(-kDeep);
   for (int k = 0; k < 300; ++k) EXPECT_EQ(tick(-kDeep + k % 2 * 1e-4), 0.0);
@@ -347,7 +348,7 @@ TEST_F(LocalModelInTheGovernor, EndsWhereTheHandleIsNowhere) {
 TEST_F(LocalModelInTheGovernor, OfAModelWithoutOneTheWrenchIsShown) {
   model.stiffness = 0.0;
   for (int k = 0; k < 150; ++k) {
-    now += kTick;
+    now += kPeriod;
     governor.take_model(model, now, now);
     governor.take(Wrench{}, now, now);
     governor.show(Vector{}, now);

@@ -33,8 +33,8 @@ using testing::HasSubstr;
 namespace net = boost::asio;
 namespace websocket = boost::beast::websocket;
 
-constexpr double kPatience = 30.0;  // s; longer than anything takes on a machine that does much else
-constexpr double kForceMax = 12.0;  // N
+constexpr double kPatience = 30.0;        // s; longer than anything takes on a machine that does much else
+constexpr double kDeviceForceMax = 12.0;  // N
 
 void sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
@@ -173,7 +173,7 @@ class AgainstAScript : public testing::Test {
   bool open(double force) {
     for (int k = 0; k < 50; ++k) {
       hold(0.0, 0.02);
-      if (hold(force, 0.13) > 0.9 * std::min(force, kForceMax)) return true;
+      if (hold(force, 0.13) > 0.9 * std::min(force, kDeviceForceMax)) return true;
     }
     return false;
   }
@@ -182,7 +182,7 @@ class AgainstAScript : public testing::Test {
   }
 
   FakeServer server;
-  Client client{{kForceMax, 0.0}};
+  Client client{{kDeviceForceMax, 0.0}};
 };
 
 TEST_F(AgainstAScript, SubscribesToWhatItNeedsAndShowsTheToken) {
@@ -246,7 +246,7 @@ TEST_F(AgainstAScript, ShowsWhatComesWithinItsLimits) {
   connect();
   ASSERT_TRUE(open(5.0));
   ASSERT_TRUE(open(1e300));
-  EXPECT_LE(hold(1e300, 0.02), kForceMax * (1 + 1e-12));
+  EXPECT_LE(hold(1e300, 0.02), kDeviceForceMax * (1 + 1e-12));
 }
 
 TEST_F(AgainstAScript, WhatIsNoMessageEndsInZeroUntilAWrenchIsSmall) {
@@ -358,7 +358,7 @@ TEST_F(AgainstAScript, NeitherSendingNorAskingTakesFromTheHeap) {
 TEST(ThePosesOfAClient, AreNeverAQueueOfOldOnes) {
   constexpr int kPoses = 20'000;
   FakeServer server(4096);  // the kernel keeps little
-  Client client({kForceMax, 0.0});
+  Client client({kDeviceForceMax, 0.0});
   client.connect("127.0.0.1", server.port());
   ASSERT_TRUE(eventually([&] { return server.heard().size() == 2; }));
   server.reads = false;
@@ -490,7 +490,7 @@ class AgainstTheProgram : public testing::Test {
     return told;
   }
 
-  explicit AgainstTheProgram(double damping = 0.0) : client({kForceMax, 0.0, damping}) {}
+  explicit AgainstTheProgram(double damping = 0.0) : client({kDeviceForceMax, 0.0, damping}) {}
 
   Program program;
   Client client;

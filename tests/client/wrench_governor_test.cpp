@@ -2,19 +2,21 @@
 #include <client/palpate_client.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include <support/allocation_guard.h>
+#include <support/not_finite.h>
+#include <support/tick.h>
 
 namespace palpate_client {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTick = 1e-3;                        // s
+using palpate::test::kInfinity;
+using palpate::test::kNan;
+using palpate::test::kTick;
+
 constexpr double kForce = 4.0;                        // N
 constexpr double kForceMax = 10.0, kTorqueMax = 0.5;  // N, N m
 

@@ -19,7 +19,6 @@
 namespace palpate {
 namespace {
 
-using test::Random;
 using test::scene_of;
 
 /// Every number of an answer, as bits.
@@ -37,7 +36,7 @@ std::vector<std::uint64_t> bits_of(const ContactSet& set) {
 
 class BatchQuery : public testing::Test {
  protected:
-  Random random_{501};
+  test::Random random_{501};
   const SceneIndex index_{scene_of(test::sphere_of_splats(random_, 5000)), {}, {}};
   const std::vector<Ellipsoid> tools_ = test::tools_at_sphere(random_, 700);
 
@@ -104,7 +103,7 @@ TEST_F(BatchQuery, ServesManyThreadsAtOnce) {
 }
 
 /// Notes whether it is ever asked outside a given arena.
-class Witness final : public ContactQuery {
+class ArenaWitness final : public ContactQuery {
  public:
   void query(const Ellipsoid&, ContactSet& result) const override {
     result.clear();
@@ -115,7 +114,7 @@ class Witness final : public ContactQuery {
 };
 
 TEST_F(BatchQuery, StaysInTheArenaOfTheCaller) {
-  const Witness witness;
+  const ArenaWitness witness;
   std::vector<ContactSet> results(tools_.size());
   tbb::task_arena arena(3);
   arena.execute([&] { query_batch(witness, tools_, results); });

@@ -9,17 +9,20 @@
 #include <palpate/collision/contact.h>
 #include <support/k_oracle.h>
 #include <support/random_pairs.h>
+#include <support/solids.h>
 
 namespace palpate {
 namespace {
 
+using test::ball;
+using test::ellipsoid;
 using test::LiteralPaper;
 using test::moved_to_k_min;
 using test::oracle_minimum;
 using test::OracleMinimum;
+using test::Pair;
 using test::PairOracle;
 using test::Quad;
-using test::Random;
 using test::Solid;
 using test::Vec3;
 
@@ -33,24 +36,13 @@ Contact contact_of(const Ellipsoid& tool, const Ellipsoid& gaussian) {
   return make_contact(whitened, gaussian, k, minimize(k));
 }
 
-Ellipsoid ellipsoid(const Eigen::Vector3d& center, const Eigen::Vector3d& semi_axes) {
-  return {center, semi_axes.asDiagonal()};
-}
-Ellipsoid ball(const Eigen::Vector3d& center, double radius) {
-  return ellipsoid(center, Eigen::Vector3d::Constant(radius));
-}
-
 /// (x - c)^T S^-1 (x - c): at most 1 inside. For solids with a volume.
 double level(const Ellipsoid& e, const Eigen::Vector3d& x) {
   return (e.axes.inverse() * (x - e.center)).squaredNorm();
 }
 
-struct Pair {
-  Ellipsoid tool, gaussian;
-};
-
 /// A pair of about tool size with the given K_min.
-Pair random_pair(Random& r, double k_min) {
+Pair random_pair(test::Random& r, double k_min) {
   const Ellipsoid tool = Ellipsoid::from_semi_axes({r.in_box(0.5), r.rotation()}, r.semi_axes(0.02, 0.06));
   Ellipsoid gaussian = Ellipsoid::from_semi_axes({tool.center, r.rotation()}, r.semi_axes(0.003, 0.06));
   gaussian.center -= gaussian.axes * r.direction() + tool.axes * r.direction();
@@ -75,7 +67,7 @@ Eigen::Vector3d gradient(const Pair& pair) {
 }
 
 TEST(ContactNormal, IsAgainstTheGradientOfKMin) {
-  Random random(51);
+  test::Random random(51);
   double worst = 0.0;
   for (int i = 0; i < 150; ++i) {
     const Pair pair =
@@ -89,7 +81,7 @@ TEST(ContactNormal, IsAgainstTheGradientOfKMin) {
 }
 
 TEST(ContactNormal, AgreesWithQuadForFlatGaussians) {
-  Random random(52);
+  test::Random random(52);
   double worst = 0.0;
   for (const double thickness : {1e-5, 1e-7, 0.0}) {
     for (int i = 0; i < 300; ++i) {
@@ -111,7 +103,7 @@ TEST(ContactNormal, AgreesWithQuadForFlatGaussians) {
 }
 
 TEST(ContactNormal, PointsFromTheGaussianToTheTool) {
-  Random random(53);
+  test::Random random(53);
   for (int i = 0; i < 1000; ++i) {
     const Pair pair = random_pair(random, random.uniform(0.0, 0.99));
     const Contact contact = contact_of(pair.tool, pair.gaussian);
@@ -126,7 +118,7 @@ TEST(ContactNormal, PointsFromTheGaussianToTheTool) {
 }
 
 TEST(ContactPoint, IsEquationFive) {
-  Random random(54);
+  test::Random random(54);
   for (int i = 0; i < 200; ++i) {
     const Pair pair = random_pair(random, random.uniform(0.001, 0.95));
     const OracleMinimum<Quad> truth = oracle_minimum(pair.tool, pair.gaussian);
@@ -136,7 +128,7 @@ TEST(ContactPoint, IsEquationFive) {
 }
 
 TEST(ContactPoint, IsInsideBothSolidsAndOnBothWhereTheyTouch) {
-  Random random(55);
+  test::Random random(55);
   for (int i = 0; i < 1000; ++i) {
     const double k_min = i % 2 == 0 ? random.uniform(0.01, 0.99) : 1e-10;
     const Pair pair = random_pair(random, k_min);
@@ -177,7 +169,7 @@ TEST(ContactDepth, ByHand) {
 }
 
 TEST(ContactDepth, IsZeroAtTangency) {
-  Random random(56);
+  test::Random random(56);
   for (int i = 0; i < 500; ++i) {
     const Pair pair = random_pair(random, 1e-12);
     const double depth = contact_of(pair.tool, pair.gaussian).depth;
@@ -187,7 +179,7 @@ TEST(ContactDepth, IsZeroAtTangency) {
 }
 
 TEST(ContactDepth, MovedByItAlongTheNormalTheToolIsOut) {
-  Random random(57);
+  test::Random random(57);
   for (int i = 0; i < 1000; ++i) {
     Pair pair = random_pair(random, i % 2 == 0 ? random.log_uniform(1e-9, 0.1) : random.uniform(0.1, 0.9999));
     if (i % 5 == 0) pair.gaussian.axes.col(i % 3).setZero();
@@ -225,7 +217,7 @@ double separating_translation(const Pair& pair) {
 }
 
 TEST(ContactDepth, IsNeverLessThanTheSeparatingTranslation) {
-  Random random(58);
+  test::Random random(58);
   std::vector<double> shallow, deeper;
   for (int i = 0; i < 400; ++i) {
     const bool is_shallow = i % 2 == 0;
@@ -249,7 +241,7 @@ TEST(ContactDepth, IsNeverLessThanTheSeparatingTranslation) {
 }
 
 TEST(Contact, OfCoincidentCentresIsFiniteAndTheWayIsAlongTheThinnestAxis) {
-  Random random(59);
+  test::Random random(59);
   const Eigen::Vector3d center(0.1, -0.2, 0.3);
   const Ellipsoid tool = ball(center, 0.02);
   const Eigen::Matrix3d R = random.rotation().toRotationMatrix();
@@ -278,7 +270,7 @@ TEST(Contact, OfCoincidentCentresIsFiniteAndTheWayIsAlongTheThinnestAxis) {
 // The way out of a disc through whose centre the tool passes is across the disc: 0.02, not the 0.02 + 0.03
 // or more that an axis within the disc takes.
 TEST(Contact, OfCoincidentCentresOnADiscIsAcrossTheDisc) {
-  Random random(60);
+  test::Random random(60);
   const Eigen::Matrix3d R = random.rotation().toRotationMatrix();
   const Contact contact =
       contact_of(ball({0, 0, 0}, 0.02), {{0, 0, 0}, R * Eigen::Vector3d(0.05, 0.03, 0.0).asDiagonal()});
@@ -287,7 +279,7 @@ TEST(Contact, OfCoincidentCentresOnADiscIsAcrossTheDisc) {
 }
 
 TEST(Contact, OfAllButCoincidentCentresIsFinite) {
-  Random random(61);
+  test::Random random(61);
   for (const double distance : {1e-6, 1e-12, 1e-100, 1e-155, 1e-160, 1e-162, 1e-200, 5e-324}) {
     double worst_length = 0.0, farthest = 0.0, least_depth = 1.0, most_depth = 0.0;
     for (int i = 0; i < 60; ++i) {
@@ -310,7 +302,7 @@ TEST(Contact, OfAllButCoincidentCentresIsFinite) {
 }
 
 TEST(ContactInvariance, RigidMotionTurnsItAlong) {
-  Random random(62);
+  test::Random random(62);
   for (int i = 0; i < 300; ++i) {
     const Pair pair = random_pair(random, random.uniform(0.01, 0.95));
     const Eigen::Matrix3d R = random.rotation().toRotationMatrix();
@@ -325,7 +317,7 @@ TEST(ContactInvariance, RigidMotionTurnsItAlong) {
 }
 
 TEST(ContactInvariance, ScaleScalesIt) {
-  Random random(63);
+  test::Random random(63);
   for (int i = 0; i < 300; ++i) {
     const Pair pair = random_pair(random, random.uniform(0.01, 0.95));
     const double s = std::ldexp(1.0, random.integer(-20, 20));
@@ -339,7 +331,7 @@ TEST(ContactInvariance, ScaleScalesIt) {
 }
 
 TEST(ContactInvariance, SwappingTheSolidsTurnsTheNormalRound) {
-  Random random(64);
+  test::Random random(64);
   for (int i = 0; i < 300; ++i) {
     const Pair pair = random_pair(random, random.uniform(0.01, 0.95));
     const Contact one = contact_of(pair.tool, pair.gaussian);
@@ -372,7 +364,7 @@ TEST(SpheresOverlap, IsEquationFourAndKeepsWhatTouches) {
   EXPECT_TRUE(spheres_overlap(ball({0, 0, 0}, 1), 1.0, ball({0, 2.9, 0}, 2), 2.0));
   EXPECT_FALSE(spheres_overlap(ball({0, 0, 0}, 1), 1.0, ball({0, 3.000001, 0}, 2), 2.0));
   EXPECT_FALSE(spheres_overlap(ball({0, 0, 0}, 1), 1.0, ball({2, 2, 2}, 2), 2.0));  // 3.46 apart
-  Random random(65);
+  test::Random random(65);
   for (int i = 0; i < 10000; ++i) {
     const double a = random.log_uniform(1e-6, 1e3), b = random.log_uniform(1e-6, 1e3);
     const Ellipsoid one = ball({0, 0, 0}, a), other = ball((a + b) * random.direction(), b);

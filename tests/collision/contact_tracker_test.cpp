@@ -20,12 +20,9 @@ namespace {
 using Eigen::Vector3d;
 using test::Bars;
 using test::draws;
-using test::Random;
 using test::scene_of;
 using test::splat;
 using test::Splat;
-
-constexpr Bars kRounding{1e-12, 1e-8};
 
 bool same_bits(const Contact& a, const Contact& b) {
   return a.k_min == b.k_min && a.lambda == b.lambda && a.point == b.point && a.normal == b.normal &&
@@ -39,7 +36,7 @@ struct Walker {
 
   Ellipsoid tool() const { return Ellipsoid::from_semi_axes(pose, semi_axes); }
   /// By `length` in any direction, and as far on the surface of the tool by a turn.
-  void step(Random& random, double length) {
+  void step(test::Random& random, double length) {
     pose.position += length * random.direction();
     const Eigen::AngleAxisd turn(length / semi_axes.maxCoeff(), random.direction());
     pose.orientation = (Eigen::Quaterniond(turn) * pose.orientation).normalized();
@@ -57,8 +54,7 @@ class ContactTrackerOnEveryTarget : public test::OnEveryTarget {
   };
 
   /// Lets a tracker and fresh queries follow `path` and expects the same of both.
-  static Seen follow(const SceneIndex& index, const std::vector<Ellipsoid>& path,
-                     const Bars& bars = kRounding) {
+  static Seen follow(const SceneIndex& index, const std::vector<Ellipsoid>& path, const Bars& bars = {}) {
     ContactTracker tracker(index);
     ContactSet tracked, fresh;
     Seen seen;
@@ -83,12 +79,12 @@ class ContactTrackerOnEveryTarget : public test::OnEveryTarget {
   }
 };
 
-GaussianScene sphere(std::uint64_t seed, std::size_t count = 20000) {
-  Random random(seed);
+GaussianScene sphere_with_gaps_in_ids(std::uint64_t seed, std::size_t count = 20000) {
+  test::Random random(seed);
   return test::with_gaps_in_ids(scene_of(sphere_of_splats(random, count)));
 }
 
-std::vector<Ellipsoid> random_walk(Random& random, Walker walker, std::size_t steps, double least,
+std::vector<Ellipsoid> random_walk(test::Random& random, Walker walker, std::size_t steps, double least,
                                    double most) {
   std::vector<Ellipsoid> path;
   for (std::size_t i = 0; i < steps; ++i) {
@@ -102,8 +98,8 @@ std::vector<Ellipsoid> random_walk(Random& random, Walker walker, std::size_t st
 }
 
 TEST_F(ContactTrackerOnEveryTarget, FollowsAHand) {
-  Random random(301);
-  const SceneIndex index(sphere(300), {}, {});
+  test::Random random(301);
+  const SceneIndex index(sphere_with_gaps_in_ids(300), {}, {});
   std::vector<std::vector<Ellipsoid>> paths;
   for (int i = 0; i < 5; ++i) {
     const Walker walker{{1.01 * random.direction(), random.rotation()}};
@@ -119,7 +115,7 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsAHand) {
 }
 
 TEST_F(ContactTrackerOnEveryTarget, KeepsWhatItFoundWhileTheToolStays) {
-  const SceneIndex index(sphere(302), {}, {});
+  const SceneIndex index(sphere_with_gaps_in_ids(302), {}, {});
   const Walker walker{{{0, 0, 1.01}, Eigen::Quaterniond::Identity()}};
   on_every_target([&] {
     const Seen seen = follow(index, std::vector<Ellipsoid>(20, walker.tool()));
@@ -130,8 +126,8 @@ TEST_F(ContactTrackerOnEveryTarget, KeepsWhatItFoundWhileTheToolStays) {
 
 // Every length of step, from within the margin to far beyond it.
 TEST_F(ContactTrackerOnEveryTarget, FollowsJumps) {
-  Random random(303);
-  const SceneIndex index(sphere(304), {}, {});
+  test::Random random(303);
+  const SceneIndex index(sphere_with_gaps_in_ids(304), {}, {});
   std::vector<Ellipsoid> path;
   Walker walker{{{0, 0, 1.0}, random.rotation()}};
   for (std::size_t i = 0; i < draws(2000); ++i) {
@@ -145,8 +141,8 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsJumps) {
 
 // A larger tool may touch what the search for the smaller one has dropped.
 TEST_F(ContactTrackerOnEveryTarget, FollowsAToolThatGrowsAndShrinks) {
-  Random random(305);
-  const SceneIndex index(sphere(306), {}, {});
+  test::Random random(305);
+  const SceneIndex index(sphere_with_gaps_in_ids(306), {}, {});
   std::vector<Ellipsoid> path;
   Walker walker{{{0, 0, 1.005}, random.rotation()}};
   for (std::size_t i = 0; i < draws(1000); ++i) {
@@ -159,8 +155,8 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsAToolThatGrowsAndShrinks) {
 
 // A long tool sweeps far with its ends when it turns in place, about every axis.
 TEST_F(ContactTrackerOnEveryTarget, FollowsALongToolThatTurnsInPlace) {
-  Random random(307);
-  const SceneIndex index(sphere(308), {}, {});
+  test::Random random(307);
+  const SceneIndex index(sphere_with_gaps_in_ids(308), {}, {});
   std::vector<Ellipsoid> path;
   Walker walker{{{0, 0, 0.99}, random.rotation()}, {0.002, 0.01, 0.2}};
   for (std::size_t i = 0; i < draws(1000); ++i) {
@@ -172,9 +168,9 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsALongToolThatTurnsInPlace) {
 }
 
 TEST_F(ContactTrackerOnEveryTarget, FollowsInARegisteredScene) {
-  Random random(309);
+  test::Random random(309);
   const Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
-  const SceneIndex index(sphere(310), {}, world);
+  const SceneIndex index(sphere_with_gaps_in_ids(310), {}, world);
   const Walker walker{{Vector3d(0, 0, 1.01), random.rotation()}, {0.05, 0.05, 0.1}};
   std::vector<Ellipsoid> path = random_walk(random, walker, draws(1000), 1e-4, 1e-3);
   for (Ellipsoid& tool : path) {
@@ -187,7 +183,7 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsInARegisteredScene) {
 // Discs, needles and giants, whose minima are on plateaus: starting from the last minimum must not end
 // elsewhere.
 TEST_F(ContactTrackerOnEveryTarget, FollowsAmongWildSizes) {
-  Random random(311);
+  test::Random random(311);
   std::vector<Splat> splats;
   for (int i = 0; i < 300; ++i) splats.push_back(wild_splat(random, 1.0));
   const SceneIndex index(scene_of(splats), {}, {});
@@ -203,7 +199,7 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsAmongWildSizes) {
 
 // A place with more Gaussians than are kept, and the way there and back.
 TEST_F(ContactTrackerOnEveryTarget, FallsBackWhereItIsCrowded) {
-  Random random(312);
+  test::Random random(312);
   std::vector<Splat> splats;
   for (std::size_t i = 0; i < 2 * CandidateSet::kCapacity; ++i)
     splats.push_back(splat(random.in_box(0.05), random.semi_axes(1e-3, 0.02), random.rotation()));
@@ -224,7 +220,7 @@ TEST_F(ContactTrackerOnEveryTarget, FallsBackWhereItIsCrowded) {
 // A bound on the pairs cuts the answer off and nothing else: what there is comes in the same order.
 TEST_F(ContactTrackerOnEveryTarget, OfSoManyPairsFindsThoseThatComeFirst) {
   constexpr std::size_t kBuffer = 192;  // by as many it may be exceeded
-  Random random(19);
+  test::Random random(19);
   const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});
   const Ellipsoid tool{{0.9, 0, 0}, 0.5 * Eigen::Matrix3d::Identity()};
   on_every_target([&] {
@@ -255,7 +251,7 @@ TEST_F(ContactTrackerOnEveryTarget, OfSoManyPairsFindsThoseThatComeFirst) {
 // Whether anything is touched at all, also where more is near than is kept.
 TEST_F(ContactTrackerOnEveryTarget, OfOneContactFindsOneWhereThereIsAny) {
   constexpr QueryLimit kAny{.contacts = 1};
-  Random random(23);
+  test::Random random(23);
   const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});
   on_every_target([&] {
     int touching = 0, apart = 0;
@@ -281,7 +277,7 @@ TEST_F(ContactTrackerOnEveryTarget, OfOneContactFindsOneWhereThereIsAny) {
 }
 
 TEST_F(ContactTrackerOnEveryTarget, SearchesNoCrowdTwice) {
-  Random random(24);
+  test::Random random(24);
   const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});
   const auto tool_at = [](double x) { return Ellipsoid{{x, 0, 0}, 0.9 * Eigen::Matrix3d::Identity()}; };
   on_every_target([&] {

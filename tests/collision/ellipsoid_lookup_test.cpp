@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using test::Random;
 using test::scene_of;
 using test::with_gaps_in_ids;
 
@@ -41,12 +40,12 @@ void expect_same(const GaussianScene& scene, const SceneFilter& filter, const Si
   }
 }
 
-Similarity registration(Random& random) {
+Similarity registration(test::Random& random) {
   return {random.log_uniform(0.1, 10.0), random.rotation(), random.in_box(5.0)};
 }
 
 TEST(EllipsoidLookup, HasWhatTheFilterKeepsOfARegisteredScene) {
-  Random random(21);
+  test::Random random(21);
   std::vector<test::Splat> splats = test::sphere_of_splats(random, 3000);
   for (std::size_t k = 0; k < splats.size(); k += 3) splats[k].opacity = random.uniform(0.01, 0.5);
   SceneFilter filter;
@@ -58,14 +57,14 @@ TEST(EllipsoidLookup, HasWhatTheFilterKeepsOfARegisteredScene) {
 }
 
 TEST(EllipsoidLookup, HasWhatTheFilterKeepsWhereItIsVisible) {
-  Random random(22);
+  test::Random random(22);
   SceneFilter filter;
   filter.iso = 0.05;
   expect_same(scene_of(test::sphere_of_splats(random, 500)), filter, {}, 1.0);
 }
 
 TEST(EllipsoidLookup, HasWildOnesDiscsAndNeedles) {
-  Random random(23);
+  test::Random random(23);
   std::vector<test::Splat> splats;
   for (int k = 0; k < 500; ++k) splats.push_back(test::wild_splat(random, 100.0));
   for (int k = 0; k < 3; ++k)
@@ -75,13 +74,13 @@ TEST(EllipsoidLookup, HasWildOnesDiscsAndNeedles) {
 
 // Blocks have more lanes than there are Gaussians.
 TEST(EllipsoidLookup, HasOneToFortyAndNone) {
-  Random random(24);
+  test::Random random(24);
   for (std::size_t count = 0; count <= 40; ++count)
     expect_same(scene_of(test::sphere_of_splats(random, count)), {}, {}, 1.0);
 }
 
 TEST(EllipsoidLookup, FollowsTheRegistrationOfItsIndex) {
-  Random random(25);
+  test::Random random(25);
   const GaussianScene scene = scene_of(test::sphere_of_splats(random, 50));
   const Similarity world = registration(random);
   const SceneIndex fresh(scene, {}, world), captured(scene, {}, {});
@@ -94,7 +93,7 @@ TEST(EllipsoidLookup, FollowsTheRegistrationOfItsIndex) {
 }
 
 TEST(EllipsoidLookup, IsWhereTheContactsAre) {
-  Random random(26);
+  test::Random random(26);
   const SceneIndex index(with_gaps_in_ids(scene_of(test::sphere_of_splats(random, 2000))), {},
                          registration(random));
   const EllipsoidLookup lookup(index);

@@ -23,18 +23,15 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using test::Random;
 using test::scene_of;
 
-constexpr test::Bars kRounding{1e-12, 1e-8};
-
 GaussianScene sphere(std::uint64_t seed, std::size_t count = 20000) {
-  Random random(seed);
+  test::Random random(seed);
   return scene_of(test::sphere_of_splats(random, count));
 }
 
 /// `length` along any direction, and as far on the unit sphere by a turn.
-Similarity nudge(Random& random, double length) {
+Similarity nudge(test::Random& random, double length) {
   return {1.0, Eigen::Quaterniond(Eigen::AngleAxisd(length, random.direction())),
           length * random.direction()};
 }
@@ -44,13 +41,13 @@ Similarity then(const Similarity& second, const Similarity& first) {
           second * first.translation};
 }
 
-Ellipsoid tool_at(Random& random) {
+Ellipsoid tool_at(test::Random& random) {
   return Ellipsoid::from_semi_axes({random.uniform(0.97, 1.01) * random.direction(), random.rotation()},
                                    {0.02, 0.03, 0.04});
 }
 
 TEST(Epoch, IsAnotherForEveryIndexButACopy) {
-  Random random(1);
+  test::Random random(1);
   const SceneIndex index(sphere(2, 100), {}, {}), same_scene(sphere(2, 100), {}, {});
   const SceneIndex copy = index, moved = index.registered(nudge(random, 0.1)), again = index.registered({});
   const PaperPipeline paper({}, 1.0);
@@ -63,7 +60,7 @@ TEST(Epoch, IsAnotherForEveryIndexButACopy) {
 }
 
 TEST(Epoch, ComesWithWhatIsAssigned) {
-  Random random(3);
+  test::Random random(3);
   SceneIndex index(sphere(4, 100), {}, {});
   const std::uint64_t before = index.epoch();
   const SceneIndex moved = index.registered(nudge(random, 0.1));
@@ -89,7 +86,7 @@ class ChangingScene {
   }
 
  private:
-  Random random_;
+  test::Random random_;
   SceneIndex of_one_, of_other_, now_ = of_one_;
   Similarity where_;
 };
@@ -97,12 +94,12 @@ class ChangingScene {
 void expect_fresh(const ContactSet& tracked, const SceneIndex& index, const Ellipsoid& tool) {
   ContactSet fresh;
   index.query(tool, fresh);
-  test::expect_close(tracked.contacts, fresh.contacts, tool, kRounding);
+  test::expect_close(tracked.contacts, fresh.contacts, tool);
 }
 
 TEST(Epoch, ATrackerAnswersForTheIndexThatThereIs) {
   ChangingScene scene(10);
-  Random random(11);
+  test::Random random(11);
   SceneIndex index = scene.next();
   ContactTracker tracker(index);
   ContactSet tracked;
@@ -122,7 +119,7 @@ TEST(Epoch, ATrackerAnswersForTheIndexThatThereIs) {
 
 TEST(Epoch, ATrackerOfWhatIsDrawnAnswersForTheIndexThatThereIs) {
   ChangingScene scene(20);
-  Random random(21);
+  test::Random random(21);
   SceneIndex index = scene.next();
   SplatTracker tracker(index);
   std::size_t replaced = 0, drawn = 0;
@@ -155,7 +152,7 @@ TEST(Epoch, LookingAheadAnswersForTheIndexThatThereIsHoweverLate) {
   for (const int rounds : {1, 3, 20}) {
     SCOPED_TRACE(rounds);
     ChangingScene scene(30);
-    Random random(31);
+    test::Random random(31);
     SceneIndex index = scene.next();
     Lookahead lookahead;
     ContactTracker tracker(index, Precision::kDouble, &lookahead);
@@ -177,7 +174,7 @@ TEST(Epoch, LookingAheadAnswersForTheIndexThatThereIsHoweverLate) {
 }
 
 TEST(Epoch, LookingAheadComesToKnowTheNewIndex) {
-  Random random(40);
+  test::Random random(40);
   SceneIndex index(sphere(41), {}, {});
   Lookahead lookahead;
   Lookahead::Line& line = lookahead.add(index, Precision::kDouble);
@@ -220,7 +217,7 @@ TEST(Epoch, TheThreadThatLooksAheadLetsGoOfWhatIsReplaced) {
   const auto make = [&](std::size_t k) {
     return SceneIndex(std::make_shared<Witness>(scene, gone[k]), Similarity{});
   };
-  Random random(51);
+  test::Random random(51);
   const Ellipsoid tool = tool_at(random);
   ContactSet set;
   {
@@ -262,7 +259,7 @@ TEST(Epoch, TheThreadThatLooksAheadLetsGoOfWhatIsReplaced) {
 // For ThreadSanitizer, too.
 TEST(Epoch, AnIndexIsReplacedWhileAnotherThreadLooksAhead) {
   ChangingScene scene(60);
-  Random random(61);
+  test::Random random(61);
   SceneIndex index = scene.next();
   Lookahead lookahead;
   ContactTracker tracker(index, Precision::kDouble, &lookahead);
@@ -289,7 +286,7 @@ TEST(Epoch, AnIndexIsReplacedWhileAnotherThreadLooksAhead) {
 }
 
 TEST(Epoch, AnotherRegistrationTakesNothingFromTheHeap) {
-  Random random(70);
+  test::Random random(70);
   SceneIndex index(sphere(71), {}, {});
   Lookahead lookahead;
   ContactTracker tracker(index, Precision::kDouble, &lookahead);

@@ -21,7 +21,6 @@ namespace {
 
 using test::draws;
 using test::expect_valid;
-using test::Random;
 using test::scene_of;
 using test::sphere_of_splats;
 using test::splat;
@@ -40,7 +39,7 @@ void expect_same(const IndexView& a, const IndexView& b) {
 }
 
 TEST(IndexTree, OfAnyNumberOfGaussiansIsValid) {
-  Random random(101);
+  test::Random random(101);
   for (const std::size_t n : {1U, 2U, 15U, 16U, 17U, 31U, 32U, 33U, 255U, 256U, 257U, 4095U, 4097U, 30000U}) {
     SCOPED_TRACE(n);
     const GaussianScene scene = with_gaps_in_ids(scene_of(sphere_of_splats(random, n)));
@@ -54,7 +53,7 @@ TEST(IndexTree, OfAnyNumberOfGaussiansIsValid) {
 
 // A tree over 16 x 16 Gaussians has 16 blocks, which one node holds.
 TEST(IndexTree, IsAsFlatAsItCanBe) {
-  Random random(102);
+  test::Random random(102);
   const GaussianScene few = scene_of(sphere_of_splats(random, 256));
   EXPECT_EQ(expect_valid(SceneIndex(few, {}, {}).view(), few), 1U);
   const GaussianScene more = scene_of(sphere_of_splats(random, 20000));  // 1250 blocks: three levels are 4096
@@ -62,7 +61,7 @@ TEST(IndexTree, IsAsFlatAsItCanBe) {
 }
 
 TEST(IndexTree, OfWildSizesIsValid) {
-  Random random(103);
+  test::Random random(103);
   std::vector<Splat> splats;
   for (int i = 0; i < 5000; ++i) splats.push_back(wild_splat(random, 100.0));
   const GaussianScene scene = scene_of(splats);
@@ -75,7 +74,7 @@ TEST(IndexTree, OfWildSizesIsValid) {
 }
 
 TEST(IndexTree, WithMipSplattingsFilterIsValid) {
-  Random random(104);
+  test::Random random(104);
   for (const std::size_t n : {20U, 400U, 3000U, 40000U}) {
     GaussianScene scene = scene_of(sphere_of_splats(random, n));
     for (std::size_t i = 0; i < n; ++i)
@@ -85,7 +84,7 @@ TEST(IndexTree, WithMipSplattingsFilterIsValid) {
 }
 
 TEST(IndexTree, FarFromItsOriginIsValid) {
-  Random random(105);
+  test::Random random(105);
   std::vector<Splat> splats = sphere_of_splats(random, 5000);
   for (Splat& s : splats) s.position += Eigen::Vector3d(1e6, -1e6, 1e9);
   GaussianScene scene = scene_of(splats);
@@ -133,7 +132,7 @@ double halved_area(std::span<Splat> balls) {
 // What a query has to look at goes with the area of boxes (Goldsmith and Salmon 1987): where sizes differ,
 // and the scene is far longer than wide and to one side of its origin, halving is no match.
 TEST(IndexTree, HasLessThanHalfTheAreaThatHalvingHas) {
-  Random random(106);
+  test::Random random(106);
   std::vector<Splat> balls;
   for (int k = 0; k < 16 * 1024; ++k) {
     const double radius = k % 20 == 0 ? random.log_uniform(0.1, 1.0) : 0.01;
@@ -164,7 +163,7 @@ TEST(IndexTree, OfGeometricSizesIsNotTooDeep) {
 }
 
 TEST(IndexTree, IsTheSameOnAnyNumberOfThreads) {
-  Random random(106);
+  test::Random random(106);
   const GaussianScene scene = scene_of(sphere_of_splats(random, 100000));  // enough for parallel branches
   const SceneIndex reference(scene, {}, {});
   for (const std::size_t threads : {1U, 2U, 3U, 8U}) {
@@ -175,7 +174,7 @@ TEST(IndexTree, IsTheSameOnAnyNumberOfThreads) {
 
 // The index is in the captured frame: moving the scene changes where the tool is, not the tree.
 TEST(IndexTree, DoesNotDependOnTheRegistration) {
-  Random random(107);
+  test::Random random(107);
   const GaussianScene scene = scene_of(sphere_of_splats(random, 2000));
   const Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
   const SceneIndex moved(scene, {}, world);
@@ -183,7 +182,7 @@ TEST(IndexTree, DoesNotDependOnTheRegistration) {
 }
 
 TEST(IndexTree, HoldsWhatTheFilterKeeps) {
-  Random random(108);
+  test::Random random(108);
   GaussianScene scene = with_gaps_in_ids(scene_of(sphere_of_splats(random, 3000)));
   for (std::size_t i = 0; i < scene.size(); i += 7)
     scene.position[i][1] = std::numeric_limits<float>::quiet_NaN();
@@ -200,14 +199,14 @@ TEST(IndexTree, HoldsWhatTheFilterKeeps) {
 }
 
 TEST(IndexTree, CopiesShareTheMemory) {
-  Random random(109);
+  test::Random random(109);
   const SceneIndex index(scene_of(sphere_of_splats(random, 100)), {}, {});
   const SceneIndex copy = index;
   EXPECT_EQ(copy.view().blocks.data(), index.view().blocks.data());
 }
 
 TEST(IndexTree, ReportsProgressUpToOne) {
-  Random random(110);
+  test::Random random(110);
   std::vector<double> fractions;
   const SceneIndex index(scene_of(sphere_of_splats(random, 100)), {}, {},
                          [&](std::string_view stage, double fraction) {
@@ -225,7 +224,7 @@ class IndexForestOf : public testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(Trees, IndexForestOf, testing::Values(1, 2, 15, 16, 17, 100, 300));
 
 TEST_P(IndexForestOf, IsATree) {
-  Random random(111);
+  test::Random random(111);
   constexpr std::size_t kPart = 40;
   const GaussianScene scene = with_gaps_in_ids(scene_of(sphere_of_splats(random, kPart * GetParam())));
   RecordCollector collector({}, {});

@@ -20,6 +20,7 @@
 #include <support/k_oracle.h>
 #include <support/parallel.h>
 #include <support/random_pairs.h>
+#include <support/solids.h>
 
 namespace palpate {
 namespace {
@@ -29,18 +30,14 @@ using test::LiteralPaper;
 using test::moved_to_k_min;
 using test::oracle_minimum;
 using test::OracleMinimum;
+using test::Pair;
 using test::PairOracle;
 using test::Quad;
-using test::Random;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// |dK_min| allowed, relative to max(1, 1 - K_min).
 constexpr double kBar = 1e-12;
-
-struct Pair {
-  Ellipsoid tool, gaussian;
-};
 
 /// Largest errors seen over many pairs.
 struct Worst {
@@ -109,10 +106,10 @@ Worst compare(const Pair& pair, bool with_lambda) {
   return worst;
 }
 
-using Generator = std::function<Pair(Random&)>;
+using Generator = std::function<Pair(test::Random&)>;
 
 /// K_min that the pairs are moved to: mostly near tangency, the rest anything.
-double random_k_min(Random& random) {
+double random_k_min(test::Random& random) {
   switch (random.integer(0, 5)) {
     case 0: return 0.0;
     case 1: return random.uniform(-1e-12, 1e-12);
@@ -127,7 +124,7 @@ Worst worst_of(const Generator& generate, std::size_t count, std::uint64_t seed)
   std::vector<Worst> parts(test::kThreads);
   test::on_threads([&](std::size_t thread) {
     for (std::size_t i = thread; i < count; i += test::kThreads) {
-      Random random(seed * 1'000'003 + i);
+      test::Random random(seed * 1'000'003 + i);
       Pair pair = generate(random);
       pair.gaussian = moved_to_k_min(pair.tool, pair.gaussian, random_k_min(random));
       constexpr std::size_t kEvery = 8;  // curvature() costs as much as the rest
@@ -142,26 +139,27 @@ Worst worst_of(const Generator& generate, std::size_t count, std::uint64_t seed)
 const Eigen::Vector3d kOrigin = Eigen::Vector3d::Zero();
 const Eigen::Vector3d kTool(0.02, 0.02, 0.04);  // the default tool [m]
 
-Ellipsoid turned(Random& random, const Eigen::Vector3d& center, const Eigen::Vector3d& semi_axes) {
+Ellipsoid turned(test::Random& random, const Eigen::Vector3d& center, const Eigen::Vector3d& semi_axes) {
   return Ellipsoid::from_semi_axes({center, random.rotation()}, semi_axes);
 }
 
 /// The pair with its Gaussian put where a random point of its surface is near one of the tool's, so that
 /// contacts on the rim of a disc and on the side of a needle are as likely as on the face and the tip.
-Pair touching(Random& random, const Ellipsoid& tool, Ellipsoid gaussian) {
+Pair touching(test::Random& random, const Ellipsoid& tool, Ellipsoid gaussian) {
   gaussian.center = tool.center - gaussian.axes * random.direction() - tool.axes * random.direction();
   return {tool, gaussian};
 }
 
 /// The default tool and a Gaussian of these semi-axes.
 Generator gaussian_of(const Eigen::Vector3d& semi_axes) {
-  return
-      [=](Random& r) { return touching(r, turned(r, r.in_box(1.0), kTool), turned(r, kOrigin, semi_axes)); };
+  return [=](test::Random& r) {
+    return touching(r, turned(r, r.in_box(1.0), kTool), turned(r, kOrigin, semi_axes));
+  };
 }
 
 /// Solids of about these sizes, moderately anisotropic.
 Generator sizes_of(double tool, double gaussian) {
-  return [=](Random& r) {
+  return [=](test::Random& r) {
     return touching(r, turned(r, r.in_box(1.0), tool * r.semi_axes(0.3, 1.0)),
                     turned(r, kOrigin, gaussian * r.semi_axes(0.3, 1.0)));
   };
@@ -170,7 +168,7 @@ Generator sizes_of(double tool, double gaussian) {
 /// A tool and a Gaussian of these semi-axes. Tool axes that are orthogonal only up to rounding
 /// describe another tool, by rounding times the ratio of its semi-axes: these are exact.
 Generator tool_of(const Eigen::Vector3d& tool, const Eigen::Vector3d& gaussian) {
-  return [=](Random& r) {
+  return [=](test::Random& r) {
     return touching(r, exact_ellipsoid(r, r.in_box(0.1), tool), turned(r, kOrigin, gaussian));
   };
 }
@@ -183,7 +181,7 @@ struct HardCase {
 
 std::vector<HardCase> hard_cases() {
   const auto one_inside = [](double offset, double low, double high) -> Generator {
-    return [=](Random& r) -> Pair {
+    return [=](test::Random& r) -> Pair {
       const Eigen::Vector3d c = r.in_box(1.0);
       return {turned(r, c, kTool), turned(r, c + r.in_box(offset), r.semi_axes(low, high))};
     };
@@ -204,14 +202,14 @@ std::vector<HardCase> hard_cases() {
       {"ToolLarger1e8", sizes_of(1e4, 1e-4)},
       {"FlatGaussianLarger1e5", gaussian_of({1e3, 1e3, 1e-5}), true},
       {"OneKilometreAway",
-       [](Random& r) {
+       [](test::Random& r) {
          return touching(r, turned(r, 1e3 * r.direction(), kTool), turned(r, kOrigin, {0.01, 0.006, 1e-5}));
        }},
       {"ToolAnisotropic", tool_of({0.3, 0.01, 1e-4}, {0.01, 0.006, 1e-4})},
       {"ToolDisc", tool_of({0.1, 0.1, 1e-6}, {0.01, 0.006, 1e-3})},
       {"ToolNeedle", tool_of({0.3, 1e-5, 1e-6}, {0.01, 0.006, 1e-3})},
       {"ToolDiscOfRoundedAxes",
-       [](Random& r) {
+       [](test::Random& r) {
          return touching(r, turned(r, r.in_box(0.1), {0.1, 0.1, 1e-6}),
                          turned(r, kOrigin, {0.01, 0.006, 1e-3}));
        },
@@ -255,7 +253,7 @@ INSTANTIATE_TEST_SUITE_P(Named, KMinHardCase, testing::ValuesIn(hard_cases()),
 
 TEST(KMin, AgreesWithQuadruplePrecisionOnRandomPairs) {
   const Worst worst = worst_of(
-      [](Random& r) {
+      [](test::Random& r) {
         return touching(r, turned(r, r.in_box(1.0), r.semi_axes(0.01, 0.1)),
                         turned(r, kOrigin, r.semi_axes(1e-6, 0.3)));
       },
@@ -283,7 +281,7 @@ TEST(KMin, IsNotHeldUpByAPlateau) {
 }
 
 TEST(KMin, IsOneWhereCentresCoincide) {
-  Random random(14);
+  test::Random random(14);
   for (const Eigen::Vector3d& semi_axes :
        {Eigen::Vector3d(0.3, 1e-6, 1e-7), Eigen::Vector3d(0.05, 0.02, 0.0), Eigen::Vector3d(0.3, 0.0, 0.0),
         Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(1e5, 1e5, 1e5)}) {
@@ -297,7 +295,7 @@ TEST(KMin, IsOneWhereCentresCoincide) {
 }
 
 TEST(KMin, IsJustBelowOneWhereCentresAllButCoincide) {
-  Random random(15);
+  test::Random random(15);
   for (const double distance : {1e-6, 1e-9, 1e-15, 1e-100, 1e-160, 1e-163, 1e-200, 5e-324}) {
     for (const double thickness : {0.01, 1e-7, 0.0}) {
       const Ellipsoid tool = turned(random, Eigen::Vector3d::Zero(), kTool);
@@ -313,7 +311,7 @@ TEST(KMin, IsJustBelowOneWhereCentresAllButCoincide) {
 // The header: log_t is at the end of its range if the minimum is at lambda = 1. What that is for: a
 // Gaussian much smaller than the tool, of which only 1/t counts, must not be taken for a solid one.
 TEST(KMin, LogTTellsAMinimumAtOne) {
-  Random random(16);
+  test::Random random(16);
   const Ellipsoid tool = turned(random, Eigen::Vector3d::Zero(), kTool);
   const Ellipsoid point = turned(random, random.in_box(0.01), Eigen::Vector3d::Zero());
   const KMinimum at_point = minimize(KFunction(WhitenedTool(tool), point));
@@ -331,7 +329,7 @@ TEST(KMin, LogTTellsAMinimumAtOne) {
 // The references themselves.
 
 TEST(KOracle, AgreesWithTheLiteralPaper) {
-  Random random(17);
+  test::Random random(17);
   double worst = 0.0;
   for (int i = 0; i < 300; ++i) {
     const Ellipsoid tool = turned(random, random.in_box(0.1), random.semi_axes(0.01, 0.1));
@@ -351,7 +349,7 @@ TEST(KOracle, AgreesWithTheLiteralPaper) {
 }
 
 TEST(KOracle, FastSearchAgreesWithBisectionInQuadAlone) {
-  Random random(18);
+  test::Random random(18);
   for (const HardCase& c : hard_cases()) {
     for (int i = 0; i < 20; ++i) {
       Pair pair = c.generate(random);
@@ -370,7 +368,7 @@ TEST(KOracle, FastSearchAgreesWithBisectionInQuadAlone) {
 }
 
 TEST(KOracle, LongDoubleDoesForRealScenes) {
-  Random random(19);
+  test::Random random(19);
   double worst = 0.0;
   for (int i = 0; i < 2000; ++i) {
     Pair pair = gaussian_of({0.03, 0.003, 5e-7})(random);

@@ -8,32 +8,26 @@
 #include <palpate/collision/k_function.h>
 #include <support/k_oracle.h>
 #include <support/random_pairs.h>
+#include <support/solids.h>
 
 namespace palpate {
 namespace {
 
+using test::ball;
+using test::ellipsoid;
+using test::Pair;
 using test::PairOracle;
 using test::Quad;
-using test::Random;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Ellipsoid ellipsoid(const Eigen::Vector3d& center, const Eigen::Vector3d& semi_axes) {
-  return {center, semi_axes.asDiagonal()};
-}
-Ellipsoid ball(const Eigen::Vector3d& center, double radius) {
-  return ellipsoid(center, Eigen::Vector3d::Constant(radius));
-}
 KFunction k_of(const Ellipsoid& tool, const Ellipsoid& gaussian) { return {WhitenedTool(tool), gaussian}; }
 KMinimum minimum_of(const Ellipsoid& tool, const Ellipsoid& gaussian) {
   return minimize(k_of(tool, gaussian));
 }
 
 /// A pair that may or may not overlap.
-struct Pair {
-  Ellipsoid tool, gaussian;
-};
-Pair random_pair(Random& r) {
+Pair random_pair(test::Random& r) {
   const Ellipsoid tool = Ellipsoid::from_semi_axes({r.in_box(1.0), r.rotation()}, r.semi_axes(0.02, 0.2));
   Ellipsoid gaussian = Ellipsoid::from_semi_axes({tool.center, r.rotation()}, r.semi_axes(0.001, 0.3));
   gaussian.center -= r.uniform(0.5, 1.3) * (gaussian.axes * r.direction() + tool.axes * r.direction());
@@ -113,7 +107,7 @@ double distance_to_disc(const Eigen::Vector3d& p, double a, double b) {
 
 // Geometry alone says whether a ball meets a disc or a needle: its radius against their distance.
 TEST(KFunction, VerdictOnBallAndDiscIsTheirDistance) {
-  Random random(31);
+  test::Random random(31);
   int overlapping = 0;
   for (int i = 0; i < 2000; ++i) {
     const double a = random.log_uniform(0.1, 2.0), b = i % 4 == 0 ? 0.0 : random.log_uniform(0.01, 1.0);
@@ -136,7 +130,7 @@ TEST(KFunction, OverTheFaceOfADisc) {
 }
 
 TEST(KFunction, IsOneAtBothEnds) {
-  Random random(32);
+  test::Random random(32);
   for (int i = 0; i < 100; ++i) {
     const Pair pair = random_pair(random);
     const KFunction k = k_of(pair.tool, pair.gaussian);
@@ -146,7 +140,7 @@ TEST(KFunction, IsOneAtBothEnds) {
 }
 
 TEST(KFunction, AgreesWithQuadruplePrecisionAtAnyLambda) {
-  Random random(33);
+  test::Random random(33);
   double worst = 0.0;
   for (int i = 0; i < 3000; ++i) {
     const Pair pair = random_pair(random);
@@ -164,7 +158,7 @@ TEST(KFunction, AgreesWithQuadruplePrecisionAtAnyLambda) {
 }
 
 TEST(KFunction, IsConvex) {
-  Random random(34);
+  test::Random random(34);
   for (int i = 0; i < 500; ++i) {
     const Pair pair = random_pair(random);
     const KFunction k = k_of(pair.tool, pair.gaussian);
@@ -181,7 +175,7 @@ TEST(KFunction, IsConvex) {
 
 // The solver of contact geometry: (I + t L L^T) y = d'.
 TEST(KFunction, SolveWhitenedSolves) {
-  Random random(35);
+  test::Random random(35);
   for (int i = 0; i < 500; ++i) {
     Pair pair = random_pair(random);
     if (i % 3 == 0) pair.gaussian.axes.col(i % 2).setZero();
@@ -197,7 +191,7 @@ TEST(KFunction, SolveWhitenedSolves) {
 // What a change of frame, unit or roles does to the minimum: nothing, or something known.
 
 TEST(KFunctionInvariance, RigidMotion) {
-  Random random(36);
+  test::Random random(36);
   for (int i = 0; i < 500; ++i) {
     const Pair pair = random_pair(random);
     const Eigen::Matrix3d R = random.rotation().toRotationMatrix();
@@ -211,7 +205,7 @@ TEST(KFunctionInvariance, RigidMotion) {
 }
 
 TEST(KFunctionInvariance, UniformScale) {
-  Random random(37);
+  test::Random random(37);
   for (int i = 0; i < 500; ++i) {
     const Pair pair = random_pair(random);
     const double s = std::ldexp(1.0, random.integer(-40, 40));  // exact
@@ -224,7 +218,7 @@ TEST(KFunctionInvariance, UniformScale) {
 }
 
 TEST(KFunctionInvariance, TheOrderOfAxesAndTheirSigns) {
-  Random random(38);
+  test::Random random(38);
   for (int i = 0; i < 200; ++i) {
     const Pair pair = random_pair(random);
     const double before = minimum_of(pair.tool, pair.gaussian).k_min;
@@ -241,7 +235,7 @@ TEST(KFunctionInvariance, TheOrderOfAxesAndTheirSigns) {
 }
 
 TEST(KFunctionInvariance, SwappingTheSolidsTurnsLambdaRound) {
-  Random random(39);
+  test::Random random(39);
   for (int i = 0; i < 500; ++i) {
     const Pair pair = random_pair(random);
     const KMinimum one = minimum_of(pair.tool, pair.gaussian);
@@ -253,7 +247,7 @@ TEST(KFunctionInvariance, SwappingTheSolidsTurnsLambdaRound) {
 }
 
 TEST(KFunctionInvariance, OneMinusKGoesWithTheSquareOfTheDistance) {
-  Random random(40);
+  test::Random random(40);
   for (int i = 0; i < 200; ++i) {
     Pair pair = random_pair(random);
     pair.tool.center.setZero();
@@ -268,7 +262,7 @@ TEST(KFunctionInvariance, OneMinusKGoesWithTheSquareOfTheDistance) {
 }
 
 TEST(WhitenedTool, TurnsTheToolIntoTheUnitBall) {
-  Random random(41);
+  test::Random random(41);
   for (int i = 0; i < 100; ++i) {
     const Ellipsoid tool = random_pair(random).tool;
     const WhitenedTool whitened(tool);

@@ -21,11 +21,10 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using test::Random;
 using test::Splat;
 
 /// With `flat` axes of no length.
-Splat any_splat(Random& random, std::size_t flat) {
+Splat any_splat(test::Random& random, std::size_t flat) {
   Splat splat = test::splat(random.in_box(0.1), random.semi_axes(1e-3, 1e-1), random.rotation(),
                             random.uniform(0.2, 0.95));
   const int first = random.integer(0, 2);
@@ -36,7 +35,7 @@ Splat any_splat(Random& random, std::size_t flat) {
 class LocalSplatsOnEveryTarget : public test::OnEveryTarget {};
 
 TEST_F(LocalSplatsOnEveryTarget, WhitenTheGaussians) {
-  Random random(911);
+  test::Random random(911);
   std::vector<Splat> splats;
   for (std::size_t i = 0; i < 303; ++i) splats.push_back(any_splat(random, i % 3));
   const Similarity world{0.3, random.rotation(), {5.0, -3.0, 2.0}};
@@ -71,7 +70,7 @@ TEST_F(LocalSplatsOnEveryTarget, WhitenTheGaussians) {
 constexpr double kLarge = 0.05;
 
 /// A square of 1 m of small discs side by side, and some large ones, of which there are many more than fit.
-std::vector<Splat> crowded_square(Random& random) {
+std::vector<Splat> crowded_square(test::Random& random) {
   constexpr int kSide = 250;
   std::vector<Splat> splats;
   for (int i = 0; i < kSide * kSide; ++i) {
@@ -94,7 +93,7 @@ LocalSplats around_square(const SceneIndex& index, double radius) {
 TEST_F(LocalSplatsOnEveryTarget, HideAsMuchWhereASampleStandsForThem) {
   constexpr int kCells = 8;
   using Cells = Eigen::Array<double, kCells, kCells>;
-  Random random(912);
+  test::Random random(912);
   const std::vector<Splat> splats = crowded_square(random);
   const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
   const auto add = [](Cells& cells, const Vector3d& at, double sigma) {
@@ -132,7 +131,7 @@ TEST_F(LocalSplatsOnEveryTarget, HideAsMuchWhereASampleStandsForThem) {
 }
 
 TEST(LocalSplats, OfALargerSolidAreAmongThoseOfASmallerOne) {
-  Random random(913);
+  test::Random random(913);
   const SceneIndex index(test::scene_of(crowded_square(random)), SceneFilter{}, Similarity{});
   const LocalSplats fewer = around_square(index, 2.0), more = around_square(index, 0.3);
   const std::set<std::uint32_t> known(more.id.begin(),
@@ -154,7 +153,7 @@ std::vector<std::uint32_t> ids_of(const LocalSplats& splats) {
 Ellipsoid ball_at(double x, double radius) { return {{x, 0.5, 0.0}, radius * Matrix3d::Identity()}; }
 
 /// Splats on the unit square, few enough to be kept all.
-std::vector<Splat> loose_square(Random& random) {
+std::vector<Splat> loose_square(test::Random& random) {
   std::vector<Splat> splats;
   for (int i = 0; i < 3000; ++i)
     splats.push_back(test::splat({random.uniform(0, 1), random.uniform(0, 1), 0.0}, {2e-3, 2e-3, 2e-4}));
@@ -163,7 +162,7 @@ std::vector<Splat> loose_square(Random& random) {
 
 TEST_F(LocalSplatsOnEveryTarget, InPortionsAreTheSame) {
   constexpr std::size_t kMost = 200, kAFewBesides = 48 * 16;
-  Random random(914);
+  test::Random random(914);
   const SceneIndex index(test::scene_of(loose_square(random)), SceneFilter{}, Similarity{});
   on_every_target([&] {
     SplatTracker whole(index), divided(index);
@@ -189,7 +188,7 @@ TEST_F(LocalSplatsOnEveryTarget, InPortionsAreTheSame) {
 }
 
 TEST(LocalSplats, ASearchThatIsUnderWayIsOfOneSolidInOneIndex) {
-  Random random(915);
+  test::Random random(915);
   SceneIndex index(test::scene_of(loose_square(random)), SceneFilter{}, Similarity{});
   SplatTracker tracker(index);
   const Ellipsoid a = ball_at(0.3, 0.3), b = ball_at(0.7, 0.3);
@@ -204,7 +203,7 @@ TEST(LocalSplats, ASearchThatIsUnderWayIsOfOneSolidInOneIndex) {
 
 // In portions as well: what stands for the rest fits, and hides as much.
 TEST(LocalSplats, OfACrowdAreASampleThatFitsWhereverItIsDivided) {
-  Random random(916);
+  test::Random random(916);
   const std::vector<Splat> splats = crowded_square(random);
   const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
   const auto hidden = [](const LocalSplats& near) {
@@ -226,7 +225,7 @@ TEST(LocalSplats, OfACrowdAreASampleThatFitsWhereverItIsDivided) {
 
 // The grain of the last search is where the next begins; it does not outlast the crowd.
 TEST(LocalSplats, ForgetTheirGrainWhereThereIsRoom) {
-  Random random(917);
+  test::Random random(917);
   const SceneIndex index(test::scene_of(crowded_square(random)), SceneFilter{}, Similarity{});
   SplatTracker tracker(index);
   std::size_t at_first = 0;

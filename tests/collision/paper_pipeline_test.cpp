@@ -15,11 +15,10 @@ namespace palpate {
 namespace {
 
 using test::brute_force;
-using test::Random;
 using test::random_tools;
 
 /// Ids that are not positions, as after a filter: 3 i + 5.
-EllipsoidScene scene_of(std::vector<Ellipsoid> ellipsoids) {
+EllipsoidScene ellipsoid_scene(std::vector<Ellipsoid> ellipsoids) {
   EllipsoidScene scene;
   for (std::size_t i = 0; i < ellipsoids.size(); ++i) {
     scene.opacity.push_back(0.1 + 0.9 * static_cast<double>(i % 97) / 97.0);
@@ -29,7 +28,7 @@ EllipsoidScene scene_of(std::vector<Ellipsoid> ellipsoids) {
   return scene;
 }
 
-Ellipsoid wild(Random& r, double half) {
+Ellipsoid wild(test::Random& r, double half) {
   return Ellipsoid::from_semi_axes({r.in_box(half), r.rotation()}, test::wild_semi_axes(r));
 }
 
@@ -38,12 +37,12 @@ Ellipsoid wild(Random& r, double half) {
 constexpr double kGoldenSection = 1e-6;
 
 TEST(PaperPipeline, WithARadiusThatCoversAll_vs_bruteforce) {
-  Random random(82);
+  test::Random random(82);
   std::vector<Ellipsoid> ellipsoids;
   for (int i = 0; i < 3000; ++i)
     ellipsoids.push_back(
         Ellipsoid::from_semi_axes({random.in_box(0.3), random.rotation()}, random.semi_axes(0.01, 0.1)));
-  const EllipsoidScene scene = scene_of(ellipsoids);
+  const EllipsoidScene scene = ellipsoid_scene(ellipsoids);
   const PaperPipeline pipeline(scene, 10.0);
   ContactSet set;
   std::size_t seen = 0;
@@ -66,13 +65,13 @@ TEST(PaperPipeline, WithARadiusThatCoversAll_vs_bruteforce) {
 }
 
 TEST(PaperPipeline, MissesWhatIsOutOfReachAndNothingElse) {
-  Random random(83);
+  test::Random random(83);
   std::vector<Ellipsoid> ellipsoids;
   for (int i = 0; i < 3000; ++i)
     ellipsoids.push_back(
         Ellipsoid::from_semi_axes({random.in_box(0.5), random.rotation()},
                                   random.log_uniform(0.005, 0.4) * random.semi_axes(0.3, 1.0)));
-  const EllipsoidScene scene = scene_of(ellipsoids);
+  const EllipsoidScene scene = ellipsoid_scene(ellipsoids);
   const double radius = 0.15;
   const PaperPipeline pipeline(scene, radius);
   EXPECT_EQ(pipeline.search_radius(), radius);
@@ -101,7 +100,7 @@ TEST(PaperPipeline, MissesWhatIsOutOfReachAndNothingElse) {
 
 TEST(PaperPipeline, CanMissByHand) {
   const auto ball = [](double r) -> Ellipsoid { return {{0, 0, 0}, r * Eigen::Matrix3d::Identity()}; };
-  const PaperPipeline pipeline(scene_of({ball(0.125), ball(0.25), ball(0.5), ball(1.0)}), 0.75);
+  const PaperPipeline pipeline(ellipsoid_scene({ball(0.125), ball(0.25), ball(0.5), ball(1.0)}), 0.75);
   EXPECT_EQ(pipeline.can_miss(0.5), 2U);  // 0.25 + 0.5 just reaches
   EXPECT_EQ(pipeline.can_miss(0.0), 1U);
   EXPECT_EQ(pipeline.can_miss(0.625), 3U);  // 0.125 + 0.625 just reaches
@@ -109,11 +108,11 @@ TEST(PaperPipeline, CanMissByHand) {
 }
 
 TEST(PaperPipeline, DefaultRadiusLeavesAtMostOnePercentOut) {
-  Random random(84);
+  test::Random random(84);
   for (const std::size_t n : {1U, 7U, 99U, 100U, 101U, 1000U, 5000U}) {
     std::vector<Ellipsoid> ellipsoids;
     for (std::size_t i = 0; i < n; ++i) ellipsoids.push_back(wild(random, 1.0));
-    const EllipsoidScene scene = scene_of(ellipsoids);
+    const EllipsoidScene scene = ellipsoid_scene(ellipsoids);
     const double radius = PaperPipeline::default_search_radius(scene, 0.04);
     const PaperPipeline pipeline(scene, radius);
     EXPECT_LE(pipeline.can_miss(0.04), (n + 99) / 100) << n;
@@ -137,7 +136,7 @@ TEST(PaperPipeline, OfNothingIsNeverTouched) {
 // Its second fault: the minimum for a ball on a small point is at lambda = 1, where golden section does not
 // get to. It is off by the last bracket.
 TEST(PaperPipeline, DoesNotResolveAMinimumAtOne) {
-  const EllipsoidScene scene = scene_of({{{0.5, 0, 0}, Eigen::Matrix3d::Zero()}});
+  const EllipsoidScene scene = ellipsoid_scene({{{0.5, 0, 0}, Eigen::Matrix3d::Zero()}});
   ContactSet set;
   PaperPipeline(scene, 10.0).query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);
   ASSERT_EQ(set.contacts.size(), 1U);
@@ -149,10 +148,10 @@ TEST(PaperPipeline, DoesNotResolveAMinimumAtOne) {
 }
 
 TEST(PaperPipeline, IsFiniteForAnyNumberOfIterations) {
-  Random random(85);
-  const EllipsoidScene scene = scene_of({{{0.5, 0, 0}, Eigen::Matrix3d::Zero()},
-                                         {{0, 0.1, 0.2}, Eigen::Vector3d(3, 3, 0).asDiagonal()},
-                                         {{0, 0, 0}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}});
+  test::Random random(85);
+  const EllipsoidScene scene = ellipsoid_scene({{{0.5, 0, 0}, Eigen::Matrix3d::Zero()},
+                                                {{0, 0.1, 0.2}, Eigen::Vector3d(3, 3, 0).asDiagonal()},
+                                                {{0, 0, 0}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}});
   for (const int iterations : {0, 1, 30, 75, 80, 100, 1000}) {
     ContactSet set;
     PaperPipeline(scene, 10.0, iterations).query({{0, 0, 0}, Eigen::Matrix3d::Identity()}, set);

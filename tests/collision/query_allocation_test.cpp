@@ -13,7 +13,6 @@ namespace palpate {
 namespace {
 
 using test::AllocationGuard;
-using test::Random;
 using test::scene_of;
 using test::splat;
 using test::Splat;
@@ -22,7 +21,7 @@ class QueryAllocation : public test::OnEveryTarget {
  protected:
   /// From far away into the scene and out again.
   static std::vector<Ellipsoid> path() {
-    Random random(401);
+    test::Random random(401);
     std::vector<Ellipsoid> tools;
     for (int i = -300; i <= 300; ++i)
       tools.push_back(Ellipsoid::from_semi_axes({{5e-3 * i, 0, 0}, random.rotation()}, {0.2, 0.2, 0.3}));
@@ -31,7 +30,7 @@ class QueryAllocation : public test::OnEveryTarget {
 
   /// More contacts than one buffer of pairs, and than a tracker keeps, in the middle.
   static GaussianScene scene() {
-    Random random(402);
+    test::Random random(402);
     std::vector<Splat> splats;
     for (int i = 0; i < 3000; ++i)
       splats.push_back(splat(random.in_box(0.2), random.semi_axes(1e-3, 0.05), random.rotation()));

@@ -27,7 +27,6 @@ namespace palpate {
 namespace {
 
 using test::PairOracle;
-using test::Random;
 using test::Wide;
 using test::WideGaussian;
 
@@ -92,16 +91,16 @@ std::vector<WideGaussian> read_splat(const std::string& path) {
 }
 
 /// Eqs. 2-3: what collides, in the world.
-struct WideScene {
+struct WorldSolids {
   std::vector<test::Solid<Wide>> solids;
   std::vector<std::uint32_t> id;
   std::vector<Eigen::Vector3d> center;
   std::vector<double> radius;
 };
 
-WideScene solids_of(const std::vector<WideGaussian>& gaussians, const SceneFilter& filter,
-                    const Similarity& s) {
-  WideScene scene;
+WorldSolids solids_of(const std::vector<WideGaussian>& gaussians, const SceneFilter& filter,
+                      const Similarity& s) {
+  WorldSolids scene;
   for (std::size_t i = 0; i < gaussians.size(); ++i) {
     const WideGaussian& g = gaussians[i];
     if (!(g.alpha > static_cast<Wide>(filter.opacity_min))) continue;
@@ -115,14 +114,14 @@ WideScene solids_of(const std::vector<WideGaussian>& gaussians, const SceneFilte
   return scene;
 }
 
-struct Tally {
+struct ContactTally {
   std::size_t contacts = 0, undecided = 0, missed = 0, extra = 0;
   double worst = 0.0;
 };
 
 /// Compares one pose.
-void check_pose(const WideScene& truth, const Ellipsoid& tool, const std::vector<Contact>& found,
-                Tally& tally) {
+void check_pose(const WorldSolids& truth, const Ellipsoid& tool, const std::vector<Contact>& found,
+                ContactTally& tally) {
   constexpr Wide kUndecided = 1e-9;
   const test::Solid<Wide> wide_tool(tool);
   auto next = found.begin();
@@ -169,16 +168,16 @@ TEST_P(RealScene, HasNoMissedAndNoExtraContacts) {
   SceneFilter filter;
   filter.sigma = c.sigma;
   const bool is_ply = path.ends_with(".ply");
-  const WideScene truth = solids_of(is_ply ? read_ply(path) : read_splat(path), filter, c.world_from_scene);
+  const WorldSolids truth = solids_of(is_ply ? read_ply(path) : read_splat(path), filter, c.world_from_scene);
   const SceneIndex index(load_scene(path), filter, c.world_from_scene);
   EXPECT_EQ(index.size(), truth.id.size());
 
   constexpr std::size_t kPoses = 2000;
-  std::vector<Tally> tallies(test::kThreads);
+  std::vector<ContactTally> tallies(test::kThreads);
   test::on_threads([&](std::size_t thread) {
     ContactSet found;
     for (std::size_t i = thread; i < kPoses; i += test::kThreads) {
-      Random random(90'000'000 + i);
+      test::Random random(90'000'000 + i);
       const auto near =
           static_cast<std::size_t>(random.integer(0, static_cast<int>(truth.center.size()) - 1));
       const Eigen::Vector3d center = truth.center[near] + random.uniform(0.0, 0.05) * random.direction();
@@ -187,8 +186,8 @@ TEST_P(RealScene, HasNoMissedAndNoExtraContacts) {
       check_pose(truth, tool, test::in_order(found.contacts), tallies[thread]);
     }
   });
-  Tally all;
-  for (const Tally& t : tallies) {
+  ContactTally all;
+  for (const ContactTally& t : tallies) {
     all.contacts += t.contacts;
     all.undecided += t.undecided;
     all.missed += t.missed;

@@ -24,7 +24,6 @@ using test::BruteForce;
 using test::draws;
 using test::in_bytes;
 using test::in_logarithms;
-using test::Random;
 using test::random_tools;
 using test::scene_of;
 using test::splat;
@@ -53,33 +52,33 @@ class SceneIndexOnEveryTarget : public test::OnEveryTarget {
   }
 };
 
-std::vector<Splat> wild_splats(Random& random, std::size_t count, double half) {
+std::vector<Splat> wild_splats(test::Random& random, std::size_t count, double half) {
   std::vector<Splat> splats;
   for (std::size_t i = 0; i < count; ++i) splats.push_back(wild_splat(random, half));
   return splats;
 }
 
 TEST_F(SceneIndexOnEveryTarget, OfWildSizes_vs_bruteforce) {
-  Random random(71);
+  test::Random random(71);
   const GaussianScene scene = with_gaps_in_ids(scene_of(wild_splats(random, 3000, 100.0)));
   check(scene, random_tools(random, draws(2000), 150.0, 1e-4, 50.0), 5000, kWild);
 }
 
 TEST_F(SceneIndexOnEveryTarget, OfTwentyThousandSplats_vs_bruteforce) {
-  Random random(72);
+  test::Random random(72);
   const GaussianScene scene = with_gaps_in_ids(scene_of(sphere_of_splats(random, 20000)));
   check(scene, tools_at_sphere(random, draws(1000)), 5000);
 }
 
 TEST_F(SceneIndexOnEveryTarget, OfManyDuplicates_vs_bruteforce) {
-  Random random(73);
+  test::Random random(73);
   std::vector<Splat> splats;
   for (int i = 0; i < 40; ++i) splats.insert(splats.end(), 25, wild_splat(random, 2.0));
   check(scene_of(splats), random_tools(random, draws(100), 3.0, 1e-2, 1.0), 1000, kWild);
 }
 
 TEST_F(SceneIndexOnEveryTarget, OfOneCentre_vs_bruteforce) {
-  Random random(74);
+  test::Random random(74);
   std::vector<Splat> splats;
   for (int i = 0; i < 500; ++i) splats.push_back(splat({1, 2, 3}, wild_semi_axes(random), random.rotation()));
   check(scene_of(splats), random_tools(random, draws(100), 5.0, 1e-3, 1.0), 500, kWild);
@@ -87,7 +86,7 @@ TEST_F(SceneIndexOnEveryTarget, OfOneCentre_vs_bruteforce) {
 
 // Where the centres coincide, K is 1 everywhere and the way out is across the thinnest extent.
 TEST_F(SceneIndexOnEveryTarget, WithItsCentreInTheTools_vs_bruteforce) {
-  Random random(75);
+  test::Random random(75);
   std::vector<Splat> splats;
   for (int i = 0; i < 40; ++i)
     splats.push_back(splat({1, 2, 3}, random.semi_axes(0.01, 1.0), random.rotation()));
@@ -106,7 +105,7 @@ TEST_F(SceneIndexOnEveryTarget, WithItsCentreInTheTools_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, OfCentresOnALine_vs_bruteforce) {
-  Random random(76);
+  test::Random random(76);
   std::vector<Splat> splats;
   for (int i = 0; i < 2000; ++i) {
     splats.push_back(splat({random.uniform(-5, 5), 0, 0}, random.semi_axes(1e-3, 0.1), random.rotation()));
@@ -121,7 +120,7 @@ TEST_F(SceneIndexOnEveryTarget, OfCentresOnALine_vs_bruteforce) {
 
 // One kilometre: a float is 0.06 mm there, which the scene has lost but the query must not lose again.
 TEST_F(SceneIndexOnEveryTarget, AKilometreAway_vs_bruteforce) {
-  Random random(77);
+  test::Random random(77);
   const Vector3d far(600.0, -800.0, 30.0);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
   for (Splat& s : splats) s.position += far;
@@ -133,7 +132,7 @@ TEST_F(SceneIndexOnEveryTarget, AKilometreAway_vs_bruteforce) {
 // A georeferenced scene, whose origin takes the large part of its coordinates. In the world a double is 1e-9
 // m there, a tool of 2 cm hence no better placed than 1e-7 of its radius.
 TEST_F(SceneIndexOnEveryTarget, AtAFarOrigin_vs_bruteforce) {
-  Random random(78);
+  test::Random random(78);
   const Vector3d far(4.5e6, 5.4e6, 3e2);
   GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
   scene.origin = far;
@@ -148,7 +147,7 @@ TEST_F(SceneIndexOnEveryTarget, AtAFarOrigin_vs_bruteforce) {
 
 // Without an origin: positions are multiples of 6 cm, of the tool's 2 cm nothing may be lost.
 TEST_F(SceneIndexOnEveryTarget, AThousandKilometresAwayInFloats_vs_bruteforce) {
-  Random random(79);
+  test::Random random(79);
   const Vector3d far(1e6, -1e6, 1e6);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
   for (Splat& s : splats) s.position += far;
@@ -158,7 +157,7 @@ TEST_F(SceneIndexOnEveryTarget, AThousandKilometresAwayInFloats_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, OfOneToFortyGaussians_vs_bruteforce) {
-  Random random(80);
+  test::Random random(80);
   for (std::size_t n = 1; n <= 40; ++n) {
     std::vector<Splat> splats = wild_splats(random, n, 1.0);
     splats[n / 2] = splat({0, 0, 0}, {0.5, 0.2, 0.0});
@@ -171,7 +170,7 @@ TEST_F(SceneIndexOnEveryTarget, OfOneToFortyGaussians_vs_bruteforce) {
 
 // More than one buffer of pairs takes several rounds, each ordered by id; all of them are one list.
 TEST_F(SceneIndexOnEveryTarget, WithThousandsOfContacts_vs_bruteforce) {
-  Random random(81);
+  test::Random random(81);
   for (const std::size_t count : {255U, 256U, 257U, 1000U, 5000U}) {
     std::vector<Splat> splats;
     for (std::size_t i = 0; i < count; ++i)
@@ -184,7 +183,7 @@ TEST_F(SceneIndexOnEveryTarget, WithThousandsOfContacts_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, RegisteredByASimilarity_vs_bruteforce) {
-  Random random(82);
+  test::Random random(82);
   const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
   Similarity world{0.42, Eigen::Quaterniond(0.5, -0.7, 0.1, 0.3).normalized(), {3.25, -41.5, 1.125}};
   for (const bool mirrored : {false, true}) {
@@ -196,14 +195,14 @@ TEST_F(SceneIndexOnEveryTarget, RegisteredByASimilarity_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, AtThreeSigma_vs_bruteforce) {
-  Random random(83);
+  test::Random random(83);
   SceneFilter filter;
   filter.sigma = 3.0;
   check(scene_of(sphere_of_splats(random, 20000)), tools_at_sphere(random, draws(500)), 2000, {}, filter);
 }
 
 TEST_F(SceneIndexOnEveryTarget, WhereItIsVisible_vs_bruteforce) {
-  Random random(84);
+  test::Random random(84);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
   for (std::size_t i = 0; i < splats.size(); ++i)
     splats[i].opacity = i % 20 == 0 ? 1.0 : random.uniform(0.2, 1.0);
@@ -214,7 +213,7 @@ TEST_F(SceneIndexOnEveryTarget, WhereItIsVisible_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, WithMipSplattingsFilter_vs_bruteforce) {
-  Random random(85);
+  test::Random random(85);
   GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
   for (std::size_t i = 0; i < scene.size(); ++i) {
     scene.filter_3d.push_back(i % 50 == 0 ? 0.0F : static_cast<float>(random.log_uniform(1e-5, 0.01)));
@@ -228,7 +227,7 @@ TEST_F(SceneIndexOnEveryTarget, WithMipSplattingsFilter_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, InEveryEncoding_vs_bruteforce) {
-  Random random(86);
+  test::Random random(86);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
   for (std::size_t i = 0; i < splats.size(); i += 3)
     splats[i].sigma[i % 2] = 0.0;  // of logarithm minus infinity
@@ -242,7 +241,7 @@ TEST_F(SceneIndexOnEveryTarget, InEveryEncoding_vs_bruteforce) {
 
 // 2DGS writes discs: a third sigma of zero, seen from the face, the rim and everywhere.
 TEST_F(SceneIndexOnEveryTarget, OfDiscs_vs_bruteforce) {
-  Random random(87);
+  test::Random random(87);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
   for (Splat& s : splats) s.sigma[2] = 0.0;
   check(scene_of(splats), tools_at_sphere(random, draws(1000)), 5000);
@@ -250,7 +249,7 @@ TEST_F(SceneIndexOnEveryTarget, OfDiscs_vs_bruteforce) {
 
 // Quaternions are not normalised in files.
 TEST_F(SceneIndexOnEveryTarget, WithQuaternionsOfAnyLength_vs_bruteforce) {
-  Random random(88);
+  test::Random random(88);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
   for (Splat& s : splats)
     s.rotation *= random.log_uniform(1e-6, 1e6) * (random.integer(0, 1) != 0 ? 1.0 : -1.0);
@@ -258,7 +257,7 @@ TEST_F(SceneIndexOnEveryTarget, WithQuaternionsOfAnyLength_vs_bruteforce) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, UnderAnisotropicTools_vs_bruteforce) {
-  Random random(89);
+  test::Random random(89);
   const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
   std::vector<Ellipsoid> tools;
   for (std::size_t i = 0; i < draws(90); ++i) {
@@ -344,7 +343,7 @@ TEST_F(SceneIndexOnEveryTarget, AGiantIsTouchedWhateverItsSize) {
 
 // Finite poses that single precision cannot hold, as a broken recording may have them. Nothing is there.
 TEST_F(SceneIndexOnEveryTarget, AToolBeyondTheFloatsTouchesNothing) {
-  Random random(91);
+  test::Random random(91);
   const SceneIndex index(scene_of(sphere_of_splats(random, 1000)), {}, {});
   on_every_target([&] {
     ContactSet set;
@@ -359,7 +358,7 @@ TEST_F(SceneIndexOnEveryTarget, AToolBeyondTheFloatsTouchesNothing) {
 
 // And a tool that holds the scene many times over touches all of it.
 TEST_F(SceneIndexOnEveryTarget, AToolLargerThanAllTouchesAll) {
-  Random random(92);
+  test::Random random(92);
   const GaussianScene scene = scene_of(sphere_of_splats(random, 1000));
   const SceneIndex index(scene, {}, {});
   on_every_target([&] {
@@ -385,7 +384,7 @@ TEST_F(SceneIndexOnEveryTarget, KeepsTheOpacityOfExtremeLogits) {
 }
 
 TEST_F(SceneIndexOnEveryTarget, AnswersAllThreadsAlike) {
-  Random random(90);
+  test::Random random(90);
   const SceneIndex index(scene_of(sphere_of_splats(random, 20000)), {}, {});
   const std::vector<Ellipsoid> tools = random_tools(random, draws(400), 1.1, 0.02, 0.3);
   on_every_target([&] {

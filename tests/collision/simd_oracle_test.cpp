@@ -27,7 +27,6 @@ using Eigen::Vector3d;
 using test::draws;
 using test::in_order;
 using test::PairOracle;
-using test::Random;
 using test::scene_of;
 using test::solid_of;
 using test::splat;
@@ -111,7 +110,7 @@ class SimdOracleAtSigma : public SimdOracle, public testing::WithParamInterface<
 INSTANTIATE_TEST_SUITE_P(Sigma, SimdOracleAtSigma, testing::Values(1.0, 3.0));
 
 TEST_P(SimdOracleAtSigma, FindsThoseAndOnlyThoseOfFiftyThousandSplats) {
-  Random random(201);
+  test::Random random(201);
   const GaussianScene scene =
       test::in_logarithms(test::with_gaps_in_ids(scene_of(sphere_of_splats(random, 50000))));
   SceneFilter filter;
@@ -141,7 +140,7 @@ TEST_P(SimdOracleAtSigma, FindsThoseAndOnlyThoseOfFiftyThousandSplats) {
 
 /// Sigmas of all kinds of Gaussians: flat splats, needles, discs and needles of no thickness, balls,
 /// anything.
-Vector3d any_shape(Random& random) {
+Vector3d any_shape(test::Random& random) {
   const double a = random.uniform(0.3, 1.0), b = random.uniform(0.3, 1.0);
   switch (random.integer(0, 5)) {
     case 0: return {a, b, random.log_uniform(1e-5, 0.1)};
@@ -155,7 +154,7 @@ Vector3d any_shape(Random& random) {
 
 /// Where a Gaussian is from the tool: any direction for a needle is its side, so its tip and a disc's rim are
 /// as likely as the rest.
-Vector3d any_direction(Random& random, const Vector3d& sigma, const Eigen::Quaterniond& q) {
+Vector3d any_direction(test::Random& random, const Vector3d& sigma, const Eigen::Quaterniond& q) {
   if (random.integer(0, 1) == 0) return random.direction();
   const Vector3d u = random.direction();
   return (q * sigma.cwiseProduct(u) + 1e-3 * sigma.maxCoeff() * random.direction()).normalized();
@@ -169,7 +168,7 @@ TEST_F(SimdOracle, DecidesPairsThatAllButTouch) {
     Ellipsoid tool;
     double k;
   };
-  Random random(202);
+  test::Random random(202);
   std::vector<Pair> pairs;
   constexpr double kMargins[] = {1e-6, -1e-6, 1e-8, -1e-8, 1e-10, -1e-10, 1e-12, -1e-12};
   std::size_t drawn = 0;
@@ -205,7 +204,7 @@ TEST_F(SimdOracle, DecidesPairsThatAllButTouch) {
 
 /// Sigmas of a Gaussian `ratio` times as large as the tool, in tool radii: flat ones, discs and needles,
 /// balls, anything.
-Vector3d giant_shape(Random& random, double ratio) {
+Vector3d giant_shape(test::Random& random, double ratio) {
   const double a = random.uniform(0.3, 1.0), thin = random.log_uniform(1e-3, 1.0);
   switch (random.integer(0, 5)) {
     case 0: return {ratio, a * ratio, thin};
@@ -225,7 +224,7 @@ struct Giant {
   Ellipsoid tool;
   double ratio, k;
 
-  static Giant draw(Random& random, double ratio) {
+  static Giant draw(test::Random& random, double ratio) {
     constexpr double kRadius = 0.02;
     const Vector3d sigma = kRadius * giant_shape(random, ratio);
     const double away = random.integer(0, 3) == 0 ? 1000.0 : 1.0;
@@ -256,7 +255,7 @@ TEST_F(SimdOracle, DecidesGiantsThatAllButTouch) {
   const std::size_t count = draws(10000);
   test::on_threads([&](std::size_t thread) {
     for (std::size_t i = thread; i < count; i += test::kThreads) {
-      Random random(204'000'000 + i);
+      test::Random random(204'000'000 + i);
       const Giant giant = Giant::draw(random, random.log_uniform(1e2, 1e7));
       if (std::abs(giant.k) > kUndecided && std::abs(giant.k) < 1e-2) parts[thread].push_back(giant);
     }
@@ -296,7 +295,7 @@ struct Crowd {
   GaussianScene scene;
   std::vector<double> k;  ///< K_min
 
-  Crowd(Random& random, const Vector3d& semi_axes, double away, std::size_t count) {
+  Crowd(test::Random& random, const Vector3d& semi_axes, double away, std::size_t count) {
     tool = Ellipsoid::from_semi_axes({away * random.direction(), random.rotation()}, semi_axes);
     const WhitenedTool whitened(tool);
     std::vector<Splat> splats;
@@ -361,7 +360,7 @@ TEST_P(SimdNearTangent, MissesNothingAndInventsNothing) {
   std::map<std::string, Tally> tallies;
   std::size_t near = 0, touching = 0;
   for (std::uint64_t i = 0; near < draws(150'000) && i < 400; ++i) {
-    Random random(203'000 + i);
+    test::Random random(203'000 + i);
     const double away[] = {0.0, 1.0, 1000.0};
     const Crowd crowd(random, semi_axes, away[i % 8 == 7 ? 2 : i % 2], kCrowd);
     for (const double k : crowd.k) {

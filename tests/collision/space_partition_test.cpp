@@ -22,8 +22,6 @@
 namespace palpate {
 namespace {
 
-using test::Random;
-
 GaussianRecord record_at(const Eigen::Vector3f& p, std::uint32_t id) {
   GaussianRecord record{};
   record.position = {p[0], p[1], p[2]};
@@ -87,7 +85,7 @@ void expect_partition(const std::vector<Eigen::Vector3f>& positions, std::size_t
 }
 
 TEST(SpacePartition, CutsACloudIntoPartsOfBoundedSize) {
-  Random random(501);
+  test::Random random(501);
   std::vector<Eigen::Vector3f> positions;
   for (int i = 0; i < 20000; ++i) positions.push_back(random.in_box(3.0).cast<float>());
   expect_partition(positions, 1000);
@@ -98,7 +96,7 @@ TEST(SpacePartition, CutsACloudIntoPartsOfBoundedSize) {
 
 // Positions that planes cannot tell apart are one part, however many they are; the others still are bounded.
 TEST(SpacePartition, CutsAroundPositionsThatAreEqual) {
-  Random random(502);
+  test::Random random(502);
   std::vector<Eigen::Vector3f> positions(5000, Eigen::Vector3f(1, 2, 3));
   expect_partition(positions, 100);
   EXPECT_EQ(SpacePartition(positions, positions.size(), 100).parts(), 1U);
@@ -119,7 +117,7 @@ TEST(SpacePartition, CutsALineAndAGrid) {
 
 // The sample stands for a scene of which it is a hundredth.
 TEST(SpacePartition, BoundsTheSceneThatASampleStandsFor) {
-  Random random(503);
+  test::Random random(503);
   std::vector<Eigen::Vector3f> positions, sample;
   for (int i = 0; i < 200'000; ++i) {
     positions.push_back(random.in_box(1.0).cast<float>());
@@ -144,7 +142,7 @@ TEST(SpacePartition, HasAPlaceForWhatTheSampleDoesNotShow) {
 }
 
 TEST(RecordSpill, GivesBackEveryRecordInItsPartInOrder) {
-  Random random(504);
+  test::Random random(504);
   std::vector<Eigen::Vector3f> positions;
   for (int i = 0; i < 120'000; ++i)
     positions.push_back(random.in_box(1.0).cast<float>());  // several extents a part
@@ -190,7 +188,7 @@ std::shared_ptr<const IndexArrays> build_in_parts(const GaussianScene& scene, st
 }
 
 TEST(IndexInParts, FindsWhatAnIndexBuiltAtOnceFinds) {
-  Random random(505);
+  test::Random random(505);
   const GaussianScene scene = test::with_gaps_in_ids(test::scene_of(sphere_of_splats(random, 20000)));
   const test::BruteForce truth(scene, {}, {}, tools_at_sphere(random, 100));
   for (const std::size_t most : {100U, 1000U, 7000U, 20000U}) {

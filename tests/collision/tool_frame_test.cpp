@@ -12,7 +12,6 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using test::Random;
 
 struct Drawn {
   Ellipsoid tool;
@@ -21,7 +20,7 @@ struct Drawn {
 };
 
 /// Any tool, near and far from the world's, the captured frame's and the index's origin.
-Drawn draw(Random& random) {
+Drawn draw(test::Random& random) {
   const auto far = [&] { return Vector3d(random.log_uniform(1e-3, 1e7) * random.direction()); };
   Drawn drawn;
   const Pose pose{far(), random.rotation()};
@@ -44,7 +43,7 @@ double rounding(const Drawn& d) {
 }
 
 TEST(ToolFrame, TheCentreIsTheSumOfItsParts) {
-  Random random(601);
+  test::Random random(601);
   for (int i = 0; i < 10000; ++i) {
     const Drawn d = draw(random);
     const ToolFrame frame(d.tool, CapturedFrame(d.world, d.origin));
@@ -57,7 +56,7 @@ TEST(ToolFrame, TheCentreIsTheSumOfItsParts) {
 }
 
 TEST(ToolFrame, TheBoxContainsTheTool) {
-  Random random(602);
+  test::Random random(602);
   for (int i = 0; i < 10000; ++i) {
     const Drawn d = draw(random);
     const ToolFrame frame(d.tool, CapturedFrame(d.world, d.origin));
@@ -72,7 +71,7 @@ TEST(ToolFrame, TheBoxContainsTheTool) {
 }
 
 TEST(ToolFrame, WhitensTheCapturedFrame) {
-  Random random(603);
+  test::Random random(603);
   for (int i = 0; i < 1000; ++i) {
     const Drawn d = draw(random);
     const ToolFrame frame(d.tool, CapturedFrame(d.world, d.origin));

@@ -15,9 +15,8 @@
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/profiles.h>
 #include <palpate/geometry/rotation.h>
-#include <palpate/haptics/field_force.h>
-#include <palpate/haptics/proxy_force.h>
 #include <palpate/servo/servo_tick.h>
+#include <support/force_models.h>
 #include <support/noisy_plane.h>
 #include <support/uneven_ticks.h>
 
@@ -42,23 +41,23 @@ constexpr double kNear = kHalfWidth + 0.001, kHigh = 0.03, kFurther = 0.006;
 /// @}
 
 /// From 0 to 1 within a leg that begins then.
-double eased(double t, double begin) {
+double eased_leg(double t, double begin) {
   const double s = std::clamp((t - begin) / kLeg, 0.0, 1.0);
   return s * s * (3.0 - 2.0 * s);
 }
 
 /// A stroke lowers the rod as it lies, turns it upright, 14 mm into the plane, lifts it, and lays it flat. In
 /// the end it is pressed, as it is, 6 mm further, rests there and is lifted.
-Pose path(double t) {
+Pose stroke_path(double t) {
   double low = 0.0, upright = 0.0;
   for (int k = 0; k < kStrokes; ++k) {
     const double begin = kGate + k * kStroke;
-    low += eased(t, begin) - eased(t, begin + 2.0 * kLeg);
-    upright += eased(t, begin + kLeg) - eased(t, begin + 3.0 * kLeg);
+    low += eased_leg(t, begin) - eased_leg(t, begin + 2.0 * kLeg);
+    upright += eased_leg(t, begin + kLeg) - eased_leg(t, begin + 3.0 * kLeg);
   }
-  low += eased(t, kPressing - 2.0 * kLeg) - eased(t, kAway);
-  upright += eased(t, kPressing - kLeg) - eased(t, kAway + kLeg);
-  const double further = eased(t, kPressing) - eased(t, kAway);
+  low += eased_leg(t, kPressing - 2.0 * kLeg) - eased_leg(t, kAway);
+  upright += eased_leg(t, kPressing - kLeg) - eased_leg(t, kAway + kLeg);
+  const double further = eased_leg(t, kPressing) - eased_leg(t, kAway);
   Pose pose;
   pose.position.z() = kHigh + low * (kNear - kHigh) - further * kFurther;
   pose.orientation = rotation_by({0.0, 0.5 * std::numbers::pi * upright, 0.0});
@@ -72,12 +71,12 @@ struct Axes {
 };
 constexpr Axes kAxes[]{{"3 sensed, 3 shown", 0, 0}, {"6 sensed, 3 shown", 3, 0}, {"6 sensed, 6 shown", 3, 3}};
 
-struct Trial {
+struct AxesTrial {
   std::string profile, model;
   Axes axes;
 };
 
-void PrintTo(const Trial& trial, std::ostream* out) {
+void PrintTo(const AxesTrial& trial, std::ostream* out) {
   *out << trial.profile << ", " << trial.model << ", " << trial.axes.name;
 }
 
@@ -91,12 +90,7 @@ struct Outcome {
   Fault fault = Fault::kNone;
 };
 
-std::unique_ptr<ForceModel> model_called(const std::string& name) {
-  if (name == "field") return std::make_unique<FieldForce>(rod());
-  return std::make_unique<ProxyForce>(test::noisy_plane(), rod());
-}
-
-class AxesEnergy : public testing::TestWithParam<Trial> {
+class AxesEnergy : public testing::TestWithParam<AxesTrial> {
  protected:
   static Outcome run(double delay);
 };
@@ -113,8 +107,8 @@ Outcome AxesEnergy::run(double delay) {
   check_capabilities(can);
   profile.plant.damping *= 0.5;
   profile.plant.delay = delay;
-  SimulatedDevice device(can, profile.plant, HandProperties{}, path);
-  const std::unique_ptr<ForceModel> model = model_called(model_name);
+  SimulatedDevice device(can, profile.plant, HandProperties{}, stroke_path);
+  const std::unique_ptr<ForceModel> model = test::model_called(model_name, test::noisy_plane(), rod());
   ToolTracker tracker(test::noisy_plane(), rod());
   ServoTick loop(device, FeltModel{model.get(), &tracker});
   loop.set_delay(delay);
@@ -162,15 +156,15 @@ TEST_P(AxesEnergy, NoneComesOutOfAStrokeThatTurns) {
   }
 }
 
-std::vector<Trial> trials() {
-  std::vector<Trial> all;
+std::vector<AxesTrial> axes_trials() {
+  std::vector<AxesTrial> all;
   for (const DeviceProfile& profile : device_profiles())
     for (const char* model : {"proxy", "field"})
       for (const Axes& axes : kAxes) all.push_back({profile.capabilities.name, model, axes});
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(AllDevices, AxesEnergy, testing::ValuesIn(trials()));
+INSTANTIATE_TEST_SUITE_P(AllDevices, AxesEnergy, testing::ValuesIn(axes_trials()));
 
 }  // namespace
 }  // namespace palpate

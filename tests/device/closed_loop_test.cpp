@@ -11,29 +11,25 @@
 
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/profiles.h>
-#include <palpate/haptics/field_force.h>
-#include <palpate/haptics/proxy_force.h>
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
+#include <support/force_models.h>
 #include <support/noisy_plane.h>
+#include <support/tick.h>
 #include <support/uneven_ticks.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::kTick;
 
-constexpr double kTick = 1e-3, kRadius = 0.02;
+constexpr double kRadius = 0.02;
 
 const Tool& tool() {
   static const Tool ball{Vector3d::Constant(kRadius)};
   return ball;
-}
-
-std::unique_ptr<ForceModel> model_called(const std::string& name) {
-  if (name == "field") return std::make_unique<FieldForce>(tool());
-  return std::make_unique<ProxyForce>(test::noisy_plane(), tool());
 }
 
 /// Waits above the plane until the force is on, comes down in half a second, and presses as deep as `depth`;
@@ -62,7 +58,7 @@ class ClosedLoop : public testing::TestWithParam<Trial> {
  protected:
   void SetUp() override {
     const DeviceProfile& profile = device_profile(GetParam().profile);
-    model_ = model_called(GetParam().model);
+    model_ = test::model_called(GetParam().model, test::noisy_plane(), tool());
     tracker_ = std::make_unique<ToolTracker>(test::noisy_plane(), tool());
     capabilities_ = profile.capabilities;
     capabilities_.force_sustained = 0.0;  // the way down to it is a motion, and no instability

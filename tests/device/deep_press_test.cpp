@@ -13,14 +13,16 @@
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
+#include <support/tick.h>
 #include <support/uneven_ticks.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::kTick;
 
-constexpr double kTick = 1e-3, kSpeed = 0.1;
+constexpr double kSpeed = 0.1;
 const Vector3d kTool(0.02, 0.02, 0.04);  // the default one
 
 /// What is pressed from above, and how deep. Unit: [m].
@@ -65,14 +67,14 @@ Clock with_late_ones(double late, double every) {
   };
 }
 
-struct Trial {
+struct NamedClock {
   std::string name;
   std::function<Clock()> clock;
 };
 
-void PrintTo(const Trial& trial, std::ostream* out) { *out << trial.name; }
+void PrintTo(const NamedClock& named, std::ostream* out) { *out << named.name; }
 
-class DeepPress : public testing::TestWithParam<Trial> {};
+class DeepPress : public testing::TestWithParam<NamedClock> {};
 
 TEST_P(DeepPress, IsNoFault) {
   const DeviceProfile& omega = device_profile("omega");
@@ -98,15 +100,15 @@ TEST_P(DeepPress, IsNoFault) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Clocks, DeepPress,
-                         testing::Values(Trial{"Even", [] { return with_late_ones(kTick, 1.0); }},
-                                         Trial{"Uneven",
-                                               [] {
-                                                 return [ticks = test::UnevenTicks()](double) mutable {
-                                                   return ticks.next();
-                                                 };
-                                               }},
+                         testing::Values(NamedClock{"Even", [] { return with_late_ones(kTick, 1.0); }},
+                                         NamedClock{"Uneven",
+                                                    [] {
+                                                      return [ticks = test::UnevenTicks()](double) mutable {
+                                                        return ticks.next();
+                                                      };
+                                                    }},
                                          // As late as the governor allows, again and again.
-                                         Trial{"Late", [] { return with_late_ones(20e-3, 0.19); }}),
+                                         NamedClock{"Late", [] { return with_late_ones(20e-3, 0.19); }}),
                          [](const auto& trial) { return trial.param.name; });
 
 }  // namespace

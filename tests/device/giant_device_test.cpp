@@ -14,14 +14,14 @@
 #include <palpate/geometry/rotation.h>
 #include <support/giant_trial.h>
 #include <support/heap_guard.h>
+#include <support/tick.h>
 #include <support/wall.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kTick = 1e-3;
+using test::kTick;
 
 /// A person who walks about the room and reaches: recorded motion has the same speeds.
 HandPath walk(double begins = 1.5) {

@@ -15,13 +15,15 @@
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
 #include <support/noisy_plane.h>
+#include <support/tick.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::kTick;
 
-constexpr double kTick = 1e-3, kRadius = 0.02, kLate = 0.05;
+constexpr double kToolRadius = 0.02, kLate = 0.05;
 
 enum class Contacts { kInline, kLookahead, kHold };
 
@@ -51,7 +53,7 @@ class Session {
         std::make_unique<SimulatedDevice>(omega.capabilities, omega.plant, HandProperties{}, [](double t) {
           const double down = std::clamp((t - 0.8) / 0.5, 0.0, 1.0);
           Pose pose;
-          pose.position.z() = kRadius + 0.01 - 0.015 * down * down * (3.0 - 2.0 * down);
+          pose.position.z() = kToolRadius + 0.01 - 0.015 * down * down * (3.0 - 2.0 * down);
           pose.position.x() = 0.1 * std::max(0.0, t - 3.5);
           return pose;
         });
@@ -76,7 +78,7 @@ class Session {
   double time() const { return kTick * count_; }
 
  private:
-  Tool tool_{Vector3d::Constant(kRadius)};
+  Tool tool_{Vector3d::Constant(kToolRadius)};
   Lookahead lookahead_;
   std::unique_ptr<ForceModel> model_;
   std::unique_ptr<ToolTracker> tracker_, seen_;

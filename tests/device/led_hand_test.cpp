@@ -25,7 +25,7 @@ Pose round_and_round(double t) {
   return pose({0.1 * std::cos(M_PI * t), 0.1 * std::sin(M_PI * t), 0}, 0.3 * std::sin(M_PI * t));
 }
 
-Pose still(double) { return pose({0.02, 0, 0}, 0.1); }
+Pose still_aside(double) { return pose({0.02, 0, 0}, 0.1); }
 
 bool same(const Pose& a, const Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
@@ -83,7 +83,7 @@ TEST(LedHand, GoesExactlyItsOwnWayUntilItIsLed) {
 }
 
 TEST(LedHand, ReachesWhereItIsLed) {
-  Drive drive(still);
+  Drive drive(still_aside);
   drive.start();
   drive.lead = pose({0.2, -0.1, 0.3}, 2.5, Vector3d(1, 2, -2).normalized());
   drive.to(2.0, 1e-3);
@@ -114,7 +114,7 @@ TEST(LedHand, FollowsASmallChangeInItsFollowTime) {
 }
 
 TEST(LedHand, DoesNotDependOnHowOftenItIsAsked) {
-  Drive coarse(still), fine(still);
+  Drive coarse(still_aside), fine(still_aside);
   for (Drive* drive : {&coarse, &fine}) {
     drive->start();
     drive->lead = pose({0.03, 0.005, 0}, 0.15);
@@ -131,7 +131,7 @@ class LedHandSpeed : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Steps, LedHandSpeed, testing::Values(2e-3, 1e-3, SimulatedDevice::kStep));
 
 TEST_P(LedHandSpeed, IsThatOfAHandWhereverItIsLed) {
-  Drive drive(still);
+  Drive drive(still_aside);
   drive.start();
   int k = 0;
   for (const Pose& goal : {pose({10, 0, 0}, 3.0), pose({-10, 5, 0}, -3.0, Vector3d::UnitX()), pose({0, 0, 0}),
@@ -146,7 +146,7 @@ TEST_P(LedHandSpeed, IsThatOfAHandWhereverItIsLed) {
 }
 
 TEST_P(LedHandSpeed, IsThatOfAHandOnTheWayBack) {
-  for (const HandPath& own : {HandPath(still), HandPath(round_and_round)}) {
+  for (const HandPath& own : {HandPath(still_aside), HandPath(round_and_round)}) {
     Drive drive(own);
     drive.start();
     drive.lead = pose({0.3, 0.2, 0}, 2.0);
@@ -160,9 +160,9 @@ TEST_P(LedHandSpeed, IsThatOfAHandOnTheWayBack) {
 }
 
 TEST_P(LedHandSpeed, IsThatOfAHandOnTheWayBackFromATurnAlone) {
-  Drive drive(still);
+  Drive drive(still_aside);
   drive.start();
-  drive.lead = pose(still(0).position, 2.0);
+  drive.lead = pose(still_aside(0).position, 2.0);
   drive.to(1.0, GetParam());
   drive.lead.reset();
   drive.to(4.0, GetParam());
@@ -170,13 +170,13 @@ TEST_P(LedHandSpeed, IsThatOfAHandOnTheWayBackFromATurnAlone) {
 }
 
 TEST(LedHand, GoesBackExactlyToARestingPlace) {
-  Drive drive(still);
+  Drive drive(still_aside);
   drive.start();
   drive.lead = pose({0.3, 0.2, 0}, 2.0);
   drive.to(1.0, 1e-3);
   drive.lead.reset();
   drive.to(3.0, 1e-3);
-  EXPECT_TRUE(same(drive.at, still(drive.t))) << distance(drive.at, still(drive.t));
+  EXPECT_TRUE(same(drive.at, still_aside(drive.t))) << distance(drive.at, still_aside(drive.t));
 }
 
 TEST(LedHand, GoesOnWithItsOwnWayWhereItWasTaken) {
@@ -283,7 +283,7 @@ TEST(LedHand, GoesStraightToAnOwnWayThatIsElsewhere) {
 }
 
 TEST(LedHand, MayBeLedAgainAtOnce) {
-  Drive drive(still);
+  Drive drive(still_aside);
   drive.start();
   for (int k = 0; k < 40; ++k) {
     drive.lead = k % 2 == 0 ? std::optional<Pose>(pose({0.3, 0, 0}, 1.0)) : std::nullopt;
@@ -293,7 +293,7 @@ TEST(LedHand, MayBeLedAgainAtOnce) {
 }
 
 TEST(LedHand, StaysWhereItIsWhileNoTimePasses) {
-  Drive drive(still);
+  Drive drive(still_aside);
   drive.start();
   drive.lead = pose({0.3, 0.2, 0}, 2.0);
   drive.to(0.1, 1e-3);

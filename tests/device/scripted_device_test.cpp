@@ -14,17 +14,19 @@
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
 
+#include "support/tick.h"
 #include "support/wall.h"
 
 namespace palpate {
 namespace {
 
 using test::DeviceFault;
+using test::kTick;
 using test::ScriptedDevice;
 using test::ScriptedFault;
 using test::Wall;
 
-constexpr double kTick = 1e-3, kStiffness = 500.0, kDepth = 8e-3;
+constexpr double kStiffness = 500.0, kDepth = 8e-3;
 /// When the hand is at the wall, and something begins to go wrong. Unit: [s].
 constexpr double kPresses = 1.0, kBegin = 2.0;
 
@@ -88,7 +90,7 @@ class Leaning {
   int count_ = 0;
 };
 
-struct Trial {
+struct Misbehaviour {
   const char* name;
   DeviceFault does;
   Fault fault;
@@ -96,9 +98,9 @@ struct Trial {
   double lasts;   ///< Unit: [s].
 };
 
-void PrintTo(const Trial& trial, std::ostream* out) { *out << trial.name; }
+void PrintTo(const Misbehaviour& what, std::ostream* out) { *out << what.name; }
 
-class AScriptedDevice : public testing::TestWithParam<Trial> {};
+class AScriptedDevice : public testing::TestWithParam<Misbehaviour> {};
 
 TEST_P(AScriptedDevice, ThatFailsShowsNoForceInTimeAndIsFeltAgainThroughTheGate) {
   const auto& [name, does, fault, notice, lasts] = GetParam();
@@ -124,15 +126,15 @@ TEST_P(AScriptedDevice, ThatFailsShowsNoForceInTimeAndIsFeltAgainThroughTheGate)
   EXPECT_EQ(hand.state(), GovernorState::kActive);
 }
 
-INSTANTIATE_TEST_SUITE_P(Everything, AScriptedDevice,
-                         testing::Values(Trial{"late", DeviceFault::kLate, Fault::kStalePose, 0.021, 0.3},
-                                         Trial{"silent", DeviceFault::kSilent, Fault::kStalePose, 0.021, 0.3},
-                                         Trial{"nan", DeviceFault::kNan, Fault::kBadPose, 0.0, 0.3},
-                                         Trial{"frozen", DeviceFault::kFrozen, Fault::kFrozenPose, 7.0, 7.3},
-                                         Trial{"noisy", DeviceFault::kNoisy, Fault::kJump, 0.005, 0.3},
-                                         Trial{"reversed", DeviceFault::kReversed, Fault::kJump, 0.0, 0.3},
-                                         Trial{"unplugged", DeviceFault::kUnplugged, Fault::kStalePose, 0.021,
-                                               0.3}));
+INSTANTIATE_TEST_SUITE_P(
+    Everything, AScriptedDevice,
+    testing::Values(Misbehaviour{"late", DeviceFault::kLate, Fault::kStalePose, 0.021, 0.3},
+                    Misbehaviour{"silent", DeviceFault::kSilent, Fault::kStalePose, 0.021, 0.3},
+                    Misbehaviour{"nan", DeviceFault::kNan, Fault::kBadPose, 0.0, 0.3},
+                    Misbehaviour{"frozen", DeviceFault::kFrozen, Fault::kFrozenPose, 7.0, 7.3},
+                    Misbehaviour{"noisy", DeviceFault::kNoisy, Fault::kJump, 0.005, 0.3},
+                    Misbehaviour{"reversed", DeviceFault::kReversed, Fault::kJump, 0.0, 0.3},
+                    Misbehaviour{"unplugged", DeviceFault::kUnplugged, Fault::kStalePose, 0.021, 0.3}));
 
 TEST(ScriptedDevice, ThatSaturatesIsFeltAsFarAsItGoes) {
   Leaning hand({{kBegin, 1e9, DeviceFault::kSaturating}}, 4.0);

@@ -7,13 +7,13 @@
 
 #include <palpate/base/error.h>
 #include <palpate/device/profiles.h>
+#include <support/tick.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kTick = 1e-3;
+using test::kTick;
 
 Pose still(double) { return {}; }
 

@@ -15,7 +15,6 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using test::Random;
 
 constexpr double kGyration = 0.02;
 
@@ -96,7 +95,7 @@ TEST(ConstrainedMotion, TurnsAboutWhereItSticks) {
 // Coulomb: no more drag than friction times push; where there is less, the point does not slip, and where it
 // slips, it is dragged against its way.
 TEST(ConstrainedMotion, FulfilsCoulombsLaw) {
-  Random random(912);
+  test::Random random(912);
   int sticks = 0, slips = 0;
   for (int i = 0; i < 2000; ++i) {
     MotionConstraint p = plane(random.direction(), 0.0, random.uniform(0.0, 0.03) * random.direction());
@@ -123,7 +122,7 @@ TEST(ConstrainedMotion, FulfilsCoulombsLaw) {
 // Karush, Kuhn and Tucker: out of all planes (as far as they do not give way), pushed by those it touches
 // alone, and what is missing of the wanted motion is what they push.
 TEST(ConstrainedMotion, FulfilsTheConditionsOfAnOptimum) {
-  Random random(911);
+  test::Random random(911);
   int held = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vector3d up = random.direction();
@@ -173,7 +172,7 @@ Motion by_all_planes(const Motion& wanted, std::span<const MotionConstraint> pla
 
 // Planes that are out of reach are left alone, and nothing comes of that.
 TEST(ConstrainedMotion, IsThatOfAllPlanesInEverySweep) {
-  Random random(913);
+  test::Random random(913);
   for (int i = 0; i < 300; ++i) {
     const Vector3d up = random.direction();
     std::vector<MotionConstraint> planes;

@@ -13,7 +13,9 @@
 #include <palpate/haptics/depth_view.h>
 #include <palpate/study/random.h>
 #include <palpate/study/seen_surface.h>
+#include <support/ball_on_surface.h>
 #include <support/on_every_target.h>
+#include <support/solids.h>
 #include <support/splats.h>
 
 namespace palpate {
@@ -21,12 +23,10 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using test::ball;
+using test::kRadius;
 
-constexpr double kRadius = 0.02, kReach = 0.02;
-
-Ellipsoid ball(const Vector3d& center, double radius) {
-  return Ellipsoid::from_semi_axes({center, Eigen::Quaterniond::Identity()}, Vector3d::Constant(radius));
-}
+constexpr double kReach = 0.02;
 
 /// Small, tilted discs below the origin, each at a depth of its own, so that the order along a ray is beyond
 /// doubt.

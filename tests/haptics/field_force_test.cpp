@@ -22,7 +22,6 @@ namespace {
 
 using Eigen::Vector3d;
 using test::AllocationGuard;
-using test::Random;
 
 /// A tool in a scene, asked for potential and wrench anywhere.
 class Felt {
@@ -82,7 +81,7 @@ void expect_gradient(Felt& felt, const Pose& pose, double size) {
 }
 
 TEST(FieldForce, IsTheGradientOfItsPotential) {
-  Random random(901);
+  test::Random random(901);
   const GaussianScene scene = test::scene_of(test::sphere_of_splats(random, 20000));
   int compared = 0;
   for (int i = 0; i < 60; ++i) {
@@ -98,7 +97,7 @@ TEST(FieldForce, IsTheGradientOfItsPotential) {
 }
 
 TEST(FieldForce, IsTheGradientOfItsPotentialForAToolOfManyParts) {
-  Random random(905);
+  test::Random random(905);
   const GaussianScene scene = test::scene_of(test::sphere_of_splats(random, 20000));
   int compared = 0;
   for (int i = 0; i < 30; ++i) {
@@ -128,7 +127,7 @@ struct Loop {
 };
 
 TEST(FieldForce, DoesNoWorkAroundAClosedPath) {
-  Random random(902);
+  test::Random random(902);
   Felt felt(test::scene_of(test::sphere_of_splats(random, 20000)), Tool({0.06, 0.05, 0.08}));
   for (int i = 0; i < 5; ++i) {
     const auto some = [&](double size) { return Vector3d(size * random.direction()); };
@@ -183,7 +182,7 @@ TEST(FieldForce, StiffnessIsInNewtonsAMetreHoweverDenselyTheSceneWasTrained) {
     ProceduralOptions options;
     options.spacing = spacing;
     Felt felt(make_scene(*surface, options), Tool{Vector3d::Constant(kRadius)});
-    Random random(903);
+    test::Random random(903);
     double sum = 0.0;
     constexpr int kPlaces = 200;
     for (int i = 0; i < kPlaces; ++i) {
@@ -203,7 +202,7 @@ double relative_stiffness(const Eigen::Quaterniond& turned, double height, doubl
   ProceduralOptions options;
   options.spacing = 0.002;
   Felt felt(make_scene(*make_surface("plane"), options), Tool{});
-  Random random(906);
+  test::Random random(906);
   double sum = 0.0;
   constexpr int kPlaces = 50;
   for (int i = 0; i < kPlaces; ++i) {
@@ -223,7 +222,7 @@ TEST(FieldForce, IsAsStiffOnTheTipOfALongToolAsOnItsSide) {
 
 /// What a captured scene may be made of, in a box of half the width `half`: points, discs and needles, thick
 /// and thin, of semi-axes up to `largest`.
-std::vector<test::Splat> any_splats(Random& random, std::size_t count, double half, double largest) {
+std::vector<test::Splat> any_splats(test::Random& random, std::size_t count, double half, double largest) {
   std::vector<test::Splat> result;
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d at = random.in_box(half);
@@ -238,7 +237,7 @@ std::vector<test::Splat> any_splats(Random& random, std::size_t count, double ha
 Vector3d center_of(const test::Splat& splat) { return splat.position.cast<float>().cast<double>(); }
 
 TEST(FieldForce, IsTheGradientOfItsPotentialWhereCentresMeet) {
-  Random random(907);
+  test::Random random(907);
   for (int i = 0; i < 40; ++i) {
     const double size = random.log_uniform(0.005, 0.05);
     const auto splats = any_splats(random, 30, 2.0 * size, 3.0 * size);
@@ -277,7 +276,7 @@ double steepest(Felt& felt, const Pose& at, const Vector3d& direction, double ha
 /// a millimetre all the way. \param tools makes one of about the size asked for
 template <class MakeTool>
 double steepest_through_centres(std::uint64_t seed, double largest, const MakeTool& make_tool) {
-  Random random(seed);
+  test::Random random(seed);
   double most = 0.0;
   for (int scene = 0; scene < 12; ++scene) {
     const double size = scene % 2 == 0 ? 0.02 : 0.005;
@@ -299,9 +298,9 @@ double steepest_through_centres(std::uint64_t seed, double largest, const MakeTo
 // What docs/force-models.md states, with room above the worst of 210 other seeds: 14, 26 and 75. With a cone
 // as e, where its tip is crossed, this is 1200 to 10000, and grows as the steps get finer.
 TEST(FieldForce, IsNoSteeperThanAFewTimesItsStiffness) {
-  const auto ball = [](Random&, double size) { return Tool{Vector3d::Constant(size)}; };
-  const auto long_one = [](Random&, double size) { return Tool{{size, size, 2.0 * size}}; };
-  const auto many = [](Random& random, double size) { return test::random_tool(random, 5, size); };
+  const auto ball = [](test::Random&, double size) { return Tool{Vector3d::Constant(size)}; };
+  const auto long_one = [](test::Random&, double size) { return Tool{{size, size, 2.0 * size}}; };
+  const auto many = [](test::Random& random, double size) { return test::random_tool(random, 5, size); };
   for (const std::uint64_t seed : {908, 909, 910, 911})
     for (const double largest : {1.0, 3.0}) {
       EXPECT_LE(steepest_through_centres(seed, largest, ball), 16.0) << "seed " << seed;
@@ -319,7 +318,7 @@ TEST(FieldForce, IsNoSteeperOnASurfaceHoweverItIsSampled) {
       options.noise = 0.0015;
       options.tilt = std::numbers::pi / 18.0;
       const GaussianScene scene = make_scene(*surface, options);
-      Random random(912);
+      test::Random random(912);
       for (const double radius : {0.02, 0.005}) {
         Felt felt(scene, Tool{Vector3d::Constant(radius)});
         for (int i = 0; i < 10; ++i) {
@@ -338,7 +337,7 @@ TEST(FieldForce, OfOneGaussianIsNoSteeperThanDerived) {
   // D = 5/4 phi(g) r: of the stiffness of D^2 / 2 at the centre, (5/4)^2 phi(0) phi''(0) r^2 = 25/16 13/16 3.
   constexpr double kDerived = 25.0 / 16.0 * 13.0 / 16.0 * 3.0;
   Felt felt(test::scene_of({test::splat({0, 0, 0}, {1e-7, 1e-7, 1e-7})}), Tool{Vector3d::Constant(0.02)});
-  Random random(913);
+  test::Random random(913);
   double most = 0.0;
   for (int i = 0; i < 20; ++i) most = std::max(most, steepest(felt, {}, random.direction(), 0.0199, 1e-5));
   EXPECT_LE(most, kDerived * 1.0001);
@@ -347,7 +346,7 @@ TEST(FieldForce, OfOneGaussianIsNoSteeperThanDerived) {
 
 TEST(FieldForce, OfOneDiscIsSteeperTheLargerTheDisc) {
   constexpr double kRadius = 0.02, kStep = 1e-5;
-  Random random(916);
+  test::Random random(916);
   for (const double size : {0.25, 0.5, 1.0, 2.0, 5.0}) {
     Felt felt(test::scene_of({test::splat({0, 0, 0}, {size * kRadius, size * kRadius, 1e-7})}),
               Tool{Vector3d::Constant(kRadius)});
@@ -360,7 +359,7 @@ TEST(FieldForce, OfOneDiscIsSteeperTheLargerTheDisc) {
 }
 
 TEST(FieldForce, InItsFirstHalfRadiusABallIsAsDeepAsWithoutTheRounding) {
-  Random random(914);
+  test::Random random(914);
   const GaussianScene scene = make_scene(*make_surface("sphere"), {});
   const SceneIndex index(scene, SceneFilter{}, Similarity{});
   for (int i = 0; i < 50; ++i) {
@@ -385,7 +384,7 @@ TEST(FieldForce, OfOneGaussianIsNeverMoreThanTheDeviceCanShow) {
                          Similarity{});
   const Tool tool{Vector3d::Constant(0.02)};
   FieldForce model(tool, {.stiffness = 1000.0});
-  Random random(915);
+  test::Random random(915);
   ContactSet set;
   double most = 0.0;
   for (int i = 0; i < 2000; ++i) {
@@ -427,7 +426,7 @@ TEST(FieldForce, HasNoForceWhereCentresCoincide) {
 }
 
 TEST(FieldForce, TakesNothingFromTheHeap) {
-  Random random(904);
+  test::Random random(904);
   const SceneIndex index(test::scene_of(test::sphere_of_splats(random, 2000)), SceneFilter{}, Similarity{});
   const Tool tool({0.1, 0.1, 0.1});
   ForceInput input;

@@ -21,11 +21,10 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using test::Random;
 
 /// A solid that is turned any way, and a view along any direction from its centre.
 struct Any {
-  explicit Any(Random& random)
+  explicit Any(test::Random& random)
       : solid(Ellipsoid::from_semi_axes(
             {{0.3, -0.2, 0.1}, random.rotation()},
             {random.uniform(0.01, 0.03), random.uniform(0.01, 0.03), random.uniform(0.01, 0.03)})),
@@ -33,7 +32,7 @@ struct Any {
         profile(solid, view) {}
 
   /// Well inside of the silhouette.
-  Vector2d place(Random& random) const {
+  Vector2d place(test::Random& random) const {
     for (;;) {
       const Vector3d inside =
           solid.center + 0.8 * random.uniform(0.0, 1.0) * (solid.axes * random.direction());
@@ -69,7 +68,7 @@ TEST(ImageOf, IsWhereTheViewHasThePoint) {
 }
 
 TEST(Rays, BeginAQuarterOfTheirWayThroughTheSolid) {
-  Random random(3);
+  test::Random random(3);
   for (int trial = 0; trial < 100; ++trial) {
     const Any any(random);
     const Vector2d at = any.place(random);
@@ -80,7 +79,7 @@ TEST(Rays, BeginAQuarterOfTheirWayThroughTheSolid) {
 }
 
 TEST(Rays, TheFirstBeginsBeforeAllOthersAndNoSooner) {
-  Random random(4);
+  test::Random random(4);
   for (int trial = 0; trial < 20; ++trial) {
     const Any any(random);
     double first = 0.0;
@@ -96,7 +95,7 @@ TEST(Rays, TheFirstBeginsBeforeAllOthersAndNoSooner) {
 }
 
 TEST(InwardNormal, IsAgainstTheGradientOfTheSolid) {
-  Random random(5);
+  test::Random random(5);
   for (int trial = 0; trial < 50; ++trial) {
     const Any any(random);
     const Vector3d normal = random.direction();
@@ -107,7 +106,7 @@ TEST(InwardNormal, IsAgainstTheGradientOfTheSolid) {
 
 TEST(ToolSide, HasSlopeAndCurvatureOfTheFarSide) {
   constexpr double kStep = 1e-5;
-  Random random(6);
+  test::Random random(6);
   for (int trial = 0; trial < 100; ++trial) {
     const Any any(random);
     const Vector2d at = any.place(random);

@@ -8,6 +8,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/haptics/material_file.h>
+#include <support/file_mistake.h>
 #include <support/temporary_file.h>
 
 namespace palpate {
@@ -15,6 +16,7 @@ namespace {
 
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
+using test::FileMistake;
 using test::message_of;
 using test::TemporaryFile;
 using testing::AllOf;
@@ -52,15 +54,8 @@ TEST(MaterialFile, TakesLongListsOfIds) {
   EXPECT_EQ(std::get<IdSet>(regions[0].shape).ranges().size(), 100000U);
 }
 
-/// A file with a mistake, the line where it is, and what the message must say.
-struct Mistake {
-  const char* text;
-  int line;
-  const char* words;
-};
-
 TEST(MaterialFile, NamesEveryMistake) {
-  for (const auto& [text, line, words] : std::vector<Mistake>{
+  for (const auto& [text, line, words] : std::vector<FileMistake>{
            {"[[region]]\nstiffness = -1", 2, "'stiffness' must be a number from 0 to 1000000, not -1"},
            {"[[region]]\nstiffness = 1.1e6", 2, "'stiffness'"},
            {"[[region]]\nfriction = 11", 2, "'friction' must be a number from 0 to 10"},

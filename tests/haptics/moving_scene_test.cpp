@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include <palpate/haptics/tool_file.h>
 #include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
+#include <support/ball_on_surface.h>
 #include <support/example_tools.h>
 #include <support/smooth_places.h>
 
@@ -20,25 +20,16 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::kRadius;
+using test::kStiffness;
+using test::noisy;
 
-constexpr double kRadius = 0.02, kStiffness = 1000.0;
-
-/// Noise as captures have it, relative to the spacing.
-ProceduralOptions noisy(std::uint64_t seed) {
-  ProceduralOptions options;
-  options.seed = seed;
-  options.spacing = 0.006;
-  options.noise = 0.0015;
-  options.tilt = 10.0 * std::numbers::pi / 180.0;
-  return options;
-}
-
-Tool ball() { return Tool{Vector3d::Constant(kRadius)}; }
+Tool ball_tool() { return Tool{Vector3d::Constant(kRadius)}; }
 
 /// A thing that moves, and a tool that stands still in its way.
 class MovingThing {
  public:
-  MovingThing(const std::string& shape, std::uint64_t seed, const Tool& tool = ball(),
+  MovingThing(const std::string& shape, std::uint64_t seed, const Tool& tool = ball_tool(),
               Lookahead* lookahead = nullptr)
       : surface(make_surface(shape)),
         index_(make_scene(*surface, noisy(seed)), SceneFilter{}, Similarity{}),
@@ -204,7 +195,7 @@ INSTANTIATE_TEST_SUITE_P(Proxy, OnMovingShapes,
 TEST(ProxyInAMovingScene, IsNotPassedWhereAnotherThreadLooksAhead) {
   for (const int rounds : {1, 7, 50}) {
     Lookahead lookahead;
-    MovingThing thing("box", 51, ball(), &lookahead);
+    MovingThing thing("box", 51, ball_tool(), &lookahead);
     thing.input.tool.position = {0.15 + kRadius - 0.003, 0.0, 0.0};
     double most = 0.0;
     for (int k = -300; k <= 300; ++k) {

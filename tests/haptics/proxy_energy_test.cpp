@@ -10,14 +10,16 @@
 
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/study/random.h>
+#include <support/ball_on_surface.h>
 #include <support/noisy_plane.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::kRadius;
 
-constexpr double kRadius = 0.02, kTick = 1e-3;
+constexpr double kTick = 1e-3;
 /// What may come out of a closed stroke. Unit: [J].
 constexpr double kMost = 1e-3;
 

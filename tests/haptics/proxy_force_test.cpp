@@ -17,6 +17,7 @@
 #include <palpate/study/procedural.h>
 #include <palpate/study/seen_surface.h>
 #include <support/allocation_guard.h>
+#include <support/ball_on_surface.h>
 #include <support/example_tools.h>
 #include <support/smooth_places.h>
 #include <support/splats.h>
@@ -26,18 +27,10 @@ namespace {
 
 using Eigen::Vector3d;
 using test::AllocationGuard;
-
-constexpr double kRadius = 0.02, kStiffness = 1000.0;
-
-/// Noise as captures have it, relative to the spacing.
-ProceduralOptions noisy(std::uint64_t seed, double spacing = 0.006) {
-  ProceduralOptions options;
-  options.seed = seed;
-  options.spacing = spacing;
-  options.noise = 0.0015;
-  options.tilt = 10.0 * std::numbers::pi / 180.0;
-  return options;
-}
+using test::everywhere;
+using test::kRadius;
+using test::kStiffness;
+using test::noisy;
 
 /// Without noise.
 ProceduralOptions even(double spacing) {
@@ -883,11 +876,6 @@ TEST(ProxyForce, AnOpenHandRestsOnAPlane) {
     EXPECT_LE(below_the_plane(part, felt.proxy), ProxyParameters::kDetailOfTool * part.semi_axes.minCoeff())
         << part.name;
   }
-}
-
-/// All that there is of a material.
-std::shared_ptr<const MaterialMap> everywhere(const Material& material) {
-  return std::make_shared<MaterialMap>(std::vector<MaterialRegion>{{MaterialRegion::Everywhere{}, material}});
 }
 
 // Pressed in and drawn out at 0.5 m/s with 40 N s/m, 20 N against a spring of 10 N at most.

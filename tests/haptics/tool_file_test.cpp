@@ -10,12 +10,14 @@
 #include <palpate/collision/k_function.h>
 #include <palpate/haptics/tool_file.h>
 #include <support/example_tools.h>
+#include <support/file_mistake.h>
 #include <support/temporary_file.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::FileMistake;
 using test::message_of;
 using test::TemporaryFile;
 using testing::AllOf;
@@ -61,16 +63,9 @@ TEST(ToolFile, IsReadAsTheToolItWasWrittenFrom) {
   }
 }
 
-/// A file with a mistake, the line where it is, and what the message must say.
-struct Mistake {
-  std::string text;
-  int line;
-  const char* words;
-};
-
 TEST(ToolFile, NamesEveryMistake) {
   const std::string named = "[[ellipsoid]]\nname = 'a'\n", sound = named + "semi_axes = [1, 1, 1]\n";
-  for (const auto& [text, line, words] : std::vector<Mistake>{
+  for (const auto& [text, line, words] : std::vector<FileMistake>{
            {"# nothing\n", 1, "'ellipsoid' is missing"},
            {"ellipsoid = 3", 1, "[[ellipsoid]]"},
            {"ellipsoid = [1, 2]", 1, "'ellipsoid' must be a table, not 1"},

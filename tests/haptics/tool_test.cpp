@@ -18,9 +18,8 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using test::Random;
 
-constexpr double kClose = 1e-12;
+constexpr double kRounding = 1e-12;
 
 Eigen::Quaterniond quarter_about(const Vector3d& axis) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, axis));
@@ -30,10 +29,10 @@ TEST(ToolPart, IsWhereThePosesOfToolAndPartTakeIt) {
   // In the tool frame the part's x is y, its y is -x. The tool turns y to z and z to -y.
   const ToolPart part{"part", {1, 2, 3}, {{1, 5, 0}, quarter_about(Vector3d::UnitZ())}};
   const Ellipsoid solid = part.at({{10, 0, 0}, quarter_about(Vector3d::UnitX())});
-  EXPECT_LE((solid.center - Vector3d(11, 0, 5)).norm(), kClose);
-  EXPECT_LE((solid.axes.col(0) - Vector3d(0, 0, 1)).norm(), kClose);
-  EXPECT_LE((solid.axes.col(1) - Vector3d(-2, 0, 0)).norm(), kClose);
-  EXPECT_LE((solid.axes.col(2) - Vector3d(0, -3, 0)).norm(), kClose);
+  EXPECT_LE((solid.center - Vector3d(11, 0, 5)).norm(), kRounding);
+  EXPECT_LE((solid.axes.col(0) - Vector3d(0, 0, 1)).norm(), kRounding);
+  EXPECT_LE((solid.axes.col(1) - Vector3d(-2, 0, 0)).norm(), kRounding);
+  EXPECT_LE((solid.axes.col(2) - Vector3d(0, -3, 0)).norm(), kRounding);
 }
 
 TEST(Tool, OfThreeNumbersIsAnEllipsoidOnTheHandle) {
@@ -46,7 +45,7 @@ TEST(Tool, OfThreeNumbersIsAnEllipsoidOnTheHandle) {
 }
 
 /// Points u of the unit sphere, the ends of its axes among them.
-std::vector<Vector3d> sphere_points(Random& random, int count) {
+std::vector<Vector3d> sphere_points(test::Random& random, int count) {
   std::vector<Vector3d> points;
   for (int k = 0; k < 3; ++k)
     for (const double sign : {1.0, -1.0}) points.emplace_back(sign * Vector3d::Unit(k));
@@ -55,7 +54,7 @@ std::vector<Vector3d> sphere_points(Random& random, int count) {
 }
 
 TEST(Tool, SizesAreThoseOfItsSurface) {
-  Random random(941);
+  test::Random random(941);
   const std::vector<Vector3d> sphere = sphere_points(random, 20000);
   for (const int count : {1, 2, 5, 20}) {
     const Tool tool = test::random_tool(random, count, 0.05);
@@ -71,11 +70,11 @@ TEST(Tool, SizesAreThoseOfItsSurface) {
         along = std::max(along, point.dot(n));
       }
     }
-    EXPECT_NEAR(tool.thinnest(), nearest, kClose);
-    EXPECT_NEAR(tool.longest(), farthest, kClose);
-    EXPECT_GE(tool.radius(), outermost - kClose);
+    EXPECT_NEAR(tool.thinnest(), nearest, kRounding);
+    EXPECT_NEAR(tool.longest(), farthest, kRounding);
+    EXPECT_GE(tool.radius(), outermost - kRounding);
     // 20000 points are some 0.025 apart; what lies between two of them stands out by half the square of that.
-    EXPECT_GE(tool.support(n), along - kClose);
+    EXPECT_GE(tool.support(n), along - kRounding);
     EXPECT_LE(tool.support(n), along + 1e-3 * tool.longest());
   }
 }
@@ -83,25 +82,25 @@ TEST(Tool, SizesAreThoseOfItsSurface) {
 TEST(Tool, RadiusReachesTheFarthestEnd) {
   const Tool tool({{"ball", {1, 1, 1}, {{0, 0, 2}, Eigen::Quaterniond::Identity()}},
                    {"needle", {4, 0.1, 0.1}, {{-3, 0, 0}, Eigen::Quaterniond::Identity()}}});
-  EXPECT_NEAR(tool.radius(), 7.0, kClose);
-  EXPECT_NEAR(tool.support(Vector3d::UnitX()), 1.0, kClose);
-  EXPECT_NEAR(tool.support(-Vector3d::UnitX()), 7.0, kClose);
-  EXPECT_NEAR(tool.support(-Vector3d::UnitZ()), 0.1, kClose);
+  EXPECT_NEAR(tool.radius(), 7.0, kRounding);
+  EXPECT_NEAR(tool.support(Vector3d::UnitX()), 1.0, kRounding);
+  EXPECT_NEAR(tool.support(-Vector3d::UnitX()), 7.0, kRounding);
+  EXPECT_NEAR(tool.support(-Vector3d::UnitZ()), 0.1, kRounding);
 }
 
 TEST(Tool, GyrationIsThatOfTheTextbook) {
   // A ball: 2/5 r^2 about every axis.
-  EXPECT_NEAR(Tool(Vector3d(3, 3, 3)).gyration(), 3.0 * std::sqrt(0.4), kClose);
+  EXPECT_NEAR(Tool(Vector3d(3, 3, 3)).gyration(), 3.0 * std::sqrt(0.4), kRounding);
   // An ellipsoid: (b^2 + c^2) / 5 about the first axis and so on; for 1, 2, 3 the mean of 13, 10, 5 fifths.
-  EXPECT_NEAR(Tool(Vector3d(1, 2, 3)).gyration(), std::sqrt(28.0 / 15.0), kClose);
+  EXPECT_NEAR(Tool(Vector3d(1, 2, 3)).gyration(), std::sqrt(28.0 / 15.0), kRounding);
   // Two balls on a rod along x: 2/5 about x, 2/5 + 4 about y and z.
   const Tool dumbbell({{"left", {1, 1, 1}, {{-2, 0, 0}, Eigen::Quaterniond::Identity()}},
                        {"right", {1, 1, 1}, {{2, 0, 0}, Eigen::Quaterniond::Identity()}}});
-  EXPECT_NEAR(dumbbell.gyration(), std::sqrt(46.0 / 15.0), kClose);
+  EXPECT_NEAR(dumbbell.gyration(), std::sqrt(46.0 / 15.0), kRounding);
 }
 
 TEST(Tool, GyrationIsThatOfItsPoints) {
-  Random random(942);
+  test::Random random(942);
   for (const int count : {1, 3, 12}) {
     const Tool tool = test::random_tool(random, count, 1.0);
     constexpr int kPoints = 100000;
@@ -122,7 +121,7 @@ TEST(Tool, GyrationIsThatOfItsPoints) {
 }
 
 /// Splats near the unit sphere.
-SceneIndex some_index(Random& random) {
+SceneIndex some_index(test::Random& random) {
   return {test::scene_of(test::sphere_of_splats(random, 5000)), SceneFilter{}, Similarity{}};
 }
 
@@ -134,7 +133,7 @@ void expect_same(const Contact& a, const Contact& b) {
 }
 
 TEST(ToolQuery, HasTheContactsOfEveryPart) {
-  Random random(943);
+  test::Random random(943);
   const SceneIndex index = some_index(random);
   ContactSet all, of_part;
   std::size_t seen = 0;
@@ -162,7 +161,7 @@ TEST(ToolQuery, HasTheContactsOfEveryPart) {
 }
 
 TEST(ToolTracker, FindsWhatAFreshQueryDoes) {
-  Random random(944);
+  test::Random random(944);
   const SceneIndex index = some_index(random);
   const Tool tool = test::random_tool(random, 6, 0.1);
   ToolTracker tracker(index, tool);
@@ -190,7 +189,7 @@ TEST(ToolTracker, FindsWhatAFreshQueryDoes) {
 // meets the bound has some, and those after it none.
 TEST(ToolTracker, OfSoManyPairsFindsThoseThatComeFirst) {
   constexpr std::size_t kBuffer = 256;  // by as many it may be exceeded
-  Random random(945);
+  test::Random random(945);
   const SceneIndex index(test::scene_of(test::sphere_of_splats(random, 20000)), SceneFilter{}, Similarity{});
   std::vector<ToolPart> balls;
   for (const double y : {-0.3, 0.0, 0.3})

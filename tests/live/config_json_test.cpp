@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string refusal(const std::string& wanted) {
+std::string refusal_of_change(const std::string& wanted) {
   LiveConfig config;
   return message_of<Refusal>([&] { change_settings(config, decode_json(wanted)); });
 }
@@ -52,19 +52,20 @@ TEST(ConfigJson, ChangesWhatIsNamed) {
 }
 
 TEST(ConfigJson, RefusesWhatIsUnknownOrOutOfRange) {
-  EXPECT_EQ(refusal(R"({"stifness": 1})"),
+  EXPECT_EQ(refusal_of_change(R"({"stifness": 1})"),
             "parameters has no 'stifness'; it has detail, filter, friction, model, registration, room, "
             "stiffness, tool");
-  EXPECT_EQ(refusal(R"({"filter": {"iso": 0.5}})"), "filter has no 'iso'; it has opacity_min, sigma");
-  EXPECT_THAT(refusal(R"({"filter.sigma": 2})"), HasSubstr("has no 'filter.sigma'"));
-  EXPECT_EQ(refusal(R"({"filter": 1})"), "'filter' must be an object");
-  EXPECT_EQ(refusal(R"({"model": "mesh"})"), "'model' must be one of proxy, field, density");
-  EXPECT_EQ(refusal(R"({"detail": 11})"), "'detail' must be a number from 0 to 10");
-  EXPECT_EQ(refusal(R"({"registration": {"mirrored": 1}})"), "'mirrored' must be true or false");
-  EXPECT_EQ(refusal(R"({"room": {"rotation": [0, 0, 0, 0]}})"),
+  EXPECT_EQ(refusal_of_change(R"({"filter": {"iso": 0.5}})"),
+            "filter has no 'iso'; it has opacity_min, sigma");
+  EXPECT_THAT(refusal_of_change(R"({"filter.sigma": 2})"), HasSubstr("has no 'filter.sigma'"));
+  EXPECT_EQ(refusal_of_change(R"({"filter": 1})"), "'filter' must be an object");
+  EXPECT_EQ(refusal_of_change(R"({"model": "mesh"})"), "'model' must be one of proxy, field, density");
+  EXPECT_EQ(refusal_of_change(R"({"detail": 11})"), "'detail' must be a number from 0 to 10");
+  EXPECT_EQ(refusal_of_change(R"({"registration": {"mirrored": 1}})"), "'mirrored' must be true or false");
+  EXPECT_EQ(refusal_of_change(R"({"room": {"rotation": [0, 0, 0, 0]}})"),
             "'rotation': the quaternion qw,qx,qy,qz must have a norm between 1e-6 and 1e6");
-  EXPECT_EQ(refusal(R"({"room": {"translation": [0, 0]}})"), "'translation' must be 3 numbers");
-  EXPECT_THAT(refusal(R"({"tool": [{"semi_axes": [0, 1, 1]}]})"), HasSubstr("'semi_axes' must be"));
+  EXPECT_EQ(refusal_of_change(R"({"room": {"translation": [0, 0]}})"), "'translation' must be 3 numbers");
+  EXPECT_THAT(refusal_of_change(R"({"tool": [{"semi_axes": [0, 1, 1]}]})"), HasSubstr("'semi_axes' must be"));
 }
 
 }  // namespace

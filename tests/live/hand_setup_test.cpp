@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string refusal(const std::vector<std::string>& texts) {
+std::string refusal_of_hands(const std::vector<std::string>& texts) {
   return message_of<Error>([&] { read_hands(texts, {}); });
 }
 
@@ -53,18 +53,18 @@ TEST(HandSetup, SceneAndGatewayAreForAll) {
   for (const std::string line :
        {"scene = \"other.ply\"", "opacity-min = 0.5", "no-index-file = true", "port = 0"}) {
     const TemporaryFile file("friction = 0.1\n" + line + "\n", "left.toml");
-    EXPECT_THAT(refusal({"left=" + file.path()}),
+    EXPECT_THAT(refusal_of_hands({"left=" + file.path()}),
                 HasSubstr(file.path() + ": line 2: '" + line.substr(0, line.find(' '))));
   }
 }
 
 TEST(HandSetup, RefusesWhatCannotBe) {
-  EXPECT_THAT(refusal({"left", "left"}), HasSubstr("two hands called 'left'"));
-  EXPECT_THAT(refusal({"config"}), HasSubstr("'config'"));
-  EXPECT_THAT(refusal({"left=/nowhere.toml"}), HasSubstr("/nowhere.toml"));
+  EXPECT_THAT(refusal_of_hands({"left", "left"}), HasSubstr("two hands called 'left'"));
+  EXPECT_THAT(refusal_of_hands({"config"}), HasSubstr("'config'"));
+  EXPECT_THAT(refusal_of_hands({"left=/nowhere.toml"}), HasSubstr("/nowhere.toml"));
   std::vector<std::string> many;
   for (std::size_t k = 0; k < kMostHands; ++k) many.push_back("h" + std::to_string(k));
-  EXPECT_THAT(refusal(many), HasSubstr("64 hands at most"));
+  EXPECT_THAT(refusal_of_hands(many), HasSubstr("64 hands at most"));
 }
 
 }  // namespace

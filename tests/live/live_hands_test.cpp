@@ -148,15 +148,15 @@ void expect_same(const std::map<double, Wrench>& a, const std::map<double, Wrenc
   EXPECT_GT(compared, kEnough / 4);
 }
 
-const Tool& ball() {
+const Tool& large_ball() {
   static const Tool tool(Eigen::Vector3d::Constant(0.042));
   return tool;
 }
 
 TEST(LiveHands, EachFeelsWhatItWouldFeelAlone) {
-  const auto first_alone = felt_alone(field_config()), ball_alone = felt_alone(field_config(ball()));
+  const auto first_alone = felt_alone(field_config()), ball_alone = felt_alone(field_config(large_ball()));
   LiveHands hands(setups(hand("", field_config(), std::make_unique<Stepper>()),
-                         hand("ball", field_config(ball()), std::make_unique<Stepper>())));
+                         hand("ball", field_config(large_ball()), std::make_unique<Stepper>())));
   EXPECT_EQ(hands.all()[1].system->scene().index, hands.first().scene().index);
   Felt first, other;
   hands.start({{&first}, {&other}});
@@ -235,7 +235,7 @@ TEST(LiveHands, StopsAllOrOne) {
 TEST(LiveHands, FollowTheFirstToAnotherScene) {
   const TemporaryFile sphere(ply_bytes(make_scene(*make_surface("sphere"), {}), "ball"), "ball.ply");
   LiveHands hands(setups(hand("", field_config(), std::make_unique<Stepper>()),
-                         hand("ball", field_config(ball()), std::make_unique<Stepper>())));
+                         hand("ball", field_config(large_ball()), std::make_unique<Stepper>())));
   LiveSystem &first = hands.first(), &other = *hands.all()[1].system;
   LiveView view, other_view;
   hands.start({{&view}, {&other_view}});
@@ -249,7 +249,7 @@ TEST(LiveHands, FollowTheFirstToAnotherScene) {
   EXPECT_EQ(other.felt()->path(), sphere.path());
   EXPECT_EQ(other.felt()->index(), first.felt()->index());
   EXPECT_EQ(other.settings().scene, first.settings().scene);
-  EXPECT_EQ(other.felt()->tool(), ball());
+  EXPECT_EQ(other.felt()->tool(), large_ball());
 
   first.change([](LiveConfig& config) { config.scene.registration.scale = 2.0; });
   EXPECT_TRUE(comes_true([&] { return other.settings().scene.registration.scale == 2.0; }));

@@ -10,18 +10,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <support/cbor.h>
+
 namespace palpate {
 namespace {
 
+using test::cbor_of;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-std::string cbor_of(const Json& value) {
-  const std::vector<std::uint8_t> encoded = Json::to_cbor(value);
-  return {encoded.begin(), encoded.end()};
-}
 
 class HubTest : public testing::Test {
  protected:

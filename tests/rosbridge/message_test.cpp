@@ -3,17 +3,18 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <support/cbor.h>
 #include <support/random_pairs.h>
 #include <support/temporary_file.h>
 
 namespace palpate {
 namespace {
 
+using test::cbor_of;
 using test::message_of;
 using test::Random;
 using testing::HasSubstr;
@@ -28,11 +29,6 @@ std::string bytes(std::initializer_list<int> values) {
   std::string result;
   for (const int value : values) result += static_cast<char>(value);
   return result;
-}
-
-std::string cbor_of(const Json& value) {
-  const std::vector<std::uint8_t> encoded = Json::to_cbor(value);
-  return {encoded.begin(), encoded.end()};
 }
 
 std::string refusal_of_json(const std::string& text) {

@@ -32,7 +32,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 /// Longer than anything takes, so that a test fails rather than hangs.
-constexpr double kLong = 60.0;
+constexpr double kLongestWait = 60.0;
 
 struct Key {
   explicit Key(EVP_PKEY* made = EVP_EC_gen("P-256")) : key(made) {}
@@ -81,7 +81,7 @@ std::string certificate_of(const Key& key) {
 }
 
 void limit_waiting(int socket) {
-  timeval limit{static_cast<time_t>(kLong), 0};
+  timeval limit{static_cast<time_t>(kLongestWait), 0};
   ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   ::setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
 }
@@ -129,7 +129,7 @@ class Socket {
     char byte = 0;
     const double begin = monotonic_now();
     const ssize_t n = ::recv(descriptor_, &byte, 1, 0);
-    EXPECT_LT(monotonic_now() - begin, 0.9 * kLong) << "it stays open";
+    EXPECT_LT(monotonic_now() - begin, 0.9 * kLongestWait) << "it stays open";
     return n <= 0;
   }
 
@@ -215,7 +215,7 @@ class TlsRelayTest : public testing::Test {
   /// The server's end of the last connection.
   int plain() {
     std::future<int> future = plain_.back().get_future();
-    EXPECT_EQ(future.wait_for(std::chrono::duration<double>(kLong)), std::future_status::ready);
+    EXPECT_EQ(future.wait_for(std::chrono::duration<double>(kLongestWait)), std::future_status::ready);
     return future.get();
   }
 

@@ -7,13 +7,11 @@
 
 #include <palpate/scene/gaussian_scene.h>
 
+#include "support/not_finite.h"
 #include "support/splats.h"
 
 namespace palpate::test {
 namespace {
-
-constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// One sound Gaussian in INRIA's encodings.
 GaussianScene sound() {
@@ -68,7 +66,8 @@ TEST(GaussianScene, ActivatesLinearEncodings) {
 
 TEST(GaussianScene, ExtremeLogitsAreLegal) {
   GaussianScene scene = sound();
-  for (const auto& [logit, alpha] : {std::pair{kInf, 1.0}, {-kInf, 0.0}, {800.0F, 1.0}, {-800.0F, 0.0}}) {
+  for (const auto& [logit, alpha] :
+       {std::pair{kFloatInfinity, 1.0}, {-kFloatInfinity, 0.0}, {800.0F, 1.0}, {-800.0F, 0.0}}) {
     scene.opacity[0] = logit;
     EXPECT_EQ(scene.gaussian(0).opacity, alpha);
     EXPECT_EQ(defect(scene, 0), Defect::kNone);
@@ -94,17 +93,17 @@ TEST(Defect, ASoundGaussianHasNone) { EXPECT_EQ(defect(sound(), 0), Defect::kNon
 TEST(Defect, NanInAnyNumber) {
   for (std::size_t k = 0; k < 11; ++k) {
     GaussianScene scene = sound();
-    numbers_of(scene)[k].get() = kNan;
+    numbers_of(scene)[k].get() = kFloatNan;
     EXPECT_EQ(defect(scene, 0), Defect::kNan) << k;
   }
   GaussianScene scene = sound();
-  scene.filter_3d = {kNan};
+  scene.filter_3d = {kFloatNan};
   EXPECT_EQ(defect(scene, 0), Defect::kNan);
 }
 
 TEST(Defect, InfinityInAnyNumberButTheOpacity) {
   for (std::size_t k = 0; k < 10; ++k) {
-    for (const float infinity : {kInf, -kInf}) {
+    for (const float infinity : {kFloatInfinity, -kFloatInfinity}) {
       GaussianScene scene = sound();
       numbers_of(scene)[k].get() = infinity;
       const bool log_of_zero = infinity < 0 && k >= 3 && k < 6;
@@ -112,7 +111,7 @@ TEST(Defect, InfinityInAnyNumberButTheOpacity) {
     }
   }
   GaussianScene scene = sound();
-  scene.filter_3d = {kInf};
+  scene.filter_3d = {kFloatInfinity};
   EXPECT_EQ(defect(scene, 0), Defect::kInfinite);
 }
 
@@ -142,7 +141,7 @@ TEST(Defect, ZeroQuaternion) {
 TEST(Defect, ZeroScaleIsAllThree) {
   GaussianScene scene = sound();
   for (const int axis : {0, 1}) {
-    scene.scale[0][axis] = -kInf;
+    scene.scale[0][axis] = -kFloatInfinity;
     EXPECT_EQ(defect(scene, 0), Defect::kNone);
   }
   scene.scale[0][2] = -1000.0F;  // underflows
@@ -152,11 +151,11 @@ TEST(Defect, ZeroScaleIsAllThree) {
 TEST(Defect, TheFirstInOrderCounts) {
   GaussianScene scene = sound();
   scene.rotation[0].setZero();
-  scene.scale[0].setConstant(-kInf);
+  scene.scale[0].setConstant(-kFloatInfinity);
   EXPECT_EQ(defect(scene, 0), Defect::kZeroQuaternion);
-  scene.position[0].x() = kInf;
+  scene.position[0].x() = kFloatInfinity;
   EXPECT_EQ(defect(scene, 0), Defect::kInfinite);
-  scene.opacity[0] = kNan;
+  scene.opacity[0] = kFloatNan;
   EXPECT_EQ(defect(scene, 0), Defect::kNan);
 }
 

@@ -1,16 +1,14 @@
 // The lint report of scenes whose every figure is known by hand.
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include <palpate/scene/lint.h>
 
+#include "support/not_finite.h"
 #include "support/splats.h"
 
 namespace palpate::test {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// 101 Gaussians at x = 0, 1, .. 100, alpha = k/255, longest sigma 0.01 k + 1, shortest 0.001 k + 0.1.
 GaussianScene ladder() {
@@ -72,11 +70,11 @@ TEST(Lint, CountsDiscsAndNeedlesAsFlat) {
 
 TEST(Lint, DefectsCountNowhereElse) {
   GaussianScene scene = ladder();
-  scene.position[0].x() = kNan;
+  scene.position[0].x() = kFloatNan;
   scene.position[1].x() = -1e30F;
   scene.rotation[2].setZero();
   scene.scale[3].setZero();
-  scene.position[100].y() = std::numeric_limits<float>::infinity();
+  scene.position[100].y() = kFloatInfinity;
   const LintReport report = lint(scene);
   EXPECT_EQ(report.total, 101U);
   EXPECT_EQ(report.defects, (std::array<std::size_t, kDefectCount>{96, 1, 2, 1, 1}));

@@ -23,7 +23,7 @@ std::string splat_bytes() {
   return bytes + std::string("\x01\x02\x03\xff\xff\x80\x80\x80");
 }
 
-std::string refusal(const std::string& bytes, const std::string& name) {
+std::string refusal_of_file(const std::string& bytes, const std::string& name) {
   const TemporaryFile file(bytes, name);
   const std::string message = message_of<Error>([&] { load_scene(file.path()); });
   EXPECT_THAT(message, HasSubstr(file.path()));
@@ -48,29 +48,29 @@ TEST(LoadScene, TellsASplatByItsExtensionInAnyCase) {
 }
 
 TEST(LoadScene, DoesNotTakeASplatForAPly) {
-  EXPECT_THAT(refusal(splat_bytes(), "a.ply"), HasSubstr("not a .ply"));
-  EXPECT_THAT(refusal(splat_bytes(), "a.PLY"), HasSubstr("not a .ply"));
-  EXPECT_THAT(refusal(splat_bytes(), "a.bin"), HasSubstr("neither .ply nor .splat"));
-  EXPECT_THAT(refusal("plyx", "a.ply"), HasSubstr("not a .ply"));
-  EXPECT_THAT(refusal("ply", "a.ply"), HasSubstr("not a .ply"));
+  EXPECT_THAT(refusal_of_file(splat_bytes(), "a.ply"), HasSubstr("not a .ply"));
+  EXPECT_THAT(refusal_of_file(splat_bytes(), "a.PLY"), HasSubstr("not a .ply"));
+  EXPECT_THAT(refusal_of_file(splat_bytes(), "a.bin"), HasSubstr("neither .ply nor .splat"));
+  EXPECT_THAT(refusal_of_file("plyx", "a.ply"), HasSubstr("not a .ply"));
+  EXPECT_THAT(refusal_of_file("ply", "a.ply"), HasSubstr("not a .ply"));
 }
 
 TEST(LoadScene, NamesTheFormatsItCannotRead) {
-  EXPECT_THAT(refusal("\x1f\x8b\x08 gzip", "a.spz"), HasSubstr("gzip"));
-  EXPECT_THAT(refusal("\x1f\x8b\x08 gzip", "a.ply"), HasSubstr("gzip"));
-  EXPECT_THAT(refusal("PK\x03\x04 zip", "a.sog"), HasSubstr("zip"));
-  EXPECT_THAT(refusal("glTF binary", "a.glb"), HasSubstr("glTF"));
-  EXPECT_THAT(refusal("{\"means\":1}", "meta.json"), HasSubstr("JSON"));
-  EXPECT_THAT(refusal("NGSP rest", "a.spz"), HasSubstr("SPZ"));
-  EXPECT_THAT(refusal("ply\nformat binary_little_endian 1.0\nelement chunk 0\nproperty float min_x\n"
-                      "element vertex 1\nproperty uint packed_position\nend_header\n\0\0\0\0",
-                      "a.compressed.ply"),
+  EXPECT_THAT(refusal_of_file("\x1f\x8b\x08 gzip", "a.spz"), HasSubstr("gzip"));
+  EXPECT_THAT(refusal_of_file("\x1f\x8b\x08 gzip", "a.ply"), HasSubstr("gzip"));
+  EXPECT_THAT(refusal_of_file("PK\x03\x04 zip", "a.sog"), HasSubstr("zip"));
+  EXPECT_THAT(refusal_of_file("glTF binary", "a.glb"), HasSubstr("glTF"));
+  EXPECT_THAT(refusal_of_file("{\"means\":1}", "meta.json"), HasSubstr("JSON"));
+  EXPECT_THAT(refusal_of_file("NGSP rest", "a.spz"), HasSubstr("SPZ"));
+  EXPECT_THAT(refusal_of_file("ply\nformat binary_little_endian 1.0\nelement chunk 0\nproperty float min_x\n"
+                              "element vertex 1\nproperty uint packed_position\nend_header\n\0\0\0\0",
+                              "a.compressed.ply"),
               HasSubstr("compressed"));
 }
 
 TEST(LoadScene, RefusesWhatIsNotAFileOfSomething) {
-  EXPECT_THAT(refusal("", "a.ply"), HasSubstr("is empty"));
-  EXPECT_THAT(refusal("", "a.splat"), HasSubstr("is empty"));
+  EXPECT_THAT(refusal_of_file("", "a.ply"), HasSubstr("is empty"));
+  EXPECT_THAT(refusal_of_file("", "a.splat"), HasSubstr("is empty"));
   const TemporaryFile file("x");
   const auto message = [](const std::string& path) { return message_of<Error>([&] { load_scene(path); }); };
   EXPECT_THAT(message(file.folder() / "missing.ply"), HasSubstr("No such file"));

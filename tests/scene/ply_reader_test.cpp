@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include <palpate/base/error.h>
 #include <palpate/scene/ply_reader.h>
 
+#include "support/not_finite.h"
 #include "support/ply_builder.h"
 #include "support/temporary_file.h"
 
@@ -19,9 +19,6 @@ namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 GaussianScene read_bytes(const std::string& bytes) {
   const TemporaryFile file(bytes, "scene.ply");
@@ -145,10 +142,10 @@ TEST(PlyReader, TakesTheNumberFormsOfAscii) {
   const GaussianScene scene =
       read_bytes(ascii_with(" \t+1.5  -2.5e0\t.5 1e999 -1e999 1e-999 -inf nan +inf 1 0 \r\n"));
   EXPECT_EQ(scene.position[0], Eigen::Vector3f(1.5F, -2.5F, 0.5F));
-  EXPECT_EQ(scene.opacity[0], kInf);
-  EXPECT_EQ(scene.scale[0], Eigen::Vector3f(-kInf, 0.0F, -kInf));
+  EXPECT_EQ(scene.opacity[0], kInfinity);
+  EXPECT_EQ(scene.scale[0], Eigen::Vector3f(-kInfinity, 0.0F, -kInfinity));
   EXPECT_TRUE(std::isnan(scene.rotation[0][0]));
-  EXPECT_EQ(scene.rotation[0][1], kInf);
+  EXPECT_EQ(scene.rotation[0][1], kInfinity);
 }
 
 TEST(PlyReader, SkipsBlankLinesAndEndsWithoutANewline) {
@@ -344,7 +341,7 @@ TEST(PlyReader, DoesWithoutNormalsAndColour) {
 TEST(PlyReader, ClampsColours) {
   PlyFile file = inria_file(1);
   file.rows[0]["f_dc_0"] = 1e30;
-  file.rows[0]["f_dc_1"] = -kInf;
+  file.rows[0]["f_dc_1"] = -kInfinity;
   file.rows[0]["f_dc_2"] = kNan;
   EXPECT_EQ(read(file).color[0], (std::array<std::uint8_t, 3>{255, 0, 0}));
 }
@@ -408,9 +405,9 @@ TEST(PlyReader, AppliesTheFilterOfMipSplatting) {
 
 TEST(PlyReader, KeepsWhatOnlyActivationMakesFinite) {
   PlyFile file = inria_file(3);
-  file.rows[0]["opacity"] = kInf;
-  file.rows[1]["opacity"] = -kInf;
-  file.rows[2]["scale_1"] = -kInf;
+  file.rows[0]["opacity"] = kInfinity;
+  file.rows[1]["opacity"] = -kInfinity;
+  file.rows[2]["scale_1"] = -kInfinity;
   const GaussianScene scene = read(file);
   EXPECT_EQ(scene.gaussian(0).opacity, 1.0);
   EXPECT_EQ(scene.gaussian(1).opacity, 0.0);
@@ -535,7 +532,7 @@ PlyFile with_positions(const std::vector<Eigen::Vector3d>& positions) {
 /// Largest error allowed for a coordinate: the float spacing at its distance from the origin.
 double float_ulp(double offset) {
   const float a = static_cast<float>(std::abs(offset));
-  return std::nextafter(a, std::numeric_limits<float>::infinity()) - a;
+  return std::nextafter(a, kFloatInfinity) - a;
 }
 
 TEST(PlyReader, KeepsGeoreferencedPositionsToAFloatOfTheirOffset) {
@@ -554,7 +551,7 @@ TEST(PlyReader, KeepsGeoreferencedPositionsToAFloatOfTheirOffset) {
 }
 
 TEST(PlyReader, LeavesPositionsThatFloatHoldsAlone) {
-  const GaussianScene scene = read(with_positions({{1.5, -2.25, 1e6}, {0.0, kInf, 3.0}, {kNan, 0, 0}}));
+  const GaussianScene scene = read(with_positions({{1.5, -2.25, 1e6}, {0.0, kInfinity, 3.0}, {kNan, 0, 0}}));
   EXPECT_EQ(scene.origin, Eigen::Vector3d::Zero());
   EXPECT_EQ(scene.position[0], Eigen::Vector3f(1.5F, -2.25F, 1e6F));
   EXPECT_EQ(defect(scene, 1), Defect::kInfinite);
@@ -563,7 +560,7 @@ TEST(PlyReader, LeavesPositionsThatFloatHoldsAlone) {
 
 TEST(PlyReader, IsNotThrownOffByAStrayPositionInDoublePrecision) {
   // One stray Gaussian, wherever it stands in the file, must not cost the others their digits.
-  for (const double stray : {1e7, -3e9, 1e30, 1e300, kInf, kNan}) {
+  for (const double stray : {1e7, -3e9, 1e30, 1e300, kInfinity, kNan}) {
     for (const std::size_t at : {std::size_t{0}, std::size_t{2}, std::size_t{4}}) {
       SCOPED_TRACE(fmt::format("{} at row {}", stray, at));
       std::vector<Eigen::Vector3d> positions{

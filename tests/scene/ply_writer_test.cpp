@@ -1,7 +1,6 @@
 // What is written is INRIA's layout, and reads back as it was.
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <random>
 #include <string>
 
@@ -11,13 +10,12 @@
 #include <palpate/scene/load_scene.h>
 #include <palpate/scene/ply_writer.h>
 
+#include "support/not_finite.h"
 #include "support/splats.h"
 #include "support/temporary_file.h"
 
 namespace palpate::test {
 namespace {
-
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 GaussianScene written_and_read(const GaussianScene& scene) {
   const TemporaryFile file("", "out.ply");
@@ -84,8 +82,8 @@ TEST(PlyWriter, BakesTheOriginAndTheFilterIn) {
 
 TEST(PlyWriter, KeepsExactZerosAndOnes) {
   GaussianScene scene = random_scene(3);
-  scene.opacity = {kInf, -kInf, 0.0F};
-  scene.scale[2] = {-1.0F, -kInf, -2.0F};
+  scene.opacity = {kFloatInfinity, -kFloatInfinity, 0.0F};
+  scene.scale[2] = {-1.0F, -kFloatInfinity, -2.0F};
   const GaussianScene back = written_and_read(scene);
   EXPECT_EQ(back.gaussian(0).opacity, 1.0);
   EXPECT_EQ(back.gaussian(1).opacity, 0.0);
@@ -103,10 +101,10 @@ TEST(PlyWriter, KeepsEveryColour) {
 
 TEST(PlyWriter, DefectsStayDefects) {
   GaussianScene scene = random_scene(4);
-  scene.position[0].x() = std::numeric_limits<float>::quiet_NaN();
-  scene.position[1].y() = kInf;
-  scene.scale[2].setConstant(-kInf);
-  scene.scale[3].x() = kInf;
+  scene.position[0].x() = kFloatNan;
+  scene.position[1].y() = kFloatInfinity;
+  scene.scale[2].setConstant(-kFloatInfinity);
+  scene.scale[3].x() = kFloatInfinity;
   const GaussianScene back = written_and_read(scene);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NE(defect(back, i), Defect::kNone) << i;
 }

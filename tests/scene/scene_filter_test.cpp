@@ -10,12 +10,11 @@
 
 #include <palpate/scene/scene_filter.h>
 
+#include "support/not_finite.h"
 #include "support/splats.h"
 
 namespace palpate::test {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<std::uint32_t> kept_ids(const GaussianScene& scene, const SceneFilter& filter,
                                     const Similarity& registration = {}) {
@@ -87,7 +86,7 @@ GaussianScene mixed_scene(std::size_t count) {
   scene.color.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     scene.color[k] = {static_cast<std::uint8_t>(k % 256), static_cast<std::uint8_t>(k / 256), 0};
-    if (k % 13 == 0) scene.position[k].y() = kNan;
+    if (k % 13 == 0) scene.position[k].y() = kFloatNan;
     if (k % 17 == 0) scene.scale[k].setZero();
     if (k % 19 == 0) scene.position[k].z() = 1e30F;
   }

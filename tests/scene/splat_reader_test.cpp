@@ -23,14 +23,15 @@ std::string record(std::initializer_list<double> numbers, std::initializer_list<
   return out;
 }
 
-GaussianScene read(const std::string& bytes) {
+GaussianScene read_records(const std::string& bytes) {
   const TemporaryFile file(bytes, "scene.splat");
   return read_splat(InputFile(file.path()));
 }
 
 TEST(SplatReader, ReadsARecordByHand) {
-  const GaussianScene scene = read(record({1.5, -2, 3, 0.1, 0.2, 0.4}, {10, 128, 255, 51, 255, 0, 128, 192}) +
-                                   record({7, 8, 9, 1, 1, 0}, {0, 0, 0, 255, 128, 128, 128, 255}));
+  const GaussianScene scene =
+      read_records(record({1.5, -2, 3, 0.1, 0.2, 0.4}, {10, 128, 255, 51, 255, 0, 128, 192}) +
+                   record({7, 8, 9, 1, 1, 0}, {0, 0, 0, 255, 128, 128, 128, 255}));
   ASSERT_EQ(scene.size(), 2U);
   EXPECT_EQ(scene.id[1], 1U);
   EXPECT_EQ(scene.position[0], Eigen::Vector3f(1.5F, -2, 3));
@@ -51,10 +52,10 @@ TEST(SplatReader, ReadsARecordByHand) {
 
 TEST(SplatReader, FindsDefects) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const GaussianScene scene = read(record({nan, 0, 0, 1, 1, 1}, {0, 0, 0, 9, 255, 128, 128, 128}) +
-                                   record({0, 0, 0, 1, 1, 1}, {0, 0, 0, 9, 128, 128, 128, 128}) +
-                                   record({0, 0, 0, 0, 0, 0}, {0, 0, 0, 9, 255, 128, 128, 128}) +
-                                   record({0, 0, 0, 1e30, 1, 1}, {0, 0, 0, 9, 255, 128, 128, 128}));
+  const GaussianScene scene = read_records(record({nan, 0, 0, 1, 1, 1}, {0, 0, 0, 9, 255, 128, 128, 128}) +
+                                           record({0, 0, 0, 1, 1, 1}, {0, 0, 0, 9, 128, 128, 128, 128}) +
+                                           record({0, 0, 0, 0, 0, 0}, {0, 0, 0, 9, 255, 128, 128, 128}) +
+                                           record({0, 0, 0, 1e30, 1, 1}, {0, 0, 0, 9, 255, 128, 128, 128}));
   EXPECT_EQ(defect(scene, 0), Defect::kNan);
   EXPECT_EQ(defect(scene, 1), Defect::kZeroQuaternion);
   EXPECT_EQ(defect(scene, 2), Defect::kZeroScale);
@@ -78,7 +79,7 @@ TEST(SplatReader, FindsRecordsAcrossItsReadBuffers) {
   std::string bytes;
   for (int k = 0; k < kCount; ++k)
     bytes += record({k * 1.0, 0, 0, 1, 1, 1}, {0, 0, 0, 9, 255, 128, 128, 128});
-  const GaussianScene scene = read(bytes);
+  const GaussianScene scene = read_records(bytes);
   ASSERT_EQ(scene.size(), static_cast<std::size_t>(kCount));
   for (std::size_t k = 0; k < scene.size(); ++k) {
     ASSERT_EQ(scene.position[k].x(), static_cast<float>(k));

@@ -8,17 +8,15 @@
 #include <gtest/gtest.h>
 
 #include <support/allocation_guard.h>
+#include <support/tick.h>
+#include <support/uniform.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kTick = 1e-3;
-
-double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
-}
+using test::kTick;
+using test::uniform;
 
 MotionLimits wide() {
   MotionLimits limits;

@@ -11,14 +11,14 @@
 
 #include <palpate/servo/safety_governor.h>
 #include <support/effort.h>
+#include <support/tick.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
 using test::is_long;
-
-constexpr double kTick = 1e-3;
+using test::kTick;
 
 /// What may happen. The first kFaultCount - 1 are stop(), of each fault.
 enum class Event : std::uint8_t {
@@ -192,7 +192,7 @@ class Witness {
 /// Long enough for a fall, the way back and the gate.
 constexpr double kUntil = 0.8;
 
-void hold(const std::vector<Step>& steps, std::uint32_t seed) {
+void check_sequence(const std::vector<Step>& steps, std::uint32_t seed) {
   Witness witness(seed);
   witness.begin();
   const std::string wrong = witness.go(steps, steps.back().t + kUntil);
@@ -205,7 +205,7 @@ TEST(FaultComposition, PairsAtEveryOffset) {
   for (const Event first : events())
     for (const Event second : events())
       for (int offset = static_cast<int>(seed % every); offset <= 150; offset += every)
-        ASSERT_NO_FATAL_FAILURE(hold({{0.0, first}, {1e-3 * offset, second}}, ++seed));
+        ASSERT_NO_FATAL_FAILURE(check_sequence({{0.0, first}, {1e-3 * offset, second}}, ++seed));
 }
 
 TEST(FaultComposition, TriplesAtAnyOffset) {
@@ -218,7 +218,8 @@ TEST(FaultComposition, TriplesAtAnyOffset) {
       for (const Event third : events())
         for (int k = 0; k < times; ++k) {
           const double to_second = offset(), to_third = to_second + offset();
-          ASSERT_NO_FATAL_FAILURE(hold({{0.0, first}, {to_second, second}, {to_third, third}}, ++seed));
+          ASSERT_NO_FATAL_FAILURE(
+              check_sequence({{0.0, first}, {to_second, second}, {to_third, third}}, ++seed));
         }
 }
 

@@ -1,17 +1,17 @@
 // What a force sensor says, without what no hand can do.
 #include <palpate/servo/force_sensor_guard.h>
 
-#include <limits>
-
 #include <gtest/gtest.h>
+
+#include <support/not_finite.h>
+#include <support/tick.h>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kTick = 1e-3;
-const double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
+using test::kTick;
 
 ForceSensorLimits limits() {
   ForceSensorLimits l;

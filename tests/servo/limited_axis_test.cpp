@@ -6,15 +6,15 @@
 
 #include <gtest/gtest.h>
 
+#include <support/uniform.h>
+
 namespace palpate {
 namespace {
 
+using test::uniform;
+
 constexpr double kRounding = 1e-9;
 const AxisLimits kLimits{300.0, 6.0, 1.2, -0.5, 0.8};
-
-double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
-}
 
 void check(const AxisState& s, const AxisState& before, const AxisLimits& l, double dt) {
   ASSERT_GE(s.position, l.lower - kRounding);

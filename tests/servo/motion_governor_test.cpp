@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -11,12 +10,14 @@
 #include <gtest/gtest.h>
 
 #include <support/allocation_guard.h>
+#include <support/not_finite.h>
+#include <support/tick.h>
 
 namespace palpate {
 namespace {
 
-constexpr double kTick = 1e-3;
-const double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
+using test::kTick;
 
 MotionSafety safety() {
   MotionSafety s;
@@ -106,8 +107,7 @@ TEST_F(MotionGovernorTest, EveryFaultBringsTheHandleToRestInTimeAndComesBackThro
       {"hand", Fault::kChanging,
        [](MotionReading& r) { r.hand = static_cast<std::uint32_t>(std::lround(1e3 * r.t)); }},
       {"force", Fault::kForceSensor, [](MotionReading& r) { r.user.force.z() = kNan; }},
-      {"torque", Fault::kForceSensor,
-       [](MotionReading& r) { r.user.torque.z() = std::numeric_limits<double>::infinity(); }},
+      {"torque", Fault::kForceSensor, [](MotionReading& r) { r.user.torque.z() = test::kInfinity; }},
       {"spikes", Fault::kForceSensor,
        [](MotionReading& r) { r.user.force.x() += (std::lround(1e3 * r.t) % 2) != 0 ? 2e5 : -2e5; }},
       {"dropout", Fault::kForceSensor, [](MotionReading& r) { r.user_t = 0.5; }},

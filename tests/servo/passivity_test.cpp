@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double kPeriod = 1e-3;
 
 /// A wall at z = 0 that is a spring.
-struct Wall {
+struct SpringWall {
   double stiffness;
   double depth(const DevicePose& pose) const { return std::max(0.0, -pose.position.z()); }
   Wrench wrench(const DevicePose& pose) const { return {{0, 0, stiffness * depth(pose)}, Vector3d::Zero()}; }
@@ -35,7 +35,7 @@ TEST(PassiveStiffness, ByHand) {
 }
 
 TEST(PassivityController, AddsTheDampingThatASampledSpringLacks) {
-  const Wall wall{1000.0};
+  const SpringWall wall{1000.0};
   for (const double damping : {0.0, 0.2, 0.7}) {
     PassivityController controller(kPeriod, damping, 10.0);
     Wrench sent;
@@ -55,7 +55,7 @@ TEST(PassivityController, AddsTheDampingThatASampledSpringLacks) {
 
 TEST(PassivityController, LeavesAloneWhatIsPassive) {
   PassivityController controller(kPeriod, 1.0, 10.0);
-  const Wall wall{1000.0};
+  const SpringWall wall{1000.0};
   Wrench sent;
   for (int k = 0; k < 1000; ++k) {
     const DevicePose pose = at(-0.01 + 0.02 * std::cos(0.02 * k));
@@ -102,7 +102,7 @@ TEST(PassivityController, ABunchOfReadingsIsNoSpeed) {
 
 // K T / 2 with the time that has really passed: 2 N s/m at 4 ms, where the device has 1.
 TEST(PassivityController, TicksThatComeLaterLackMoreDamping) {
-  const Wall wall{1000.0};
+  const SpringWall wall{1000.0};
   for (const double period : {1e-3, 4e-3}) {
     PassivityController controller(kPeriod, 1.0, 10.0);
     Wrench sent;
@@ -117,7 +117,7 @@ TEST(PassivityController, TicksThatComeLaterLackMoreDamping) {
 
 /// A mass that is dropped on a wall, with next to no damping of its own. \returns the highest it comes back,
 /// as a share of where it fell from, in three seconds.
-double bounce(const Wall& wall, double damping_max) {
+double bounce(const SpringWall& wall, double damping_max) {
   PassivityController controller(kPeriod, 0.05, damping_max);
   constexpr double kMass = 0.1, kPush = 1.0, kDamping = 0.05, kStart = 0.01;
   constexpr int kSubsteps = 20;
@@ -138,7 +138,7 @@ double bounce(const Wall& wall, double damping_max) {
 }
 
 TEST(PassivityController, KeepsAStiffWallFromThrowing) {
-  const Wall wall{4000.0};  // K T / 2 = 2 N s/m, forty times what there is
+  const SpringWall wall{4000.0};  // K T / 2 = 2 N s/m, forty times what there is
   EXPECT_GT(bounce(wall, 0.0), 2.0);
   EXPECT_LT(bounce(wall, 10.0), 1.0);
 }
@@ -156,7 +156,7 @@ TEST(PassivityController, ResetForgets) {
 }
 
 /// Moves from z = 0 to z and back, in steps of 0.1 mm, against a spring.
-void press_and_let_go(PassivityController& controller, const Wall& wall, double z, Wrench& sent) {
+void press_and_let_go(PassivityController& controller, const SpringWall& wall, double z, Wrench& sent) {
   const int steps = static_cast<int>(std::lround(std::abs(z) / 1e-4));
   for (int k = 0; k <= 2 * steps; ++k) {
     const DevicePose pose = at(-1e-4 * (k <= steps ? k : 2 * steps - k));

@@ -9,17 +9,19 @@
 #include <gtest/gtest.h>
 
 #include "support/allocation_guard.h"
+#include "support/not_finite.h"
+#include "support/tick.h"
 
 namespace palpate {
 namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using test::kInfinity;
+using test::kNan;
+using test::kTick;
 
-constexpr double kTick = 1e-3;
-constexpr double kRounding = 1e-7;  // of a clock that tells days, in what is of milliseconds. Unit: [N].
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kClockRounding = 1e-7;  // of a clock that tells days, in what is of milliseconds. Unit: [N].
 
 DeviceCapabilities device() {
   DeviceCapabilities d;
@@ -756,8 +758,8 @@ TEST(SafetyGovernor, HoldsItsBoundsWhateverGoesIn) {
     const double time = state == GovernorState::kFalling ? (passed + kTick) * SafetyLimits::kSlewTime / 0.03
                                                          : std::min(passed, 2.0 * kTick);
     const bool cut = stopped == Fault::kStalled && sent.force.isZero(0.0) && sent.torque.isZero(0.0);
-    const bool slewed = (sent.force - before.force).norm() <= limits.force_slew * time + kRounding &&
-                        (sent.torque - before.torque).norm() <= limits.torque_slew * time + kRounding;
+    const bool slewed = (sent.force - before.force).norm() <= limits.force_slew * time + kClockRounding &&
+                        (sent.torque - before.torque).norm() <= limits.torque_slew * time + kClockRounding;
     const bool held =
         sent.force.norm() <= limits.force_max && sent.torque.norm() <= limits.torque_max && (slewed || cut);
     const bool falls = state != GovernorState::kFalling || (sent.force.norm() <= before.force.norm() &&

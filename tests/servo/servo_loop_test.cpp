@@ -12,8 +12,8 @@ namespace palpate {
 namespace {
 
 /// A handle that is nearly still; every `slow_every`-th reading takes `slow` seconds.
-struct Handle final : HapticDevice {
-  Handle() {
+struct StillHandle final : HapticDevice {
+  StillHandle() {
     can.force_max = 10.0;
     can.damping = 1.0;
   }
@@ -94,7 +94,7 @@ class ServoLoopTest : public testing::Test {
 
   SceneIndex index{make_scene(*make_surface("sphere"), {}), {}, {}};
   ToolTracker contacts{index, Tool{}};
-  Handle device;
+  StillHandle device;
   Push push;
   Watcher watcher;
   LoopClock clock;

@@ -10,15 +10,15 @@
 #include <palpate/study/procedural.h>
 
 #include "support/allocation_guard.h"
+#include "support/tick.h"
 #include "support/wall.h"
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::kTick;
 using test::Wall;
-
-constexpr double kTick = 1e-3;
 
 /// A device whose handle is where the test puts it.
 struct Handle final : HapticDevice {

@@ -16,17 +16,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRadius = 0.01, kStiffness = 400.0;
-constexpr double kSpacing = 0.003;
+constexpr double kBenchRadius = 0.01, kBenchStiffness = 400.0;
+constexpr double kSplatSpacing = 0.003;
 
 /// Flat, opaque splats in the plane z = `level`, where |x| and |y| <= `end`.
 std::vector<test::Splat> sheet(double level = 0.0, double end = 0.135) {
   std::vector<test::Splat> splats;
-  const int last = static_cast<int>(end / kSpacing);
+  const int last = static_cast<int>(end / kSplatSpacing);
   for (int i = -last; i <= last; ++i)
     for (int k = -last; k <= last; ++k)
-      splats.push_back(test::splat({kSpacing * i, kSpacing * k, level}, {kSpacing, kSpacing, 1e-5},
-                                   Eigen::Quaterniond::Identity(), 0.95));
+      splats.push_back(test::splat({kSplatSpacing * i, kSplatSpacing * k, level},
+                                   {kSplatSpacing, kSplatSpacing, 1e-5}, Eigen::Quaterniond::Identity(),
+                                   0.95));
   return splats;
 }
 
@@ -42,38 +43,39 @@ std::vector<test::Splat> faint_sheets() {
 }
 
 /// A spring out of the plane z = 0, and what may be wrong with it.
-struct Knowledge {
+struct PlaneKnowledge {
   double early = 0.0;  ///< by how much it begins above. Unit: [m].
   double gain = 1.0;
   double jump = 0.0;  ///< of the force, 4 mm deep. Unit: [N].
   double edge = 0.0;  ///< of the force, 50 mm from the z axis. Unit: [N].
 };
 
-class Knowing final : public ForceModel {
+class PlaneSpring final : public ForceModel {
  public:
-  explicit Knowing(const Knowledge& knows) : knows_(knows) {}
+  explicit PlaneSpring(const PlaneKnowledge& knows) : knows_(knows) {}
   void reset() override {}
   ForceOutput evaluate(const ForceInput& input) override {
-    const double depth = kRadius - input.tool.position.z() + knows_.early;
+    const double depth = kBenchRadius - input.tool.position.z() + knows_.early;
     ForceOutput felt{Wrench{}, input.tool};
-    if (depth > 0.0) felt.wrench.force.z() = knows_.gain * kStiffness * depth;
+    if (depth > 0.0) felt.wrench.force.z() = knows_.gain * kBenchStiffness * depth;
     if (depth > 0.00405) felt.wrench.force.z() += knows_.jump;
     if (input.tool.position.head<2>().norm() > 0.05005) felt.wrench.force.z() += knows_.edge;
     return felt;
   }
 
  private:
-  Knowledge knows_;
+  PlaneKnowledge knows_;
 };
 
 struct Bench {
   explicit Bench(const std::vector<test::Splat>& splats, const ForceModelMaker& model)
       : index(test::scene_of(splats), SceneFilter{}, Similarity{}),
         seen(test::scene_of(splats), Similarity{}),
-        evaluation(index, seen, tool, model, kStiffness) {}
-  Bench(const std::vector<test::Splat>& splats, const Knowledge& knows)
-      : Bench(splats,
-              [knows](const SceneIndex&, const Tool&, double) { return std::make_unique<Knowing>(knows); }) {}
+        evaluation(index, seen, tool, model, kBenchStiffness) {}
+  Bench(const std::vector<test::Splat>& splats, const PlaneKnowledge& knows)
+      : Bench(splats, [knows](const SceneIndex&, const Tool&, double) {
+          return std::make_unique<PlaneSpring>(knows);
+        }) {}
 
   CaptureAim down() const {
     const Vector3d from(0, 0, 0.2);
@@ -89,7 +91,7 @@ struct Bench {
     return evaluation.figures({}, {slide});
   }
 
-  Tool tool{Vector3d::Constant(kRadius)};
+  Tool tool{Vector3d::Constant(kBenchRadius)};
   SceneIndex index;
   SeenSurface seen;
   CaptureEvaluation evaluation;
@@ -98,7 +100,7 @@ struct Bench {
 };
 
 TEST(CaptureEvaluation, WhoKnowsTheSurfaceIsRight) {
-  Bench bench(sheet(), Knowledge{});
+  Bench bench(sheet(), PlaneKnowledge{});
   EXPECT_NEAR(bench.down().seen, 0.19, 1e-6);
   const CaptureFigures figures = bench.push();
   EXPECT_EQ(figures.onset_within, 1.0);
@@ -109,7 +111,7 @@ TEST(CaptureEvaluation, WhoKnowsTheSurfaceIsRight) {
 }
 
 TEST(CaptureEvaluation, WhatBeginsLateIsSilent) {
-  Bench bench(sheet(), Knowledge{.early = -0.007});
+  Bench bench(sheet(), PlaneKnowledge{.early = -0.007});
   const CaptureFigures figures = bench.push();
   EXPECT_EQ(figures.late, 1.0);
   EXPECT_EQ(figures.silent_5mm, 1.0);
@@ -119,29 +121,29 @@ TEST(CaptureEvaluation, WhatBeginsLateIsSilent) {
 
 // However hard it pushes farther in.
 TEST(CaptureEvaluation, WhatIsSilentAt10MillimetresIsSoWhateverFollows) {
-  EXPECT_EQ(Bench(sheet(), Knowledge{.early = -0.012}).push().silent_10mm, 1.0);
+  EXPECT_EQ(Bench(sheet(), PlaneKnowledge{.early = -0.012}).push().silent_10mm, 1.0);
 }
 
 TEST(CaptureEvaluation, APushComesBackTheWayItWent) {
-  Bench bench(sheet(), Knowledge{});
+  Bench bench(sheet(), PlaneKnowledge{});
   std::vector<CaptureTick> ticks;
   bench.evaluation.push(bench.down(), &ticks);
   ASSERT_FALSE(ticks.empty());
-  EXPECT_NEAR(ticks[ticks.size() / 2].depth, 3.0 * kRadius, 2e-4);
+  EXPECT_NEAR(ticks[ticks.size() / 2].depth, 3.0 * kBenchRadius, 2e-4);
   for (std::size_t i = 0; i < ticks.size() / 2; ++i)
     EXPECT_NEAR((ticks[i].tool - ticks[ticks.size() - 1 - i].tool).norm(), 0.0, 1e-12);
 }
 
 TEST(CaptureEvaluation, WhatBeginsEarlyPushesBeforeAnythingIsTouched) {
-  Bench bench(sheet(), Knowledge{.early = 0.007});
+  Bench bench(sheet(), PlaneKnowledge{.early = 0.007});
   const CaptureFigures figures = bench.push();
   EXPECT_EQ(figures.early, 1.0);
   EXPECT_EQ(figures.untouched, 1.0);
-  EXPECT_NEAR(bench.last.untouched_force, 0.007 * kStiffness, 0.1);
+  EXPECT_NEAR(bench.last.untouched_force, 0.007 * kBenchStiffness, 0.1);
 }
 
 TEST(CaptureEvaluation, NothingIsSilentAndLate) {
-  Bench bench(sheet(), Knowledge{.gain = 0.0});
+  Bench bench(sheet(), PlaneKnowledge{.gain = 0.0});
   const CaptureFigures figures = bench.push();
   EXPECT_EQ(figures.late, 1.0);
   EXPECT_EQ(figures.silent_10mm, 1.0);
@@ -150,9 +152,9 @@ TEST(CaptureEvaluation, NothingIsSilentAndLate) {
 // On a sheet a rigid tool is held; at its end, which the ball touches with its flank, one slips off to the
 // side.
 TEST(CaptureEvaluation, SilenceIsAvoidableWhereARigidToolIsHeld) {
-  EXPECT_EQ(Bench(sheet(), Knowledge{.early = -0.007}).push().avoidable_5mm, 1.0);
-  EXPECT_EQ(Bench(sheet(), Knowledge{}).push().avoidable_5mm, 0.0);
-  Bench bench(sheet(0.0, 0.04), Knowledge{.gain = 0.0});
+  EXPECT_EQ(Bench(sheet(), PlaneKnowledge{.early = -0.007}).push().avoidable_5mm, 1.0);
+  EXPECT_EQ(Bench(sheet(), PlaneKnowledge{}).push().avoidable_5mm, 0.0);
+  Bench bench(sheet(0.0, 0.04), PlaneKnowledge{.gain = 0.0});
   for (const double aside : {0.0, 0.0534}) {
     CaptureAim aim = bench.down();
     aim.from.x() = aside;
@@ -164,13 +166,13 @@ TEST(CaptureEvaluation, SilenceIsAvoidableWhereARigidToolIsHeld) {
 }
 
 TEST(CaptureEvaluation, ASlideSaysWhatOfItsSilenceTouchesNothing) {
-  const CaptureFigures figures = Bench(faint_sheets(), Knowledge{.gain = 0.0}).slide();
+  const CaptureFigures figures = Bench(faint_sheets(), PlaneKnowledge{.gain = 0.0}).slide();
   EXPECT_EQ(figures.slide_silent, 1.0);
   EXPECT_EQ(figures.slide_silent_touched, 0.0);
 }
 
 TEST(CaptureEvaluation, SilenceIsNotAvoidableWhereNothingCanBeTouched) {
-  Bench bench(faint_sheets(), Knowledge{.gain = 0.0});
+  Bench bench(faint_sheets(), PlaneKnowledge{.gain = 0.0});
   const CaptureFigures figures = bench.push();
   EXPECT_FALSE(bench.last.touched);
   EXPECT_EQ(figures.silent_5mm, 1.0);
@@ -178,27 +180,27 @@ TEST(CaptureEvaluation, SilenceIsNotAvoidableWhereNothingCanBeTouched) {
 }
 
 TEST(CaptureEvaluation, AJumpIsFound) {
-  Bench bench(sheet(), Knowledge{.jump = 0.3});
+  Bench bench(sheet(), PlaneKnowledge{.jump = 0.3});
   EXPECT_NEAR(bench.push().push_step.max, 0.3, 1e-9);
   // A spring of 400 N/m might change by 0.04 N in a tick of 0.1 mm.
-  EXPECT_NEAR(Bench(sheet(), Knowledge{.edge = 0.2}).slide().slide_step.max, 0.2 - 0.04, 1e-9);
+  EXPECT_NEAR(Bench(sheet(), PlaneKnowledge{.edge = 0.2}).slide().slide_step.max, 0.2 - 0.04, 1e-9);
 }
 
 TEST(CaptureEvaluation, SlidesAreHeldAgainstTheirDepth) {
-  Bench right(sheet(), Knowledge{});
+  Bench right(sheet(), PlaneKnowledge{});
   const CaptureFigures figures = right.slide();
   EXPECT_NEAR(right.way, 0.1, 1e-9);
   EXPECT_EQ(figures.slide_strong, 0.0);
   EXPECT_EQ(figures.slide_silent, 0.0);
-  EXPECT_EQ(Bench(sheet(), Knowledge{.gain = 3.2}).slide().slide_strong, 1.0);
+  EXPECT_EQ(Bench(sheet(), PlaneKnowledge{.gain = 3.2}).slide().slide_strong, 1.0);
   EXPECT_EQ(figures.slide_silent_touched, 0.0);
-  const CaptureFigures weak = Bench(sheet(), Knowledge{.gain = 0.05}).slide();
+  const CaptureFigures weak = Bench(sheet(), PlaneKnowledge{.gain = 0.05}).slide();
   EXPECT_EQ(weak.slide_silent, 1.0);
   EXPECT_EQ(weak.slide_silent_touched, 1.0);
 }
 
 TEST(CaptureEvaluation, ASlideEndsWhereTheSurfaceFallsAway) {
-  Bench bench(sheet(0.0, 0.04), Knowledge{});
+  Bench bench(sheet(0.0, 0.04), PlaneKnowledge{});
   bench.slide();
   EXPECT_NEAR(bench.way, 0.045, 0.01);  // as far as the ball touches its end
 }
@@ -206,7 +208,7 @@ TEST(CaptureEvaluation, ASlideEndsWhereTheSurfaceFallsAway) {
 TEST(CaptureEvaluation, TwoCapturesOfOneObjectAreCompared) {
   const ForceModelMaker proxy = [](const SceneIndex& index, const Tool& tool, double) {
     ProxyParameters parameters;
-    parameters.stiffness = kStiffness;
+    parameters.stiffness = kBenchStiffness;
     return std::make_unique<ProxyForce>(index, tool, parameters);
   };
   Bench one(sheet(), proxy), same(sheet(), proxy), lower(sheet(-0.006), proxy);
@@ -225,14 +227,14 @@ TEST(CaptureEvaluation, TwoCapturesOfOneObjectAreCompared) {
 TEST(CaptureEvaluation, ASlideFollowsTheSlope) {
   auto slope = sheet();
   for (test::Splat& splat : slope) splat.position.z() = 0.2 * splat.position.x() + 0.1 * splat.position.y();
-  Bench bench(slope, Knowledge{});
+  Bench bench(slope, PlaneKnowledge{});
   std::vector<CaptureTick> ticks;
   bench.evaluation.slide(bench.down(), &ticks);
   ASSERT_GT(ticks.size(), 500U);
   // Half of its 10 mm deep, along z, where it touches the corners of what are discs that lie flat.
   const Vector3d up = Vector3d(-0.2, -0.1, 1.0).normalized();
   for (const CaptureTick& tick : ticks)
-    ASSERT_NEAR(tick.tool.dot(up), kRadius - 0.5 * kRadius * up.z(), 1.5e-3);
+    ASSERT_NEAR(tick.tool.dot(up), kBenchRadius - 0.5 * kBenchRadius * up.z(), 1.5e-3);
   for (std::size_t i = 50; i + 50 < ticks.size(); ++i) {
     const Vector3d bend = ticks[i + 1].tool - 2.0 * ticks[i].tool + ticks[i - 1].tool;
     ASSERT_LE(bend.norm(), 5e-5) << i;  // half of a tick's way, for what is seen of discs
@@ -241,8 +243,8 @@ TEST(CaptureEvaluation, ASlideFollowsTheSlope) {
 
 // Below 5 mm: of a spring that begins 2 mm early, 7/5 of the other's force there and less farther in.
 TEST(CaptureEvaluation, LikenessIsThatOfWhatIsDeeperThan5Millimetres) {
-  Bench one(sheet(), Knowledge{}), early(sheet(), Knowledge{.early = 0.002}),
-      silent(sheet(), Knowledge{.gain = 0.0});
+  Bench one(sheet(), PlaneKnowledge{}), early(sheet(), PlaneKnowledge{.early = 0.002}),
+      silent(sheet(), PlaneKnowledge{.gain = 0.0});
   const CaptureLikeness ratio = capture_likeness(one.evaluation, early.evaluation, {one.down()});
   EXPECT_NEAR(ratio.ratio.max, 1.4, 0.01);
   EXPECT_NEAR(ratio.ratio.p05, 32.0 / 30.0, 0.01);
@@ -251,7 +253,7 @@ TEST(CaptureEvaluation, LikenessIsThatOfWhatIsDeeperThan5Millimetres) {
 
 // Of five pushes and two slides, which nobody has made. At 5 mm is still in place.
 TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
-  const Bench bench(sheet(), Knowledge{});
+  const Bench bench(sheet(), PlaneKnowledge{});
   const CaptureAim aim = bench.down();
   const std::vector<CapturePush> pushes{{aim, 0.005, 0.005, false, false, 1.0, 0.1},
                                         {aim, -0.005, -0.006, true, false, 1.5, 0.2},
@@ -283,7 +285,7 @@ TEST(CaptureEvaluation, FiguresAreSharesOfPushesAndOfTheTicksOfSlides) {
 }
 
 TEST(CaptureEvaluation, WhatIsFoundSaysWhereItWas) {
-  Bench bench(sheet(), Knowledge{});
+  Bench bench(sheet(), PlaneKnowledge{});
   CaptureAim aim = bench.down();
   aim.from.x() = 0.01;
   EXPECT_EQ(bench.evaluation.push(aim).aim.from, aim.from);
@@ -307,13 +309,13 @@ TEST(CaptureEvaluation, AimsMeetWhatIsSeenFromOutside) {
   const SeenSurface seen(test::scene_of(splats), Similarity{});
   FilterReport report;
   const EllipsoidScene kept = filter_scene(test::scene_of(splats), SceneFilter{}, Similarity{}, report);
-  const Tool tool(Vector3d::Constant(kRadius));
+  const Tool tool(Vector3d::Constant(kBenchRadius));
   const auto aims = capture_aims(kept, seen, tool, 30, 5);
   ASSERT_EQ(aims.size(), 30U);
   for (const CaptureAim& aim : aims) {
     EXPECT_GT(aim.from.norm(), 2.0 * kBall);
     const double away = (aim.from + aim.seen * aim.along).norm();
-    EXPECT_NEAR(away, kBall + kRadius, 0.002);
+    EXPECT_NEAR(away, kBall + kBenchRadius, 0.002);
   }
   const auto again = capture_aims(kept, seen, tool, 30, 5);
   EXPECT_EQ(again.back().seen, aims.back().seen);

@@ -32,7 +32,7 @@ class ProxyAt final : public ForceModel {
 };
 
 template <class Function>
-EvaluationSetup setup(Function function) {
+EvaluationSetup proxy_setup(Function function) {
   EvaluationSetup setup;
   setup.scene.spacing = 0.01;
   setup.places = 3;
@@ -52,7 +52,7 @@ TEST(StepTruth, IsABallThatRollsOverTheEdge) {
 
 TEST(StepResponse, OfTheTruthIsTheStep) {
   const StepResponse response =
-      step_response(setup([](const Vector3d& p) { return Vector3d(p.x(), p.y(), step_truth(p.x())); }));
+      step_response(proxy_setup([](const Vector3d& p) { return Vector3d(p.x(), p.y(), step_truth(p.x())); }));
   EXPECT_NEAR(response.felt.p05, 0.003, 1e-12);
   EXPECT_NEAR(response.felt.max, 0.003, 1e-12);
   // A tenth is risen where the ball's centre is 2.3 mm above the edge, nine tenths where 4.7 mm.
@@ -63,7 +63,7 @@ TEST(StepResponse, OfTheTruthIsTheStep) {
 
 TEST(StepResponse, OfARampIsWhatItRisesOnTheWay) {
   const StepResponse response =
-      step_response(setup([](const Vector3d& p) { return Vector3d(p.x(), p.y(), 0.05 * p.x()); }));
+      step_response(proxy_setup([](const Vector3d& p) { return Vector3d(p.x(), p.y(), 0.05 * p.x()); }));
   EXPECT_NEAR(response.felt.p50, 0.05 * 0.015, 1e-9);
   EXPECT_NEAR(response.rise_over.p50, 0.8 * 0.08, 3e-4);
 }
@@ -94,7 +94,7 @@ Vector3d rolled(const Vector3d& p, double sunk) {
 }
 
 TEST(EdgeResponse, OfTheTruthIsNothing) {
-  const EdgeResponse response = edge_response(setup([](const Vector3d& p) { return rolled(p, 0.0); }));
+  const EdgeResponse response = edge_response(proxy_setup([](const Vector3d& p) { return rolled(p, 0.0); }));
   EXPECT_LE(response.off.max, 1e-12);
   ASSERT_FALSE(response.error.empty());
   // The way is that of the ball's centre: a quarter turn at its radius, and 40 mm on either side.
@@ -104,7 +104,8 @@ TEST(EdgeResponse, OfTheTruthIsNothing) {
 }
 
 TEST(EdgeResponse, FindsWhereTheProxySinksIn) {
-  const EdgeResponse response = edge_response(setup([](const Vector3d& p) { return rolled(p, 1.5e-3); }));
+  const EdgeResponse response =
+      edge_response(proxy_setup([](const Vector3d& p) { return rolled(p, 1.5e-3); }));
   EXPECT_NEAR(response.off.p05, 1.5e-3, 1e-9);
   EXPECT_LE(std::abs(response.where), 0.25 * std::numbers::pi * kBall);
   for (const CurvePoint& p : response.error) {
@@ -160,7 +161,7 @@ TEST(Crossings, AreAsManyAsAreAskedForAndDoNotJump) {
 TEST(EdgeResponse, LeadsTheBallAtAnEvenDepth) {
   static const auto box = make_surface("box");
   std::vector<double> distances;
-  edge_response(setup([&](const Vector3d& p) {
+  edge_response(proxy_setup([&](const Vector3d& p) {
     distances.push_back(box->distance(p));
     return rolled(p, 0.0);
   }));
@@ -171,7 +172,7 @@ TEST(EdgeResponse, LeadsTheBallAtAnEvenDepth) {
 }
 
 TEST(Crossings, AreNotAnsweredWithoutAProxy) {
-  const EvaluationSetup none = setup([](const Vector3d& p) { return p; });
+  const EvaluationSetup none = proxy_setup([](const Vector3d& p) { return p; });
   EXPECT_TRUE(std::isnan(edge_response(none).off.max));
   EXPECT_TRUE(std::isnan(edge_response(none).where));
   EXPECT_TRUE(edge_response(none).error.empty());

@@ -30,8 +30,8 @@ namespace {
 using Eigen::Vector3d;
 using test::is_long;
 
-constexpr double kTick = 1e-3;  // [s]
-constexpr double kWide = 1.2;   // of the scene in the room. [m]
+constexpr double kControlTick = 1e-3;  // [s]
+constexpr double kWide = 1.2;          // of the scene in the room. [m]
 
 /// The ways of the hand from where each recording begins, there and back.
 Trajectory recorded_motion() {
@@ -54,7 +54,7 @@ Trajectory recorded_motion() {
     }
   } else {
     auto& way = recordings.emplace_back();
-    for (double t = 0.0; t < 5.0; t += kTick) {
+    for (double t = 0.0; t < 5.0; t += kControlTick) {
       const double swell = std::pow(std::sin(std::numbers::pi * t / 5.0), 2);
       way.push_back(swell *
                     Vector3d(0.09 * std::sin(5.0 * t), 0.07 * std::sin(7.3 * t), 0.03 * std::sin(11.0 * t)));
@@ -62,7 +62,8 @@ Trajectory recorded_motion() {
   }
   Trajectory motion;
   const auto append = [&](const Vector3d& p) {
-    motion.push_back({kTick * static_cast<double>(motion.size()), {p, Eigen::Quaterniond::Identity()}, {}});
+    motion.push_back(
+        {kControlTick * static_cast<double>(motion.size()), {p, Eigen::Quaterniond::Identity()}, {}});
   };
   for (const auto& way : recordings) {
     for (const Vector3d& p : way) append(p - way.front());
@@ -79,8 +80,8 @@ GaussianScene made_scene() {
 }
 
 /// A scene beside where the handle rests, as high as it reaches.
-struct Room {
-  explicit Room(const GaussianScene& scene) {
+struct PlacedScene {
+  explicit PlacedScene(const GaussianScene& scene) {
     FilterReport report;
     const Eigen::AlignedBox3d box = central_box(filter_scene(scene, {}, placed, report));
     placed.scale = kWide / box.sizes().head<2>().maxCoeff();
@@ -104,7 +105,7 @@ class JointWatch {
   }
   void look() {
     const ChainLimits& limits = joints_.limits();
-    const JointVector q = joints_.position(), dq = (q - q_) / kTick, ddq = (dq - dq_) / kTick;
+    const JointVector q = joints_.position(), dq = (q - q_) / kControlTick, ddq = (dq - dq_) / kControlTick;
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const double beyond = std::max(limits.lower[i] - q[i], q[i] - limits.upper[i]);
       position_ = std::max(position_, beyond);
@@ -129,7 +130,7 @@ class JointWatch {
 };
 
 void walk_through(const GaussianScene& scene, double seconds) {
-  const Room room(scene);
+  const PlacedScene room(scene);
   GiantSetup setup;
   setup.hand = {0.15, 4.0, 400.0};
   setup.chain = driven_chain(giant_chain(), setup.hand);
@@ -160,8 +161,8 @@ void walk_through(const GaussianScene& scene, double seconds) {
   JointWatch joints(device.joints());
   std::size_t touched = 0, held = 0, ticks = 0;
   double most = 0.0, farthest = 0.0;
-  for (; kTick * static_cast<double>(ticks) < seconds; ++ticks) {
-    const TickRecord& now = tick.run(kTick * static_cast<double>(ticks));
+  for (; kControlTick * static_cast<double>(ticks) < seconds; ++ticks) {
+    const TickRecord& now = tick.run(kControlTick * static_cast<double>(ticks));
     ASSERT_EQ(now.fault, Fault::kNone) << traits(now.fault).name << " at " << now.t << " s";
     ASSERT_NE(loop.status(), DeviceStatus::kFault) << loop.status_text() << " at " << now.t << " s";
     joints.look();

@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStiffness = 500.0;
+constexpr double kContactStiffness = 500.0;
 
 /// A sphere of R 0.15 m beside where the handle rests, with two places to touch.
 class Sphere {
@@ -27,7 +27,7 @@ class Sphere {
   Sphere() {
     setup_.chain = driven_chain(giant_chain(), hand_);
     setup_.hand = hand_;
-    setup_.contact_stiffness = kStiffness;
+    setup_.contact_stiffness = kContactStiffness;
     const Pose home = rest_of_handle(setup_.chain);
     placed_.translation = home.position + Vector3d(0.0, -0.5, 0.0);
     index_ = std::make_unique<SceneIndex>(made_, SceneFilter{}, placed_);
@@ -48,7 +48,7 @@ class Sphere {
     model.stall = stall;
     if (own) {
       model.name = "proxy";
-      model.force = std::make_unique<ProxyForce>(*index_, tool_, ProxyParameters{kStiffness});
+      model.force = std::make_unique<ProxyForce>(*index_, tool_, ProxyParameters{kContactStiffness});
     } else {
       model.name = "density";
       model.force = std::make_unique<DensityForce>(tool_, DensityParameters{});
@@ -97,9 +97,9 @@ TEST(Reproduction, FeelsTheTrueSurfaceOnBothDevices) {
       EXPECT_GT(contact.begins, touch.begins);
       EXPECT_LT(contact.begins, touch.pressed);
       // Two springs in a row: the hand's, that wants to be 15 mm deep, and the scene's.
-      EXPECT_NEAR(contact.force, 0.015 * 400.0 * kStiffness / (400.0 + kStiffness), 0.3);
+      EXPECT_NEAR(contact.force, 0.015 * 400.0 * kContactStiffness / (400.0 + kContactStiffness), 0.3);
       EXPECT_NEAR(contact.user, contact.force, 0.05 * contact.force);
-      EXPECT_NEAR(contact.force, kStiffness * contact.depth, 0.1 * contact.force);
+      EXPECT_NEAR(contact.force, kContactStiffness * contact.depth, 0.1 * contact.force);
       EXPECT_LT(contact.off, 5.0 * std::numbers::pi / 180.0);
       EXPECT_LT(contact.swing, 5e-5);
       EXPECT_EQ(contact.bounces, 0);

@@ -17,10 +17,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRadius = 0.005, kStiffness = 500.0;
+constexpr double kBallRadius = 0.005, kTrialStiffness = 500.0;
 
 /// A spring out of the plane of a face or sheet towards +z, for a ball, and what may be wrong with it.
-struct Fault {
+struct SpringFault {
   double late = 0.0;       ///< how much deeper the plane is felt. Unit: [m].
   bool silent = false;     ///< the proxy is right, the force is none
   bool two_sided = false;  ///< out on the side where the ball is
@@ -31,13 +31,13 @@ struct Fault {
 
 class Flat final : public ForceModel {
  public:
-  Flat(double top, const Fault& fault) : top_(top - fault.late), fault_(fault) {}
+  Flat(double top, const SpringFault& fault) : top_(top - fault.late), fault_(fault) {}
 
   void reset() override {}
   ForceOutput evaluate(const ForceInput& input) override {
     const double above = input.tool.position.z() - top_;
     const double side = fault_.two_sided && above < 0.0 ? -1.0 : 1.0;
-    const double depth = kRadius - side * above;
+    const double depth = kBallRadius - side * above;
     if (fault_.nothing || !(depth > 0.0)) {
       const Vector3d pull = fault_.sticks && touched_ ? Vector3d(-Vector3d::UnitZ()) : Vector3d::Zero();
       return {{pull, Vector3d::Zero()}, input.tool};
@@ -45,7 +45,7 @@ class Flat final : public ForceModel {
     touched_ = true;
     Pose proxy = input.tool;
     proxy.position.z() += side * depth;
-    const double force = kStiffness * depth + (depth > 2.0 * kRadius ? fault_.jump : 0.0);
+    const double force = kTrialStiffness * depth + (depth > 2.0 * kBallRadius ? fault_.jump : 0.0);
     return {{fault_.silent ? Vector3d::Zero().eval() : Vector3d(side * force * Vector3d::UnitZ()),
              Vector3d::Zero()},
             proxy};
@@ -53,15 +53,15 @@ class Flat final : public ForceModel {
 
  private:
   double top_;
-  Fault fault_;
+  SpringFault fault_;
   bool touched_ = false;
 };
 
-TrialSetup setup(const std::string& place, const Fault& fault = {}) {
+TrialSetup trial_setup(const std::string& place, const SpringFault& fault = {}) {
   TrialSetup setup;
   setup.place = place;
-  setup.tool = Tool(Vector3d::Constant(kRadius));
-  setup.stiffness = kStiffness;
+  setup.tool = Tool(Vector3d::Constant(kBallRadius));
+  setup.stiffness = kTrialStiffness;
   setup.strokes = 16;
   const double top = TrialPlace(place, setup.tool, 0).top();
   setup.model = [=](const SceneIndex&, const Tool&, double) { return std::make_unique<Flat>(top, fault); };
@@ -71,7 +71,7 @@ TrialSetup setup(const std::string& place, const Fault& fault = {}) {
 class Faces : public testing::TestWithParam<const char*> {};
 
 TEST_P(Faces, FindsNoFaultWithTheTruth) {
-  const TrialFigures f = run_trials(setup(GetParam()));
+  const TrialFigures f = run_trials(trial_setup(GetParam()));
   EXPECT_EQ(f.strokes, 16U);
   EXPECT_GT(f.onsets, 0U);
   EXPECT_EQ(f.silent, 0U);
@@ -85,21 +85,21 @@ TEST_P(Faces, FindsNoFaultWithTheTruth) {
 }
 
 TEST_P(Faces, SeesAForceThatBeginsLate) {
-  const TrialFigures f = run_trials(setup(GetParam(), {.late = 0.005}));
+  const TrialFigures f = run_trials(trial_setup(GetParam(), {.late = 0.005}));
   EXPECT_NEAR(f.late.p50, 0.005, 1e-3);
   EXPECT_EQ(f.within_1mm, 0.0);
   EXPECT_EQ(f.late_strokes.size(), f.onsets);
 }
 
 TEST_P(Faces, SeesAForceThatJumps) {
-  EXPECT_NEAR(run_trials(setup(GetParam(), {.jump = 2.0})).step.max, 2.0,
+  EXPECT_NEAR(run_trials(trial_setup(GetParam(), {.jump = 2.0})).step.max, 2.0,
               0.01);  // less what the way is aslant
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, Faces, testing::Values("face", "sheet"));
 
 TEST(Trials, SeeThatNothingIsFelt) {
-  const TrialFigures f = run_trials(setup("face", {.silent = true}));
+  const TrialFigures f = run_trials(trial_setup("face", {.silent = true}));
   EXPECT_EQ(f.silent, f.strokes);
   EXPECT_EQ(f.sunk, 0U);
   EXPECT_TRUE(std::isnan(f.late.p50));
@@ -108,27 +108,27 @@ TEST(Trials, SeeThatNothingIsFelt) {
 }
 
 TEST(Trials, SeeThatTheProxySinks) {
-  const TrialFigures f = run_trials(setup("face", {.nothing = true}));
+  const TrialFigures f = run_trials(trial_setup("face", {.nothing = true}));
   EXPECT_EQ(f.silent, f.strokes);
   EXPECT_EQ(f.sunk, f.strokes);
   EXPECT_EQ(f.through, 0U);  // there is no other side within reach
 }
 
 TEST(Trials, SeeASheetThatLetsThrough) {
-  const TrialFigures f = run_trials(setup("sheet", {.two_sided = true}));
+  const TrialFigures f = run_trials(trial_setup("sheet", {.two_sided = true}));
   EXPECT_EQ(f.through, f.strokes);
   EXPECT_EQ(f.through_strokes.front(), 0U);
 }
 
 TEST(Trials, SeeAForceThatIsLeft) {
-  const TrialFigures f = run_trials(setup("face", {.sticks = true}));
+  const TrialFigures f = run_trials(trial_setup("face", {.sticks = true}));
   EXPECT_EQ(f.stuck, f.strokes);
   EXPECT_EQ(f.silent + f.sunk, 0U);
 }
 
 // Where the tool meets the true plane, to half of a tick's way.
 TEST_P(Faces, TellWhereOnTheWayTheForceBegins) {
-  const TrialSetup truth = setup(GetParam());
+  const TrialSetup truth = trial_setup(GetParam());
   std::size_t slow = 0;
   for (std::size_t i = 0; i < truth.strokes; ++i) {
     const TrialStroke stroke = repeat_trial(truth, i, nullptr);
@@ -143,7 +143,7 @@ TEST_P(Faces, TellWhereOnTheWayTheForceBegins) {
 
 // As where the tip of something long pokes through, and its middle does not.
 TEST(Trials, SeeASheetThatIsSunkInto) {
-  const TrialFigures f = run_trials(setup("sheet", {.late = 0.004}));
+  const TrialFigures f = run_trials(trial_setup("sheet", {.late = 0.004}));
   EXPECT_EQ(f.sunk, f.strokes);
   EXPECT_EQ(f.through + f.silent, 0U);
 }
@@ -151,7 +151,7 @@ TEST(Trials, SeeASheetThatIsSunkInto) {
 // Wherever a ball is pushed at, nothing in the way is seen to be nothing.
 TEST(Trials, AimAtSomethingEverywhere) {
   for (const std::string_view place : trial_places()) {
-    TrialSetup nothing = setup("face", {.nothing = true});
+    TrialSetup nothing = trial_setup("face", {.nothing = true});
     nothing.place = place;
     const TrialFigures f = run_trials(nothing);
     EXPECT_EQ(f.onsets, place == "inside" ? 0U : f.slow) << place;
@@ -165,13 +165,13 @@ TEST(Trials, AimAtSomethingEverywhere) {
 }
 
 TEST(Trials, LetOutWhereTheToolStartsInside) {
-  const TrialFigures f = run_trials(setup("inside"));
+  const TrialFigures f = run_trials(trial_setup("inside"));
   EXPECT_EQ(f.silent + f.sunk, 0U);
 }
 
 // A stroke alone is the stroke among the others, with the model that has a memory.
 TEST(Trials, CanBeRepeatedAlone) {
-  TrialSetup proxy = setup("edge");
+  TrialSetup proxy = trial_setup("edge");
   proxy.tool = *trial_tool("disc");
   proxy.model = [](const SceneIndex& index, const Tool& tool, double) {
     return std::make_unique<ProxyForce>(index, tool);
@@ -206,12 +206,12 @@ class ToolsThatAreNotRound : public testing::TestWithParam<Sinks> {};
 TEST_P(ToolsThatAreNotRound, DoNotSinkInWhereTheySlide) {
   const Tool tool = *trial_tool(GetParam().tool);
   const ForceModelMaker model = [](const SceneIndex& index, const Tool& held, double) {
-    return std::make_unique<ProxyForce>(index, held, ProxyParameters{.stiffness = kStiffness});
+    return std::make_unique<ProxyForce>(index, held, ProxyParameters{.stiffness = kTrialStiffness});
   };
   const TrialFigures figures = run_trials({.place = GetParam().place,
                                            .tool = tool,
                                            .model = model,
-                                           .stiffness = kStiffness,
+                                           .stiffness = kTrialStiffness,
                                            .strokes = 30,
                                            .seed = 9});
   EXPECT_EQ(figures.sunk, 0U) << "stroke " << (figures.sunk > 0 ? figures.sunk_strokes.front() : 0U);

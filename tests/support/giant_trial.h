@@ -12,6 +12,7 @@
 #include <palpate/kinematics/chain_file.h>
 #include <palpate/servo/admittance_loop.h>
 #include <palpate/servo/servo_tick.h>
+#include <support/tick.h>
 
 namespace palpate::test {
 
@@ -99,7 +100,6 @@ inline AdmittanceLoopOptions trial_options(const GiantTrial& trial) {
 
 /// \throws Error where the admittance is refused
 inline GiantOutcome run_trial(const GiantTrial& trial) {
-  constexpr double kTick = 1e-3;
   const GripProperties grip{trial.hand, 0.05};
   const HandPath path = press_path(trial.inward, trial.depth);
   GiantDevice device(giant(), trial.plant(trial.properties.drives, grip, path), trial.properties,

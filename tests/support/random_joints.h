@@ -5,12 +5,9 @@
 #include <random>
 
 #include <palpate/kinematics/serial_chain.h>
+#include <support/uniform.h>
 
 namespace palpate::test {
-
-inline double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
-}
 
 /// Anywhere within the limits.
 inline JointVector posture(const ChainLimits& limits, std::mt19937_64& random) {

@@ -16,7 +16,7 @@ namespace palpate::test {
 /// Samples of the surface away from its borders and edges.
 inline std::vector<SurfaceSample> smooth_places(const AnalyticSurface& surface, const std::string& shape,
                                                 std::size_t count, std::uint64_t seed) {
-  Random random(seed);
+  palpate::Random random(seed);
   const auto samples = surface.samples(0.01, random);
   std::vector<SurfaceSample> chosen;
   while (chosen.size() < count) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -45,6 +46,12 @@ class TemporaryFile {
   std::filesystem::path folder_;
   std::string path_;
 };
+
+/// How many entries a folder has, hidden ones included.
+inline std::size_t entries(const std::filesystem::path& folder) {
+  using Iterator = std::filesystem::directory_iterator;
+  return static_cast<std::size_t>(std::distance(Iterator(folder), Iterator()));
+}
 
 /// The message of the exception of type E that `action` throws; empty, and a failure, without one.
 template <typename E, typename Action>

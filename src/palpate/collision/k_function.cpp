@@ -26,7 +26,7 @@ Terms terms_at(const KFunction& k, double log_t) {
   return {t, false, {k.p0, k.p1 * t, k.p2 * t * t}, {1.0, k.e1 * t, k.e2 * t * t, k.e3 * t * t * t}};
 }
 
-struct Slope {
+struct LogSlope {
   double first;   ///< g = d ln(1-K) / d ln t
   double second;  ///< dg / d ln t
 };
@@ -38,7 +38,7 @@ struct Slope {
 ///
 /// The sum is taken over pairs, because on a plateau of K (a disc of zero thickness) the three terms of the
 /// short form cancel to rounding noise, while the pairs that matter there keep their precision.
-Slope slope_at(const Terms& x) {
+LogSlope slope_at(const Terms& x) {
   const double n = x.numerator();
   const double d = x.denominator();
   const double lambda = (x.inverted ? 1.0 : x.t) / (1.0 + x.t);
@@ -107,7 +107,7 @@ KMinimum minimize(const KFunction& k) {
   double log_t = std::clamp(initial_log_t(k), low, high);
   double change = high - low;
   for (int step = 0; step < kMaxSteps && high - low > 4.0 * kTolerance; ++step) {
-    const Slope g = slope_at(terms_at(k, log_t));
+    const LogSlope g = slope_at(terms_at(k, log_t));
     (g.first > 0.0 ? low : high) = log_t;
     double next = log_t - g.first / g.second;
     // Newton steps must shrink, or rounding makes them creep along a plateau.

@@ -13,7 +13,7 @@ constexpr double kDoubleRoundoff = 0x1p-53;
 
 /// Bringing the tool into the captured frame takes a few operations on numbers of the magnitude of the
 /// centre, the translation and the origin; the box is padded by more than their rounding.
-constexpr double kBoxPadding = 128.0 * kDoubleRoundoff;
+constexpr double kToolPadding = 128.0 * kDoubleRoundoff;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ ToolFrame::ToolFrame(const Ellipsoid& tool, const CapturedFrame& frame)
   const Eigen::Matrix3d axes = frame.captured_from_world * tool.axes;
   const Eigen::Vector3d half = axes.rowwise().norm();
   const double size = (tool.center.norm() + frame.size) / frame.scale;
-  const Eigen::Vector3d reach = half + Eigen::Vector3d::Constant(kBoxPadding * size);
+  const Eigen::Vector3d reach = half + Eigen::Vector3d::Constant(kToolPadding * size);
   // Rounding to single precision is off by half a unit in the last place; a whole one and the smallest number
   // round outwards.
   const Eigen::Vector3d outwards = 2.0 * kFloatRoundoff * (center.cwiseAbs() + reach) +

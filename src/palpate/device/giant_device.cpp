@@ -6,16 +6,12 @@
 #include <Eigen/Eigenvalues>
 
 #include <palpate/base/error.h>
+#include <palpate/device/simulated_device.h>
 #include <palpate/geometry/rotation.h>
 #include <palpate/kinematics/inverse_kinematics.h>
 
 namespace palpate {
 namespace {
-
-/// Time constant of the reported velocity, as in SimulatedDevice. Unit: [s].
-constexpr double kVelocityFilter = 1.6e-3;
-/// Longest gap that is simulated: after a longer one the plant restarts at the present time. Unit: [s].
-constexpr double kLongestGap = 0.1;
 
 DeviceCapabilities capabilities_of(const SerialChain& chain, const GiantProperties& properties) {
   DeviceCapabilities can;
@@ -83,7 +79,7 @@ Wrench GiantDevice::sensed(double dt) {
 
 bool GiantDevice::read(double t, MotionReading& reading) {
   if (started_ && !(t > read_at_)) return false;
-  if (!started_ || t - t_ > kLongestGap) {
+  if (!started_ || t - t_ > SimulatedDevice::kLongestGap) {
     plant_->start(motion_.position(), t);
     moved_at_ = t_ = t;
     shown_ = told_count_;
@@ -102,7 +98,7 @@ bool GiantDevice::read(double t, MotionReading& reading) {
       q[i] = properties_.resolution * std::round(q[i] / properties_.resolution);
   kinematics_.set(q);
   if (started_ && dt > 0.0) {
-    const double share = -std::expm1(-dt / kVelocityFilter);
+    const double share = -std::expm1(-dt / SimulatedDevice::kVelocityFilter);
     const Vector6d v = difference(seen_, kinematics_.tip()) / dt;
     velocity_.linear += share * (v.head<3>() - velocity_.linear);
     velocity_.angular += share * (v.tail<3>() - velocity_.angular);

@@ -10,11 +10,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Time constant of the reported velocity: about 100 Hz, as in drivers. Unit: [s].
-constexpr double kVelocityFilter = 1.6e-3;
-/// Longest gap that is simulated: after a longer one the plant restarts at the present time. Unit: [s].
-constexpr double kLongestGap = 0.1;
-
 Vector3d rounded(const Vector3d& v, double to) {
   return to > 0.0 ? Vector3d(to * (v / to).array().round()) : v;
 }

@@ -70,6 +70,10 @@ class SimulatedDevice final : public HapticDevice {
 
   static constexpr double kStep = 5e-5;        ///< Unit: [s].
   static constexpr double kMostDelay = 10e-3;  ///< Unit: [s].
+  /// Time constant of the reported velocity: about 100 Hz, as in drivers. Unit: [s].
+  static constexpr double kVelocityFilter = 1.6e-3;
+  /// Longest gap that is simulated: after a longer one the plant restarts at the present time. Unit: [s].
+  static constexpr double kLongestGap = 0.1;
 
  private:
   struct Written {

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kMilli = 1e3;
+constexpr double kMilliseconds = 1e3;
 constexpr double kMostEchoes = 1e15;  ///< upper bound of an echo's number: exact in a double
 constexpr const char* kWorld = "world";
 
@@ -82,7 +82,7 @@ std::optional<double> LiveTopics::measured_at(const Stamp& stamp, double now) {
   told_late_ = now;
   throw Refusal(
       fmt::format("poses arrive {:.0f} ms after measurement; those older than {:.0f} ms are dropped",
-                  kMilli * *age, kMilli * stale_after));
+                  kMilliseconds * *age, kMilliseconds * stale_after));
 }
 
 void LiveTopics::hold(Client& client) {

@@ -21,7 +21,7 @@ double brakeable(double d, double a, double dt) {
   return a * (std::sqrt(dt * dt + 2.0 * std::max(0.0, d) / a) - dt);
 }
 
-bool is_pose(const Pose& pose) {
+bool is_target(const Pose& pose) {
   return pose.position.allFinite() && std::abs(pose.orientation.norm() - 1.0) < 1e-3;
 }
 
@@ -166,7 +166,7 @@ void JointMotion::explain() {
 
 void JointMotion::step(const Pose& target, double dt) {
   if (!(dt > 0.0)) return;
-  if (!is_pose(target)) {
+  if (!is_target(target)) {
     brake(dt);
     held_by_ = HeldBy::kNotFinite;
     held_joint_ = -1;

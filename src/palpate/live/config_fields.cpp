@@ -21,13 +21,9 @@ using enum ConfigGroup;
 
 /// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
 constexpr double kMinScale = 1e-9, kMaxScale = 1e9;
-constexpr double kFarthest = 1e9;  // m
-constexpr double kMostTurn = 1e6;  // largest component of a quaternion, before normalisation
 constexpr double kMostForce = 1e6;
 constexpr double kMostDetail = 10.0;  // m
 
-std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-std::vector<double> numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
 /// Field of an enumeration; `names` are in the order of its enumerators.
@@ -46,7 +42,7 @@ NumbersField rotation(Field) {
   return {.count = 4,
           .get = [](const LiveConfig& c) { return numbers(Field{}(c)); },
           .set = [](LiveConfig& c, const std::vector<double>& q) { Field{}(c) = parse_quaternion(q.data()); },
-          .most_parameter = kMostTurn};
+          .most_parameter = kQuaternionMax};
 }
 
 template <class Field>
@@ -55,7 +51,7 @@ NumbersField vector(Field) {
           .get = [](const LiveConfig& c) { return numbers(Field{}(c)); },
           .set = [](LiveConfig& c, const std::vector<double>& v) { Field{}(c) = vector_of(v); },
           .shows_default = true,
-          .most_parameter = kFarthest};
+          .most_parameter = kCoordinateMax};
 }
 
 NumbersField crop_box() {

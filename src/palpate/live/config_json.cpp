@@ -17,9 +17,6 @@
 namespace palpate {
 namespace {
 
-Json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Json numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
-
 /// Homogeneous transformation from the captured frame to the world, in column-major order.
 Json matrix_of(const Similarity& s) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -72,9 +69,6 @@ std::vector<double> numbers_of(const Json& value, std::string_view name, std::si
   return result;
 }
 
-constexpr double kFarthest = 1e9;  // m
-constexpr double kMostTurn = 1e6;  // largest component of a quaternion
-
 ToolPart part_of(const Json& value) {
   if (!value.is_object()) throw Refusal("'tool' must be ellipsoids, each with 'semi_axes'");
   ToolPart part;
@@ -84,11 +78,11 @@ ToolPart part_of(const Json& value) {
     throw Refusal(fmt::format("'semi_axes' must be {} m or more", kMinToolAxis));
   part.semi_axes = {a[0], a[1], a[2]};
   if (value.contains("position")) {
-    const auto p = numbers_of(value["position"], "position", 3, kFarthest);
+    const auto p = numbers_of(value["position"], "position", 3, kCoordinateMax);
     part.pose.position = {p[0], p[1], p[2]};
   }
   if (value.contains("orientation")) {
-    const auto q = numbers_of(value["orientation"], "orientation", 4, kMostTurn);
+    const auto q = numbers_of(value["orientation"], "orientation", 4, kQuaternionMax);
     try {
       part.pose.orientation = parse_quaternion(q.data());
     } catch (const BadValue& error) {

@@ -1,5 +1,5 @@
 /// \file
-/// Parsing of values from the command line or a configuration file.
+/// Values as they are written on the command line and in configuration files.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +28,18 @@ double parse_positive(const std::string& text);  ///< finite and above zero
 std::vector<double> parse_numbers(std::string_view text, std::size_t min_count, std::size_t max_count);
 Eigen::Quaterniond parse_quaternion(const double* wxyz);  ///< normalized
 HandProperties parse_hand(const double* mbk);             ///< kg, N s/m and N/m, none below zero
+/// @}
+
+/// \name The numbers of a value, as written
+/// @{
+inline std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+inline std::vector<double> numbers(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+/// @}
+
+/// \name Bounds on given numbers, within which every product of the contact mathematics is finite
+/// @{
+inline constexpr double kCoordinateMax = 1e9;  ///< Unit: [m].
+inline constexpr double kQuaternionMax = 1e6;  ///< of a component, before normalization
 /// @}
 
 }  // namespace palpate

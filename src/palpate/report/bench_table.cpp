@@ -24,11 +24,11 @@ std::vector<T> collect(const std::vector<PoseFigures>& poses, bool touching, U P
   return values;
 }
 
-struct Spread {
+struct SizeSpread {
   std::size_t median, max;
 };
 
-Spread spread_of(const BenchFigures& figures, std::size_t PoseFigures::*size) {
+SizeSpread spread_of(const BenchFigures& figures, std::size_t PoseFigures::*size) {
   std::vector<double> values = collect<double>(figures.poses, true, size);
   return {static_cast<std::size_t>(quantile(values, 0.5)), static_cast<std::size_t>(quantile(values, 1.0))};
 }
@@ -53,7 +53,7 @@ OrderedJson sizes_json(const BenchFigures& figures) {
   if (figures.contact_poses() == 0) return nullptr;
   OrderedJson json;
   for (const Stage& stage : kStages) {
-    const Spread spread = spread_of(figures, stage.size);
+    const SizeSpread spread = spread_of(figures, stage.size);
     json[stage.key] = {{"median", spread.median}, {"max", spread.max}};
   }
   return json;
@@ -117,7 +117,7 @@ std::string sizes_text(const BenchFigures& figures) {
   }
   text += fmt::format("\n{:<26} {:>9} {:>10}\n", "per pose in contact", "median", "max");
   for (const Stage& stage : kStages) {
-    const Spread spread = spread_of(figures, stage.size);
+    const SizeSpread spread = spread_of(figures, stage.size);
     text += fmt::format("{:<26} {:>9} {:>10}\n", stage.name, spread.median, spread.max);
   }
   return text;

@@ -14,10 +14,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kToMm = 1e3, kPercent = 100.0;
 constexpr std::size_t kWorst = 5;
 
-using Column = FigureColumn<CaptureRow>;
+using CaptureColumn = FigureColumn<CaptureRow>;
 
 constexpr const char* kNote =
     "Silent: the force is below a tenth of stiffness times depth. Avoidably silent: silent although an\n"
@@ -30,7 +29,7 @@ double of_likeness(const CaptureRow& row, double (*value)(const CaptureLikeness&
 }  // namespace
 
 const std::vector<FigureColumn<CaptureRow>>& capture_columns() {
-  static const std::vector<Column> all{
+  static const std::vector<CaptureColumn> all{
       {"pushes", "pushes", "{:.0f}",
        [](const CaptureRow& r) { return static_cast<double>(r.figures.pushes); }},
       {"onset_within_5mm_percent", "onset within 5 mm of the visible surface, %", "{:.1f}",
@@ -85,7 +84,7 @@ const std::vector<FigureColumn<CaptureRow>>& capture_columns() {
 
 namespace {
 
-bool is_shown(const Column& column, const std::vector<CaptureRow>& rows) {
+bool is_shown(const CaptureColumn& column, const std::vector<CaptureRow>& rows) {
   return std::ranges::any_of(rows, [&](const CaptureRow& row) { return !std::isnan(column.value(row)); });
 }
 
@@ -108,7 +107,7 @@ std::string capture_text(const std::vector<CaptureRow>& rows) {
   text += fmt::format("{:<66}", "");
   for (const CaptureRow& row : rows) text += fmt::format(" {:>8}", row.model);
   text += '\n';
-  for (const Column& column : capture_columns()) {
+  for (const CaptureColumn& column : capture_columns()) {
     if (!is_shown(column, rows)) continue;
     text += fmt::format("{:<66}", column.heading);
     for (const CaptureRow& row : rows) text += fmt::format(" {:>8}", text_of(column, row));
@@ -137,7 +136,7 @@ std::string capture_html(const std::vector<CaptureRow>& rows) {
   std::string html = "<div class='table' tabindex='0'><table>\n<tr><th></th>";
   for (const CaptureRow& row : rows) html += fmt::format("<th>{}</th>", markup_escaped(row.model));
   html += "</tr>\n";
-  for (const Column& column : capture_columns()) {
+  for (const CaptureColumn& column : capture_columns()) {
     if (!is_shown(column, rows)) continue;
     html += fmt::format("<tr><td>{}</td>", markup_escaped(column.heading));
     for (const CaptureRow& row : rows) html += fmt::format("<td>{}</td>", text_of(column, row));

@@ -15,8 +15,6 @@ namespace {
 using Rows = std::vector<EvaluationRow>;
 using Style = PlotSeries::Style;
 
-constexpr double kToMm = 1e3;
-
 /// Returns the distinct values of `member`, in order of first occurrence.
 template <class Member>
 auto distinct(const Rows& rows, Member member) {
@@ -33,9 +31,9 @@ int index_of(const Values& values, const Value& value) {
 }
 
 /// Draws the figures; a model has the same colour in all of them.
-class Figures {
+class EvaluationPlots {
  public:
-  Figures(const Rows& rows, double stiffness)
+  EvaluationPlots(const Rows& rows, double stiffness)
       : rows_(rows),
         stiffness_(stiffness),
         shapes_(distinct(rows, &EvaluationRow::shape)),
@@ -262,7 +260,7 @@ std::string table_of(const EvaluationSection& section, const Rows& rows) {
 }  // namespace
 
 std::vector<Plot> evaluation_figures(const Rows& rows, double stiffness) {
-  const Figures figures(rows, stiffness);
+  const EvaluationPlots figures(rows, stiffness);
   return {figures.direction(), figures.force(),    figures.slide(),    figures.step(),
           figures.edge(),      figures.friction(), figures.densities()};
 }

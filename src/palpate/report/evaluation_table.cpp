@@ -14,10 +14,11 @@ using Row = EvaluationRow;
 using Column = EvaluationColumn;
 using Section = EvaluationSection;
 
-constexpr double kToMm = 1e3, kToUm = 1e6;
+constexpr double kToUm = 1e6;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-constexpr const char *kMm = "{:.2f}", *kShare = "{:.3f}", *kCount = "{:.0f}", *kUs = "{:.1f}";
+constexpr const char *kShare = "{:.3f}", *kUs = "{:.1f}";
+constexpr std::size_t kNarrowestColumn = 7;
 
 Section pressed() {
   return {
@@ -123,11 +124,6 @@ Section timed() {
 }
 
 /// Width of a column of the printed table, in characters.
-std::size_t width_of(const Column& column) {
-  constexpr std::size_t kNarrowest = 7;
-  return std::max(kNarrowest, std::string_view(column.heading).size());
-}
-
 /// [[at, p05, p50, p95], ...]
 OrderedJson curve_json(const Curve& curve) {
   OrderedJson json = OrderedJson::array();
@@ -169,12 +165,14 @@ std::string evaluation_text(const std::vector<EvaluationRow>& rows) {
     text += fmt::format("{}{}\n{}\n\n", first ? "" : "\n", section.title, section.note);
     first = false;
     text += fmt::format("{:<9} {:>7} {:<8}", "shape", "spacing", "model");
-    for (const Column& c : section.columns) text += fmt::format(" {:>{}}", c.heading, width_of(c));
+    for (const Column& c : section.columns)
+      text += fmt::format(" {:>{}}", c.heading, width_of(c, kNarrowestColumn));
     text += '\n';
     for (const Row& row : rows) {
       if (!section.has(row)) continue;
       text += fmt::format("{:<9} {:>4.1f} mm {:<8}", row.shape, kToMm * row.spacing, row.model);
-      for (const Column& c : section.columns) text += fmt::format(" {:>{}}", text_of(c, row), width_of(c));
+      for (const Column& c : section.columns)
+        text += fmt::format(" {:>{}}", text_of(c, row), width_of(c, kNarrowestColumn));
       text += '\n';
     }
   }

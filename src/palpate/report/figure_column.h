@@ -2,8 +2,11 @@
 /// Columns of evaluation results for tables, CSV and JSON.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,6 +23,16 @@ struct FigureColumn {
   const char* format;
   double (*value)(const Row&);  ///< NaN if there is none
 };
+
+/// Factors from SI units, and formats, of figures in tables.
+inline constexpr double kToMm = 1e3, kPercent = 100.0;
+inline constexpr const char *kMm = "{:.2f}", *kCount = "{:.0f}";
+
+/// Width of a column in a table: that of its heading, and at least `least`.
+template <class Row>
+std::size_t width_of(const FigureColumn<Row>& column, std::size_t least) {
+  return std::max(least, std::string_view(column.heading).size());
+}
 
 /// Formats a figure; a dash if there is none.
 template <class Row>

@@ -31,12 +31,12 @@ double LogHistogram::edge(std::size_t i) const {
 }
 
 std::string histogram_text(const std::vector<double>& times) {
-  constexpr std::size_t kBins = 12, kWidth = 50;
+  constexpr std::size_t kBins = 12, kLongest = 50;
   const LogHistogram histogram(times, kBins);
   std::string text;
   for (std::size_t i = 0; i < kBins; ++i) {
     const std::size_t n = histogram.count(i);
-    const std::size_t bar = (n * kWidth + histogram.most() - 1) / histogram.most();  // at least one '#'
+    const std::size_t bar = (n * kLongest + histogram.most() - 1) / histogram.most();  // at least one '#'
     fmt::format_to(std::back_inserter(text), "{:>9.3g} to {:>8.3g} us {:>9}  {}\n", histogram.edge(i),
                    histogram.edge(i + 1), n, std::string(bar, '#'));
   }
@@ -46,21 +46,21 @@ std::string histogram_text(const std::vector<double>& times) {
 namespace {
 
 // Geometry of the picture, in pixels.
-constexpr double kWidth = 860, kHeight = 440;
-constexpr double kLeft = 70, kRight = 840, kTop = 132, kBottom = 380;  // of the plot area
-constexpr std::size_t kBins = 77;                                      // ten pixels each
+constexpr double kSheetWidth = 860, kSheetHeight = 440;
+constexpr double kPlotLeft = 70, kPlotRight = 840, kTop = 132, kPlotBottom = 380;  // of the plot area
+constexpr std::size_t kBins = 77;                                                  // ten pixels each
 constexpr double kMarkRow = 17;  // row height of mark names, one per row, so that close ones are legible
 
-constexpr const char* kStyle =
+constexpr const char* kSheetStyle =
     "text{font:13px system-ui,'Segoe UI',Helvetica,Arial,sans-serif;fill:#333}"
     ".title{font-size:17px;font-weight:600;fill:#111}.axis{stroke:#333;fill:none}.grid{stroke:#e4e4e4}"
     ".bar{fill:#4c78a8}.mark{stroke:#b22222;stroke-dasharray:4 "
     "3}.name{fill:#b22222;stroke:#fff;stroke-width:5px;paint-order:stroke}";
 
 /// Coordinate mapping of a plot, and the SVG drawn so far.
-class Plot {
+class Sheet {
  public:
-  explicit Plot(const LogHistogram& histogram) : histogram_(histogram) {}
+  explicit Sheet(const LogHistogram& histogram) : histogram_(histogram) {}
 
   template <typename... Args>
   void draw(fmt::format_string<Args...> format, Args&&... args) {
@@ -73,9 +73,9 @@ class Plot {
       if (histogram_.count(i) == 0) continue;
       const double left = x(histogram_.edge(i)), right = x(histogram_.edge(i + 1));
       // A single slow query matters most: its bar must be visible.
-      const double height = std::max(1.5, kBottom - y(share(histogram_.count(i))));
+      const double height = std::max(1.5, kPlotBottom - y(share(histogram_.count(i))));
       draw("<rect class='bar' x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}'/>", left + 0.5,
-           kBottom - height, right - left - 1.0, height);
+           kPlotBottom - height, right - left - 1.0, height);
     }
   }
 
@@ -83,8 +83,9 @@ class Plot {
     const double step = share_step();
     for (int i = 0; i * step <= most_share(); ++i) {
       const double at = y(i * step);
-      draw("<path class='grid' d='M{} {:.1f}H{}'/>", kLeft, at, kRight);
-      draw("<text x='{}' y='{:.1f}' text-anchor='end'>{:.3g} %</text>", kLeft - 8, at + 4, 100.0 * i * step);
+      draw("<path class='grid' d='M{} {:.1f}H{}'/>", kPlotLeft, at, kPlotRight);
+      draw("<text x='{}' y='{:.1f}' text-anchor='end'>{:.3g} %</text>", kPlotLeft - 8, at + 4,
+           100.0 * i * step);
     }
   }
 
@@ -97,14 +98,14 @@ class Plot {
         const double time = digit * std::pow(10.0, decade);
         if (time < low || time > high) continue;
         const bool named = digit == 1 || (fine && (digit == 2 || digit == 5)) || high / low < 8.0;
-        draw("<path class='axis' d='M{:.1f} {}v{}'/>", x(time), kBottom, named ? 6 : 3);
+        draw("<path class='axis' d='M{:.1f} {}v{}'/>", x(time), kPlotBottom, named ? 6 : 3);
         if (named)
-          draw("<text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>", x(time), kBottom + 21, time);
+          draw("<text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>", x(time), kPlotBottom + 21, time);
       }
     }
-    draw("<path class='axis' d='M{} {}H{}'/>", kLeft, kBottom, kRight);
-    draw("<text x='{}' y='{}' text-anchor='middle'>time of one query, \u00b5s</text>", (kLeft + kRight) / 2,
-         kBottom + 45);
+    draw("<path class='axis' d='M{} {}H{}'/>", kPlotLeft, kPlotBottom, kPlotRight);
+    draw("<text x='{}' y='{}' text-anchor='middle'>time of one query, \u00b5s</text>",
+         (kPlotLeft + kPlotRight) / 2, kPlotBottom + 45);
   }
 
   void draw_marks(const std::vector<Mark>& marks) {
@@ -112,11 +113,11 @@ class Plot {
       return kTop - 8.0 - kMarkRow * static_cast<double>(marks.size() - 1 - i);
     };
     for (std::size_t i = 0; i < marks.size(); ++i) {
-      draw("<path class='mark' d='M{:.1f} {}V{}'/>", x(marks[i].value), row(i) - 10, kBottom);
+      draw("<path class='mark' d='M{:.1f} {}V{}'/>", x(marks[i].value), row(i) - 10, kPlotBottom);
     }
     for (std::size_t i = 0; i < marks.size(); ++i) {  // on top of all lines
       const double at = x(marks[i].value);
-      const bool left = at > 0.75 * kRight;  // the name stays inside the picture
+      const bool left = at > 0.75 * kPlotRight;  // the name stays inside the picture
       draw("<text class='name' x='{:.1f}' y='{}' text-anchor='{}'>{} = {:.3g} \u00b5s</text>",
            left ? at - 5 : at + 5, row(i), left ? "end" : "start", markup_escaped(marks[i].name),
            marks[i].value);
@@ -141,9 +142,9 @@ class Plot {
 
   double x(double time) const {
     const double low = histogram_.edge(0), high = histogram_.edge(histogram_.bins());
-    return kLeft + (kRight - kLeft) * std::log(time / low) / std::log(high / low);
+    return kPlotLeft + (kPlotRight - kPlotLeft) * std::log(time / low) / std::log(high / low);
   }
-  double y(double share) const { return kBottom - (kBottom - kTop) * share / most_share(); }
+  double y(double share) const { return kPlotBottom - (kPlotBottom - kTop) * share / most_share(); }
 
   const LogHistogram& histogram_;
   std::string svg_;
@@ -154,20 +155,20 @@ class Plot {
 std::string histogram_svg(const std::vector<double>& times, const std::vector<Mark>& marks,
                           const std::string& title, const std::string& subtitle) {
   const LogHistogram histogram(times, kBins);
-  Plot plot(histogram);
-  plot.draw("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}'>", kWidth,
-            kHeight);
-  plot.draw("<title>{}</title>", markup_escaped(title));
-  plot.draw("<style>{}</style>", kStyle);
-  plot.draw("<rect width='100%' height='100%' fill='#fff'/>");
-  plot.draw("<text class='title' x='{}' y='30'>{}</text>", kLeft, markup_escaped(title));
-  plot.draw("<text x='{}' y='50'>{}</text>", kLeft, markup_escaped(subtitle));
-  plot.draw_shares();
-  plot.draw_bars();
-  plot.draw_times();
-  plot.draw_marks(marks);
-  plot.draw("</svg>");
-  return plot.svg();
+  Sheet sheet(histogram);
+  sheet.draw("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}'>",
+             kSheetWidth, kSheetHeight);
+  sheet.draw("<title>{}</title>", markup_escaped(title));
+  sheet.draw("<style>{}</style>", kSheetStyle);
+  sheet.draw("<rect width='100%' height='100%' fill='#fff'/>");
+  sheet.draw("<text class='title' x='{}' y='30'>{}</text>", kPlotLeft, markup_escaped(title));
+  sheet.draw("<text x='{}' y='50'>{}</text>", kPlotLeft, markup_escaped(subtitle));
+  sheet.draw_shares();
+  sheet.draw_bars();
+  sheet.draw_times();
+  sheet.draw_marks(marks);
+  sheet.draw("</svg>");
+  return sheet.svg();
 }
 
 }  // namespace palpate

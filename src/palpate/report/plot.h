@@ -13,6 +13,8 @@ struct PlotAxis {
   bool logarithmic = false;
   std::optional<double> low = {}, high = {};  ///< ends of the axis; if unset, those of the data
   std::vector<std::string> categories = {};   ///< names at 0, 1, 2 ...; empty for numbers
+
+  static constexpr double kLeastCount = 0.5;  ///< shown for a count of 0 on a logarithmic axis
 };
 
 /// A point of a series; `low` to `high` is a band around a line, or an error bar of a dot. Points that are

@@ -19,9 +19,8 @@ namespace {
 using Style = PlotSeries::Style;
 using TickValue = std::function<double(const ReproductionTick&)>;
 
-constexpr std::size_t kColumns = 400;       // intervals of a line
+constexpr std::size_t kIntervals = 400;     // intervals of a line
 constexpr std::size_t kCloudDots = 1500;    // dots of a scene
-constexpr double kLeastCount = 0.5;         // shown for 0 on a logarithmic axis
 constexpr double kWide = 4.4, kHigh = 2.2;  // extent of Fig. 4, to about one scale. [m]
 
 std::string figure_text(double value) {
@@ -87,7 +86,7 @@ std::vector<PlotMark> marks_of(const ReproductionRun& run) {
 /// Line of the largest and the least value of each interval of ticks, so that no spike is lost.
 PlotSeries line_of(const ReproductionRun& run, const std::string& name, int color, const TickValue& value) {
   PlotSeries line{name, Style::kLine, color, {}};
-  const std::size_t count = run.ticks.size(), each = std::max<std::size_t>(1, count / kColumns);
+  const std::size_t count = run.ticks.size(), each = std::max<std::size_t>(1, count / kIntervals);
   for (std::size_t first = 0; first < count; first += each) {
     const auto begin = run.ticks.begin() + static_cast<std::ptrdiff_t>(first);
     const auto end = run.ticks.begin() + static_cast<std::ptrdiff_t>(std::min(count, first + each));
@@ -107,8 +106,8 @@ Plot row_of(const ReproductionRun& run, const std::string& name, const std::stri
 }
 
 Plot counts(const ReproductionRun& run) {
-  Plot plot = row_of(run, "counts", "Collision count", {"Gaussians", true, kLeastCount, {}, {}});
-  const auto count = [](std::size_t n) { return std::max(kLeastCount, static_cast<double>(n)); };
+  Plot plot = row_of(run, "counts", "Collision count", {"Gaussians", true, PlotAxis::kLeastCount, {}, {}});
+  const auto count = [](std::size_t n) { return std::max(PlotAxis::kLeastCount, static_cast<double>(n)); };
   plot.series = {line_of(run, "candidates", 0, [=](const auto& t) { return count(t.candidates); }),
                  line_of(run, "filtered", 2, [=](const auto& t) { return count(t.filtered); }),
                  line_of(run, "colliding", 1, [=](const auto& t) { return count(t.colliding); })};

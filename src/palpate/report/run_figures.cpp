@@ -15,11 +15,10 @@ using Value = std::function<double(const RunRow&)>;
 using Has = bool (*)(const RunRow&);
 
 constexpr std::size_t kColumns = 600;  // intervals of a line
-constexpr double kLeastCount = 0.5;    // shown for 0 on a logarithmic axis
-constexpr double kLeastTime = 0.1;     // likewise. Unit: [us].
+constexpr double kLeastTime = 0.1;     // shown for 0 on a logarithmic axis. Unit: [us].
 constexpr std::array kAxes{"x", "y", "z"};
 
-double count(std::size_t n) { return std::max(kLeastCount, static_cast<double>(n)); }
+double count(std::size_t n) { return std::max(PlotAxis::kLeastCount, static_cast<double>(n)); }
 double contacts(const RunRow& row) { return count(row.colliding); }
 double compute(const RunRow& row) { return std::max(kLeastTime, row.compute_us); }
 Eigen::Vector3d force(const RunRow& row) { return row.wrench.force; }
@@ -47,15 +46,15 @@ PlotSeries line(const Run& run, const std::string& name, int color, const Value&
   return drawn;
 }
 
-class Figures {
+class RunPlots {
  public:
   /// \pre not empty, nor is any of the runs
-  explicit Figures(const std::vector<Run>& runs) : runs_(runs) {
+  explicit RunPlots(const std::vector<Run>& runs) : runs_(runs) {
     for (const Run& run : runs) of_ += (of_.empty() ? "" : ", ") + name_of(run);
   }
 
   Plot counts() const {
-    Plot plot = over_time("counts", "Collision count", {"Gaussians", true, kLeastCount, {}, {}});
+    Plot plot = over_time("counts", "Collision count", {"Gaussians", true, PlotAxis::kLeastCount, {}, {}});
     if (runs_.size() > 1) return with_lines(std::move(plot), contacts);
     const Run& run = runs_.front();
     plot.series = {line(run, "candidates", 0, [](const RunRow& r) { return count(r.candidates); }),
@@ -108,7 +107,7 @@ class Figures {
 }  // namespace
 
 std::vector<Plot> run_figures(const std::vector<Run>& runs) {
-  const Figures figures(runs);
+  const RunPlots figures(runs);
   std::vector<Plot> plots{figures.counts(), figures.vector("force", "Repulsive force", force, always)};
   if (figures.any(has_user)) plots.push_back(figures.vector("user", "User force", user, has_user));
   if (figures.any(has_sent)) plots.push_back(figures.vector("sent", "Force sent", sent, has_sent));

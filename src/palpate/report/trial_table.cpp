@@ -14,9 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kToMm = 1e3, kPercent = 100.0;
-
-using Column = FigureColumn<TrialFigures>;
+using TrialColumn = FigureColumn<TrialFigures>;
 
 double number(std::size_t n) { return static_cast<double>(n); }
 
@@ -26,10 +24,10 @@ double first_of(const std::vector<std::size_t>& strokes) {
 }
 
 using Figures = TrialFigures;
-constexpr const char *kMm = "{:.2f}", *kShare = "{:.0f}", *kCount = "{:.0f}", *kUs = "{:.0f}";
+constexpr std::size_t kNarrowest = 6;
 
-const std::vector<Column>& columns() {
-  static const std::vector<Column> all{
+const std::vector<TrialColumn>& columns() {
+  static const std::vector<TrialColumn> all{
       {"strokes", "strokes", kCount, [](const Figures& f) { return number(f.strokes); }},
       {"slow", nullptr, kCount, [](const Figures& f) { return number(f.slow); }},
       {"silent", "silent", kCount, [](const Figures& f) { return number(f.silent); }},
@@ -45,16 +43,16 @@ const std::vector<Column>& columns() {
       {"late_p05_mm", "late p5", kMm, [](const Figures& f) { return kToMm * f.late.p05; }},
       {"late_p50_mm", "p50", kMm, [](const Figures& f) { return kToMm * f.late.p50; }},
       {"late_p95_mm", "p95", kMm, [](const Figures& f) { return kToMm * f.late.p95; }},
-      {"within_half_mm_percent", "<=0.5 mm %", kShare,
+      {"within_half_mm_percent", "<=0.5 mm %", kCount,
        [](const Figures& f) { return kPercent * f.within_half_mm; }},
-      {"within_1mm_percent", "<=1 mm %", kShare, [](const Figures& f) { return kPercent * f.within_1mm; }},
+      {"within_1mm_percent", "<=1 mm %", kCount, [](const Figures& f) { return kPercent * f.within_1mm; }},
       {"magnitude_p05", "F/kd p5", kMm, [](const Figures& f) { return f.magnitude.p05; }},
       {"magnitude_p50", "p50", kMm, [](const Figures& f) { return f.magnitude.p50; }},
       {"magnitude_p95", "p95", kMm, [](const Figures& f) { return f.magnitude.p95; }},
       {"step_max_n", "step N", kMm, [](const Figures& f) { return f.step.max; }},
-      {"tick_p50_us", "tick us", kUs, [](const Figures& f) { return f.tick.p50; }},
-      {"tick_p99.9_us", "p99.9", kUs, [](const Figures& f) { return f.tick.p999; }},
-      {"tick_max_us", "max", kUs, [](const Figures& f) { return f.tick.max; }},
+      {"tick_p50_us", "tick us", kCount, [](const Figures& f) { return f.tick.p50; }},
+      {"tick_p99.9_us", "p99.9", kCount, [](const Figures& f) { return f.tick.p999; }},
+      {"tick_max_us", "max", kCount, [](const Figures& f) { return f.tick.max; }},
       {"first_silent", "first silent", kCount, [](const Figures& f) { return first_of(f.silent_strokes); }},
       {"first_sunk", "sunk", kCount, [](const Figures& f) { return first_of(f.sunk_strokes); }},
       {"first_through", "through", kCount, [](const Figures& f) { return first_of(f.through_strokes); }},
@@ -62,11 +60,6 @@ const std::vector<Column>& columns() {
       {"first_late", "late", kCount, [](const Figures& f) { return first_of(f.late_strokes); }},
   };
   return all;
-}
-
-std::size_t width_of(const Column& column) {
-  constexpr std::size_t kLeast = 6;
-  return std::max(kLeast, std::string_view(column.heading).size());
 }
 
 }  // namespace
@@ -87,14 +80,15 @@ std::string trial_text(const std::vector<TrialRow>& rows) {
       "tick      computation time per tick in contact: median, 99.9th percentile and maximum, us\n"
       "first     numbers of the first failed strokes, for --stroke; late: by more than 1 mm, or no force\n\n";
   text += fmt::format("{:<12} {:<7} {:<9}", "tool", "place", "like");
-  for (const Column& c : columns()) {
-    if (c.heading != nullptr) text += fmt::format(" {:>{}}", c.heading, width_of(c));
+  for (const TrialColumn& c : columns()) {
+    if (c.heading != nullptr) text += fmt::format(" {:>{}}", c.heading, width_of(c, kNarrowest));
   }
   text += "\n";
   for (const TrialRow& row : rows) {
     text += fmt::format("{:<12} {:<7} {:<9}", row.tool, row.place, row.like);
-    for (const Column& c : columns()) {
-      if (c.heading != nullptr) text += fmt::format(" {:>{}}", text_of(c, row.figures), width_of(c));
+    for (const TrialColumn& c : columns()) {
+      if (c.heading != nullptr)
+        text += fmt::format(" {:>{}}", text_of(c, row.figures), width_of(c, kNarrowest));
     }
     text += "\n";
   }

@@ -30,7 +30,7 @@ using Near = net::local::stream_protocol;
 
 /// Time for a peer to confirm the end of the connection.
 constexpr auto kGoodbye = std::chrono::seconds(1);
-constexpr std::size_t kPiece = 16 << 10;  // a TLS record. Unit: [bytes].
+constexpr std::size_t kRecord = 16 << 10;  // a TLS record. Unit: [bytes].
 
 class Connection;
 
@@ -129,7 +129,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   net::ssl::stream<tcp::socket> far_;
   Near::socket near_;
   net::steady_timer deadline_;
-  std::array<char, kPiece> plain_{}, sent_{};
+  std::array<char, kRecord> plain_{}, sent_{};
 };
 
 /// \throws Error

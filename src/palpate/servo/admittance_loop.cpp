@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 /// Longest time that a late tick integrates: the motion slows down instead of catching up. Unit: [ticks].
-constexpr double kOnTime = 2.0;
+constexpr double kLongestStep = 2.0;
 
 }  // namespace
 
@@ -115,7 +115,7 @@ void AdmittanceLoop::tell_status() noexcept {
 void AdmittanceLoop::write(const Wrench& wrench) {
   if (!started_) return;
   const double passed = t_ > written_at_ ? t_ - written_at_ : period_;
-  const double dt = std::min(passed, kOnTime * period_);
+  const double dt = std::min(passed, kLongestStep * period_);
   written_at_ = t_;
   if (next_.update()) controller_.set(next_.front());
   if (governor_.brakes()) {

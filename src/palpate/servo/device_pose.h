@@ -2,6 +2,8 @@
 /// The pose of a handle in the frame of its device.
 #pragma once
 
+#include <cmath>
+
 #include <palpate/geometry/pose.h>
 
 namespace palpate {
@@ -21,6 +23,12 @@ struct DevicePose {
 
   /// The same numbers as a Pose, for code that works in D throughout.
   Pose in_device_frame() const { return {position, orientation}; }
+
+  /// Finite, and its orientation a unit quaternion but for rounding and drivers in single precision.
+  bool is_valid() const {
+    constexpr double kUnitTolerance = 1e-3;
+    return position.allFinite() && std::abs(orientation.norm() - 1.0) <= kUnitTolerance;
+  }
 
   bool operator==(const DevicePose&) const = default;
 };

@@ -45,4 +45,7 @@ struct FaultTraits {
 
 const FaultTraits& traits(Fault fault);
 
+/// The bit of a fault in a set of faults.
+constexpr unsigned fault_bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
+
 }  // namespace palpate

@@ -8,16 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Period after which a tick is late, in ticks, and fraction of elapsed time by which lateness decays; see
-/// SafetyGovernor.
-constexpr double kOnTime = 2.0, kForgiven = 0.1;
-constexpr double kUnitTolerance = 1e-3;
-
 bool finite(const Twist& v) { return v.linear.allFinite() && v.angular.allFinite(); }
-bool is_pose(const DevicePose& pose) {
-  return pose.position.allFinite() && std::abs(pose.orientation.norm() - 1.0) <= kUnitTolerance;
-}
-constexpr unsigned bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
 
 double way(const DevicePose& a, const DevicePose& b) { return (b.position - a.position).norm(); }
 double turn(const DevicePose& a, const DevicePose& b) {
@@ -50,11 +41,7 @@ void MotionGovernor::begin_tick(double t) {
     begun_ = true;
     arrived_ = small_since_ = since_ = t;
   }
-  late_ = std::max(0.0, late_ - kForgiven * passed_) + std::max(0.0, passed_ - kOnTime * safety_.tick);
-  if (late_ > safety_.late_max) {
-    late_ = safety_.late_max;
-    raise(Fault::kLateTick);
-  }
+  if (lateness_.exceeds(safety_.late_max, passed_, safety_.tick)) raise(Fault::kLateTick);
   hear();
 }
 
@@ -63,7 +50,7 @@ void MotionGovernor::hear() {
   for (unsigned fault = 1; fault < kFaultCount; ++fault)
     if ((asked >> fault & 1U) != 0U) raise(static_cast<Fault>(fault));
   if (resume_asked_.exchange(false, std::memory_order_relaxed)) held_ &= asked;
-  if (unpause_asked_.exchange(false, std::memory_order_relaxed)) held_ &= ~bit(Fault::kPaused) | asked;
+  if (unpause_asked_.exchange(false, std::memory_order_relaxed)) held_ &= ~fault_bit(Fault::kPaused) | asked;
   if (tare_asked_.exchange(false, std::memory_order_relaxed)) {
     tared_ = false;
     raise(Fault::kChanging);
@@ -98,7 +85,7 @@ void MotionGovernor::admit_none(double t) {
 
 void MotionGovernor::admit(const MotionReading& said, double t) {
   begin_tick(t);
-  const bool good = std::isfinite(said.t) && is_pose(said.pose) && finite(said.velocity);
+  const bool good = std::isfinite(said.t) && said.pose.is_valid() && finite(said.velocity);
   if (!good) raise(Fault::kBadPose);
   const bool fresh = good && said.t <= t + safety_.stale_after && (!started_ || said.t > newest_.t);
   if (!fresh && t - arrived_ > safety_.stale_after) raise(Fault::kStalePose);
@@ -157,7 +144,7 @@ double MotionGovernor::share() const {
 }
 
 bool MotionGovernor::moved(const MotionSetpoint& wanted, const MotionSetpoint& followed, bool at_rest) {
-  const bool good = is_pose(wanted.pose) && finite(wanted.velocity) && finite(wanted.acceleration);
+  const bool good = wanted.pose.is_valid() && finite(wanted.velocity) && finite(wanted.acceleration);
   if (!good) raise(Fault::kBadForce);
   at_rest_ = at_rest;
   if (started_ && (way(followed.pose, reading_.pose) > safety_.following_max ||
@@ -171,7 +158,7 @@ void MotionGovernor::raise(Fault fault) {
   wrong_at_ = t_;
   const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;
   const bool graver = !down || (traits(fault).latched && (held_ == 0U || fault == Fault::kEmergencyStop));
-  if (traits(fault).latched) held_ |= bit(fault);
+  if (traits(fault).latched) held_ |= fault_bit(fault);
   if (graver) fault_ = fault;
   if (!down) enter(GovernorState::kFalling);
 }

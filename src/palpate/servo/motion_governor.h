@@ -10,6 +10,7 @@
 
 #include <palpate/servo/fault.h>
 #include <palpate/servo/force_sensor_guard.h>
+#include <palpate/servo/lateness.h>
 #include <palpate/servo/motion_device.h>
 #include <palpate/servo/safety_governor.h>
 
@@ -78,7 +79,7 @@ class MotionGovernor {
 
   /// As the functions of SafetyGovernor of these names.
   void stop(Fault why = Fault::kEmergencyStop) {
-    stop_asked_.fetch_or(1U << static_cast<unsigned>(why), std::memory_order_relaxed);
+    stop_asked_.fetch_or(fault_bit(why), std::memory_order_relaxed);
   }
   void resume() { resume_asked_.store(true, std::memory_order_relaxed); }
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
@@ -107,7 +108,8 @@ class MotionGovernor {
   GovernorState state_ = GovernorState::kWaiting;
   Fault fault_ = Fault::kNone;
   SensorFault sensor_fault_ = SensorFault::kNone;
-  double t_ = 0.0, since_ = 0.0, passed_ = 0.0, late_ = 0.0;
+  double t_ = 0.0, since_ = 0.0, passed_ = 0.0;
+  Lateness lateness_;
   double small_since_ = 0.0, wrong_at_ = 0.0, arrived_ = 0.0;
   bool begun_ = false, started_ = false, tared_ = false, at_rest_ = true, heard_sensor_ = false;
   unsigned held_ = 0;  ///< latched faults not yet resumed, one bit each

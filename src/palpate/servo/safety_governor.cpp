@@ -12,18 +12,14 @@ using Eigen::Vector3d;
 
 /// Factor on every bound, so that rounding does not exceed it.
 constexpr double kBelow = 1.0 - 1e-12;
-/// Deviation from a unit quaternion by rounding and by drivers in single precision.
-constexpr double kUnitTolerance = 1e-3;
 /// Time constant of the measured rate of readings. Unit: [s].
 constexpr double kRateFilter = 0.25;
-/// Period after which a tick is late, and longest period that the slew limit counts. Unit: [ticks].
-constexpr double kOnTime = 2.0;
 
 bool is_finite(const Wrench& w) { return w.force.allFinite() && w.torque.allFinite(); }
 
-bool is_pose(const DeviceReading& r) {
-  return std::isfinite(r.t) && r.pose.position.allFinite() && r.velocity.linear.allFinite() &&
-         r.velocity.angular.allFinite() && std::abs(r.pose.orientation.norm() - 1.0) <= kUnitTolerance;
+bool is_valid(const DeviceReading& r) {
+  return std::isfinite(r.t) && r.pose.is_valid() && r.velocity.linear.allFinite() &&
+         r.velocity.angular.allFinite();
 }
 
 bool same(const DevicePose& a, const DevicePose& b) {
@@ -47,8 +43,6 @@ Wrench operator*(double share, const Wrench& w) { return {share * w.force, share
 Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 Wrench operator-(const Wrench& a, const Wrench& b) { return {a.force - b.force, a.torque - b.torque}; }
 bool is_zero(const Wrench& w) { return w.force.isZero(0.0) && w.torque.isZero(0.0); }
-
-constexpr unsigned bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
 
 /// Rank that decides which of two faults is reported.
 int gravity(Fault fault) {
@@ -124,7 +118,7 @@ void SafetyGovernor::begin_tick(double t) {
   }
   force_.pass(sent_.force.norm(), passed_);
   torque_.pass(sent_.torque.norm(), passed_);
-  watch_lateness();
+  if (lateness_.exceeds(limits_.late_max, passed_, limits_.tick)) raise(Fault::kLateTick);
   hear();
 }
 
@@ -135,7 +129,7 @@ void SafetyGovernor::admit_none(double t) {
 
 bool SafetyGovernor::admit(const DeviceReading& said, double t) {
   begin_tick(t);
-  const bool good = is_pose(said);
+  const bool good = is_valid(said);
   if (!good) raise(Fault::kBadPose);
   // Readings from the future are rejected: a device whose clock runs fast would otherwise never be stale.
   const bool fresh = good && said.t <= t + limits_.stale_after && (!started_ || said.t > newest_.t);
@@ -169,7 +163,7 @@ void SafetyGovernor::hear() {
   const bool resumes = resume_asked_.exchange(false, std::memory_order_relaxed);
   const bool unpauses = unpause_asked_.exchange(false, std::memory_order_relaxed);
   if (resumes) forgive(held_ & ~asked);
-  if (unpauses) forgive(bit(Fault::kPaused) & ~asked);
+  if (unpauses) forgive(fault_bit(Fault::kPaused) & ~asked);
 }
 
 void SafetyGovernor::forgive(unsigned faults) {
@@ -178,13 +172,16 @@ void SafetyGovernor::forgive(unsigned faults) {
   // The reported fault has ended; another may not have.
   for (unsigned k = 1; k < kFaultCount; ++k) {
     const auto fault = static_cast<Fault>(k);
-    if ((held_ & bit(fault)) != 0U && (!holds(fault_) || gravity(fault) > gravity(fault_))) fault_ = fault;
+    if ((held_ & fault_bit(fault)) != 0U && (!holds(fault_) || gravity(fault) > gravity(fault_)))
+      fault_ = fault;
   }
   if (holds(fault_)) remember();
 }
 
 /// A fault that does not latch holds until the governor returns to waiting.
-bool SafetyGovernor::holds(Fault fault) const { return !traits(fault).latched || (held_ & bit(fault)) != 0U; }
+bool SafetyGovernor::holds(Fault fault) const {
+  return !traits(fault).latched || (held_ & fault_bit(fault)) != 0U;
+}
 
 /// Exact except for the delay of the device, since the force was held from one reading to the next.
 void SafetyGovernor::watch_energy(const DevicePose& from, const DevicePose& to, double dt) {
@@ -216,14 +213,6 @@ void SafetyGovernor::watch_stillness(bool moved) {
   if (fade_ == 0.0) raise(Fault::kFrozenPose);
 }
 
-void SafetyGovernor::watch_lateness() {
-  constexpr double kForgiven = 0.1;
-  late_ = std::max(0.0, late_ - kForgiven * passed_) + std::max(0.0, passed_ - kOnTime * limits_.tick);
-  if (late_ <= limits_.late_max) return;
-  late_ = limits_.late_max;
-  raise(Fault::kLateTick);
-}
-
 void SafetyGovernor::enter(GovernorState state) {
   state_ = state;
   since_ = t_;
@@ -245,7 +234,7 @@ void SafetyGovernor::raise(Fault fault) {
   wrong_at_ = t_;
   const bool down = state_ == GovernorState::kFalling || state_ == GovernorState::kStopped;
   const bool told = down && holds(fault_) && gravity(fault) <= gravity(fault_);
-  if (traits(fault).latched) held_ |= bit(fault);
+  if (traits(fault).latched) held_ |= fault_bit(fault);
   const double end = t_ + traits(fault).fall_time;
   if (!down || end < fall_end_) {
     at_fall_ = sent_;
@@ -309,7 +298,7 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
     let_through_ = 0.0;
     return sent_;
   }
-  const double time = std::min(passed_, kOnTime * limits_.tick);
+  const double time = std::min(passed_, Lateness::kOnTime * limits_.tick);  // what the slew limit counts
   const Wrench bearable = shortened(asked, force_.bound(), torque_.bound());
   const double force = wanted.force.norm();
   let_through_ = good ? share() * (force > 0.0 ? std::min(1.0, bearable.force.norm() / force) : 1.0) : 0.0;

@@ -14,6 +14,7 @@
 #include <palpate/servo/device_capabilities.h>
 #include <palpate/servo/device_pose.h>
 #include <palpate/servo/fault.h>
+#include <palpate/servo/lateness.h>
 #include <palpate/servo/sustained_limit.h>
 
 namespace palpate {
@@ -132,7 +133,7 @@ class SafetyGovernor {
   /// Raises the fault `why` on request: if it latches, the force falls and stays zero until resume(). From
   /// any thread, also a signal handler.
   void stop(Fault why = Fault::kEmergencyStop) {
-    stop_asked_.fetch_or(1U << static_cast<unsigned>(why), std::memory_order_relaxed);
+    stop_asked_.fetch_or(fault_bit(why), std::memory_order_relaxed);
   }
   /// Clears latched faults: the force returns through the start gate if their cause is gone. Faults raised in
   /// the same tick remain. From any thread, also a signal handler.
@@ -173,7 +174,6 @@ class SafetyGovernor {
   Fault check(const DeviceReading& reading);
   void watch_energy(const DevicePose& from, const DevicePose& to, double dt);
   void watch_rate(bool fresh);
-  void watch_lateness();
   void watch_stillness(bool moved);
   void raise(Fault fault);
   void hear();
@@ -191,12 +191,12 @@ class SafetyGovernor {
   Fault fault_ = Fault::kNone;
   double t_ = 0.0, since_ = 0.0;  ///< now, and time of entry into the state. Unit: [s].
   double passed_ = 0.0;           ///< since the last tick. Unit: [s].
-  double late_ = 0.0;             ///< see SafetyLimits::late_max. Unit: [s].
-  double small_since_ = 0.0;      ///< since when the requested wrench is below the gate threshold. Unit: [s].
-  double wrong_at_ = 0.0;         ///< time of the last fault. Unit: [s].
-  bool begun_ = false;            ///< admit() was called
-  bool started_ = false;          ///< a reading was received
-  unsigned held_ = 0;             ///< latched faults not yet resumed, one bit each
+  Lateness lateness_;
+  double small_since_ = 0.0;  ///< since when the requested wrench is below the gate threshold. Unit: [s].
+  double wrong_at_ = 0.0;     ///< time of the last fault. Unit: [s].
+  bool begun_ = false;        ///< admit() was called
+  bool started_ = false;      ///< a reading was received
+  unsigned held_ = 0;         ///< latched faults not yet resumed, one bit each
   SpeedBound jump_, quick_, angular_jump_, angular_quick_;
   DeviceReading newest_;   ///< newest with a well-formed pose
   DeviceReading reading_;  ///< newest valid one

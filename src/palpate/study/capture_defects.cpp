@@ -19,8 +19,8 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr std::array<std::string_view, 7> kNames{"tails", "floaters", "double", "haze",
-                                                 "holes", "density",  "faint"};
+constexpr std::array<std::string_view, 7> kDefectNames{"tails", "floaters", "double", "haze",
+                                                       "holes", "density",  "faint"};
 
 constexpr double kTailSd = 0.7, kLargeShare = 0.01, kLarge = 5.0, kNeedleShare = 0.02, kNeedle = 10.0;
 constexpr double kAir = 0.1;  // thickness of the air with floaters and haze. [m]
@@ -37,7 +37,7 @@ constexpr double kHoleShare = 0.1, kHoleLeast = 1.0, kHoleMost = 2.0;
 constexpr double kSparsest = 10.0;  // in spacings
 constexpr int kDensities = 8;       // bands from the densest to the sparsest
 constexpr double kWave = 0.15;      // wavelength of smooth variations. [m]
-constexpr std::array<std::uint8_t, 3> kGrey{176, 176, 184};
+constexpr std::array<std::uint8_t, 3> kAddedColor{176, 176, 184};
 
 /// A random field with values in [0, 1], about uniformly distributed, as smooth as waves of kWave.
 class SmoothField {
@@ -173,7 +173,7 @@ void append_in_air(const Vector3d& position, const Vector3d& sigma, double alpha
   Eigen::Vector4d q(random.normal(), random.normal(), random.normal(), random.normal());
   if (!(q.norm() > 1e-6)) q = Eigen::Vector4d::UnitX();
   const Eigen::Vector4d unit = q.normalized();
-  scene.append({position, Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]), sigma, alpha}, kGrey);
+  scene.append({position, Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]), sigma, alpha}, kAddedColor);
 }
 
 Eigen::AlignedBox3d air_around(const GaussianScene& scene) {
@@ -234,17 +234,17 @@ void add_faint(const AnalyticSurface& surface, double spacing, Random& random, G
 
 }  // namespace
 
-std::span<const std::string_view> capture_defects() { return kNames; }
+std::span<const std::string_view> capture_defects() { return kDefectNames; }
 
 void set_defect(CaptureDefects& defects, std::string_view name) {
-  constexpr std::array<bool CaptureDefects::*, kNames.size()> kFlags{
+  constexpr std::array<bool CaptureDefects::*, kDefectNames.size()> kFlags{
       &CaptureDefects::tails, &CaptureDefects::floaters, &CaptureDefects::double_layers,
       &CaptureDefects::haze,  &CaptureDefects::holes,    &CaptureDefects::density,
       &CaptureDefects::faint};
-  const auto found = std::ranges::find(kNames, name);
-  if (found == kNames.end())
-    throw Error("there is no defect '{}'; use one of: {}", name, fmt::join(kNames, ", "));
-  defects.*kFlags.at(static_cast<std::size_t>(found - kNames.begin())) = true;
+  const auto found = std::ranges::find(kDefectNames, name);
+  if (found == kDefectNames.end())
+    throw Error("there is no defect '{}'; use one of: {}", name, fmt::join(kDefectNames, ", "));
+  defects.*kFlags.at(static_cast<std::size_t>(found - kDefectNames.begin())) = true;
 }
 
 GaussianScene make_capture(const AnalyticSurface& surface, const ProceduralOptions& options,

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSlide = 0.03;                     // length of the evaluated part. [m]
+constexpr double kSlideLength = 0.03;               // length of the evaluated part. [m]
 constexpr std::size_t kRests = 4;                   // rests of ten seconds each: few, since they take long
 constexpr int kSettle = 200, kTenSeconds = 10'000;  // ticks
 
@@ -26,7 +26,7 @@ std::optional<double> measured_friction(Hand& hand, const AnalyticSurface& surfa
   double drag = 0.0, pressing = 0.0;
   hand.come_down(start, depth);
   SurfaceSample place = start;
-  for (int tick = 0; tick < until_it_slips + ticks_on(kSlide); ++tick) {
+  for (int tick = 0; tick < until_it_slips + ticks_on(kSlideLength); ++tick) {
     place = next_place(surface, place, kHandStep);
     if (!tool_fits(surface, place, hand.tool()) || !is_smooth(surface, place, r)) break;
     const ForceOutput felt = hand.at(centre_at(place, hand.tool(), depth));

@@ -9,10 +9,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kShallowest = 0.004;  // least depth at which presses are judged. [m]
-constexpr double kDeepest = 1.5;       // depth of a press, in extents of the tool
-constexpr double kSlide = 0.03;        // [m]
-constexpr int kRest = 50;              // ticks until filters have settled
+constexpr double kShallowest = 0.004;   // least depth at which presses are judged. [m]
+constexpr double kDeepest = 1.5;        // depth of a press, in extents of the tool
+constexpr double kStrokeLength = 0.03;  // [m]
+constexpr int kSettleTicks = 50;        // ticks until filters have settled
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 double degrees_between(const Vector3d& a, const Vector3d& b) {
@@ -20,8 +20,8 @@ double degrees_between(const Vector3d& a, const Vector3d& b) {
 }
 
 CurveBins over_depth(const Tool& tool) {
-  constexpr std::size_t kBins = 30;
-  return {0.0, kDeepest * tool.thinnest(), kBins};
+  constexpr std::size_t kDepthBins = 30;
+  return {0.0, kDeepest * tool.thinnest(), kDepthBins};
 }
 
 }  // namespace
@@ -74,11 +74,11 @@ void Slides::at(Hand& hand, const SurfaceSample& start) {
   const double r = reach(hand.tool(), start.normal), depth = 0.5 * r;
   hand.come_down(start, depth);
   ForceOutput felt;
-  for (int tick = 0; tick < kRest; ++tick) felt = hand.at(centre_at(start, hand.tool(), depth));
+  for (int tick = 0; tick < kSettleTicks; ++tick) felt = hand.at(centre_at(start, hand.tool(), depth));
   held_.push_back(felt.wrench.force.norm());
   std::vector<Vector3d> forces;
   SurfaceSample place = start;
-  for (int tick = 0; tick < ticks_on(kSlide); ++tick) {
+  for (int tick = 0; tick < ticks_on(kStrokeLength); ++tick) {
     place = next_place(surface_, place, kHandStep);
     if (!tool_fits(surface_, place, hand.tool()) || !is_smooth(surface_, place, r)) break;
     forces.push_back(hand.at(centre_at(place, hand.tool(), depth)).wrench.force);

@@ -15,20 +15,20 @@ namespace {
 using Eigen::Vector3d;
 
 /// Largest offset of a sample from the middle of its cell, as a fraction of it: enough to break the lattice.
-constexpr double kJitter = 0.25;
+constexpr double kSampleJitter = 0.25;
 /// Standard deviations in the plane of a splat, in sides of its cell, so that a sheet has no gaps; and their
 /// relative variation, as of trained splats.
-constexpr double kTangentSigma = 0.65;
-constexpr double kTangentVariation = 0.15;
-constexpr double kNormalSigma = 0.06;
-constexpr double kOpacityMin = 0.8;
-constexpr double kOpacityMax = 0.99;
+constexpr double kPatchTangentSigma = 0.65;
+constexpr double kPatchTangentVariation = 0.15;
+constexpr double kPatchNormalSigma = 0.06;
+constexpr double kPatchOpacityMin = 0.8;
+constexpr double kPatchOpacityMax = 0.99;
 /// Depth in another object from which a place is covered. Unit: [m].
 constexpr double kCovered = 0.0005;
 /// Sides of the cells of the light grid, in spacings: light varies slowly.
 constexpr double kLightCell = 3.0;
 /// Least parameter step over which a slope is taken.
-constexpr double kLeastStep = 1e-4;
+constexpr double kLeastParameterStep = 1e-4;
 
 double length_along_u(const PaintedPatch& patch, double v) {
   constexpr int kPieces = 24;
@@ -134,12 +134,13 @@ Gaussian splat(const Vector3d& place, const Slopes& slopes, double spacing, Rand
   R << tangent, normal.cross(tangent), normal;
   const auto sigma = [&](double side) {
     const double length = std::clamp(side, 0.4 * spacing, 1.8 * spacing);
-    return kTangentSigma * length * random.uniform(1.0 - kTangentVariation, 1.0 + kTangentVariation);
+    return kPatchTangentSigma * length *
+           random.uniform(1.0 - kPatchTangentVariation, 1.0 + kPatchTangentVariation);
   };
   const double sigma_u = sigma(slopes.along_u.norm());
   const double sigma_v = sigma(std::abs(slopes.along_v.dot(R.col(1))));
-  const double alpha = random.uniform(kOpacityMin, kOpacityMax);
-  return {place, Eigen::Quaterniond(R).normalized(), {sigma_u, sigma_v, kNormalSigma * spacing}, alpha};
+  const double alpha = random.uniform(kPatchOpacityMin, kPatchOpacityMax);
+  return {place, Eigen::Quaterniond(R).normalized(), {sigma_u, sigma_v, kPatchNormalSigma * spacing}, alpha};
 }
 
 }  // namespace
@@ -168,14 +169,15 @@ void append_patch(const PaintedPatch& patch, const SoftLight& light, int object,
     const std::size_t columns = cells(length_along_u(patch, middle), patch.spacing);
     const double du = 1.0 / static_cast<double>(columns);
     for (std::size_t column = 0; column < columns; ++column) {
-      const double across = random.uniform(-kJitter, kJitter);
-      const double along = random.uniform(-kJitter, kJitter);
+      const double across = random.uniform(-kSampleJitter, kSampleJitter);
+      const double along = random.uniform(-kSampleJitter, kSampleJitter);
       const double u = (static_cast<double>(column) + 0.5 + across) * du;
       const double v = middle + along * dv;
       const Vector3d place = patch.at(u, v);
       if (patch.keeps && !patch.keeps(place)) continue;
       if (light.distance(place, 0.0, object) < -kCovered) continue;
-      const Slopes slopes = slopes_at(patch, u, v, std::max(du, kLeastStep), std::max(dv, kLeastStep));
+      const Slopes slopes =
+          slopes_at(patch, u, v, std::max(du, kLeastParameterStep), std::max(dv, kLeastParameterStep));
       const Paint paint = patch.paint(u, v, place);
       const Vector3d seen = lit(paint.albedo, paint.gloss, slopes.normal(), grid.at(u, v));
       scene.append(splat(place, slopes, patch.spacing, random), exposed(seen));

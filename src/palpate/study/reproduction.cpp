@@ -162,8 +162,8 @@ ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const
   ReproductionContact contact;
   contact.begins = std::numeric_limits<double>::quiet_NaN();
   Vector3d force = Vector3d::Zero(), user = Vector3d::Zero(), normal = Vector3d::Zero();
-  constexpr double kNever = -std::numeric_limits<double>::infinity();
-  double deepest = kNever, mean = 0.0, in_contact = kNever;
+  constexpr double kNoDepth = -std::numeric_limits<double>::infinity();
+  double deepest = kNoDepth, mean = 0.0, in_contact = kNoDepth;
   std::vector<double> resting;
   for (const ReproductionTick& tick : ticks) {
     if (tick.t < touch.begins || tick.t > touch.slides) continue;
@@ -175,7 +175,7 @@ ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const
     if (tick.t <= touch.slides - kHoldEnd) {
       // A contact that is lost while the tool moves further in, as behind a thin layer, is no bounce.
       contact.bounces += static_cast<int>(!now && in_contact > way + kBack);
-      in_contact = now ? std::max(in_contact, way) : kNever;
+      in_contact = now ? std::max(in_contact, way) : kNoDepth;
       continue;
     }
     resting.push_back(way);

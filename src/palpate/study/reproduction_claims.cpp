@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using Bound = Claim::Bound;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMilli = 1e-3;
 /// Beginning of a contact in which computation must be quick. Unit: [s].
 constexpr double kFirst = 0.1;
@@ -36,7 +36,7 @@ std::vector<double> values_of(const ReproductionRun& run, const Value& value) {
 
 /// The q-quantile; NaN if nothing was measured.
 double measured_quantile(std::vector<double> values, double q) {
-  return values.empty() ? kNone : quantile(values, q);
+  return values.empty() ? kNotMeasured : quantile(values, q);
 }
 
 template <class Value>
@@ -45,7 +45,7 @@ double most(const ReproductionRun& run, const Value& value) {
 }
 
 double mean(const std::vector<double>& values) {
-  if (values.empty()) return kNone;
+  if (values.empty()) return kNotMeasured;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
@@ -65,7 +65,7 @@ std::vector<double> ranks(const std::vector<double>& values) {
 
 /// Spearman's rank correlation; NaN if one of them does not vary.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  if (a.size() < 2) return kNone;
+  if (a.size() < 2) return kNotMeasured;
   const std::vector<double> x = ranks(a), y = ranks(b);
   const double mx = mean(x), my = mean(y);
   double xy = 0.0, xx = 0.0, yy = 0.0;
@@ -74,7 +74,7 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
     xx += (x[i] - mx) * (x[i] - mx);
     yy += (y[i] - my) * (y[i] - my);
   }
-  return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : kNone;
+  return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : kNotMeasured;
 }
 
 /// Rank correlation of collision count and force while the hand presses, mean of all places: places differ in
@@ -110,12 +110,12 @@ double area(const ReproductionRun& run) {
 double single_share(const ReproductionRun& run) {
   const double largest = most(run, [](const ReproductionTick& tick) { return tick.felt.norm(); });
   return mean(values_of(run, [&](const ReproductionTick& tick) {
-    return tick.colliding == 1 ? tick.felt.norm() / largest : kNone;
+    return tick.colliding == 1 ? tick.felt.norm() / largest : kNotMeasured;
   }));
 }
 
 double degrees_off(const ReproductionRun& run) {
-  double worst = kNone;
+  double worst = kNotMeasured;
   for (const ReproductionContact& contact : run.contacts)
     worst = std::fmax(worst, contact.off * 180.0 / std::numbers::pi);
   return worst;
@@ -138,12 +138,12 @@ double spike(const ReproductionRun& run) {
   const double usual = measured_quantile(
       values_of(run,
                 [&](const ReproductionTick& tick) {
-                  return tick.colliding == 0 && tick.force.isZero(0.0) ? tick.user.norm() : kNone;
+                  return tick.colliding == 0 && tick.force.isZero(0.0) ? tick.user.norm() : kNotMeasured;
                 }),
       0.5);
-  double least = kNone;
+  double least = kNotMeasured;
   for (const ReproductionContact& contact : run.contacts) least = std::fmin(least, contact.user);
-  return usual > 0.0 ? least / usual : kNone;
+  return usual > 0.0 ? least / usual : kNotMeasured;
 }
 
 double oscillating(const ReproductionRun& run) {
@@ -171,7 +171,7 @@ double cpu_quantile(const ReproductionRun& run, double q) {
 }  // namespace
 
 double Claim::ratio(double value) const {
-  if (limit == 0.0 || value == 0.0 || std::isnan(value)) return kNone;
+  if (limit == 0.0 || value == 0.0 || std::isnan(value)) return kNotMeasured;
   return bound == Bound::kAtMost ? limit / value : value / limit;
 }
 

@@ -14,14 +14,14 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSpeed = 0.5, kSlowSpeed = 0.1;  // [m/s]
-constexpr double kPeakSpeed = 15.0 / 8.0;         // ratio of peak to mean speed of a minimum-jerk motion
+constexpr double kPeakToMeanSpeed = 15.0 / 8.0;   // ratio of peak to mean speed of a minimum-jerk motion
 constexpr double kShortest = 0.25;                // shortest duration of a motion. [s]
-constexpr double kStandoff = 0.15;                // distance before first contact of the slow motion. [m]
-constexpr double kAbove = 0.12;                   // clearance above the scene in travel. [m]
-constexpr double kStep = 0.01;                    // distance between two checks for obstacles. [m]
+constexpr double kSlowFrom = 0.15;                // distance before first contact of the slow motion. [m]
+constexpr double kClearance = 0.12;               // clearance above the scene in travel. [m]
+constexpr double kCheckStep = 0.01;               // distance between two checks for obstacles. [m]
 constexpr double kFine = 2e-4;                    // step of the search for first contact. [m]
 constexpr std::size_t kSolid = 3;                 // least number of Gaussians of a surface
-constexpr std::size_t kPlacesPerTouch = 12;       // candidates to choose from
+constexpr std::size_t kCandidates = 12;           // candidates to choose from
 
 /// Fraction of a minimum-jerk motion (Flash and Hogan 1985) done after the fraction `u` of its time.
 double share_at(double u) { return u * u * u * (10.0 - u * (15.0 - 6.0 * u)); }
@@ -33,7 +33,7 @@ class Route {
       : query_(query), tool_(tool), options_(options) {
     Eigen::AlignedBox3d box;
     for (const Ellipsoid& ellipsoid : scene.ellipsoids) box.extend(ellipsoid.center);
-    height_ = std::min(box.max().z() + tool.radius() + kAbove, options.reach.max().z());
+    height_ = std::min(box.max().z() + tool.radius() + kClearance, options.reach.max().z());
     middle_ = box.center();
   }
 
@@ -97,7 +97,7 @@ class Route {
 
  private:
   Vector3d standoff(const RoomTouch& touch) const {
-    return touch.place.touch.position - (kStandoff + tool_.radius()) * touch.place.inward;
+    return touch.place.touch.position - (kSlowFrom + tool_.radius()) * touch.place.inward;
   }
   Vector3d away(const RoomTouch& touch) const { return standoff(touch) + options_.slide * touch.place.along; }
   Vector3d above(const Vector3d& p) const { return {p.x(), p.y(), std::max(p.z(), height_)}; }
@@ -127,7 +127,7 @@ class Route {
   }
 
   bool free(const Vector3d& from, const Vector3d& to) {
-    const int steps = static_cast<int>(std::ceil((to - from).norm() / kStep));
+    const int steps = static_cast<int>(std::ceil((to - from).norm() / kCheckStep));
     for (int i = 0; i <= steps; ++i) {
       const double u = steps == 0 ? 0.0 : static_cast<double>(i) / steps;
       if (touching(from + u * (to - from)) >= kSolid) return false;
@@ -145,7 +145,7 @@ class Route {
   }
   void go(const Vector3d& to, double speed) {
     const Vector3d from = now_;
-    const double time = std::max(kShortest, kPeakSpeed * (to - from).norm() / speed);
+    const double time = std::max(kShortest, kPeakToMeanSpeed * (to - from).norm() / speed);
     const int steps = static_cast<int>(std::ceil(time * options_.rate));
     for (int i = 1; i <= steps; ++i) append(from + share_at(static_cast<double>(i) / steps) * (to - from));
     now_ = to;
@@ -166,7 +166,7 @@ class Route {
 RoomPath room_path(const ContactQuery& query, const EllipsoidScene& scene, const Tool& tool,
                    const RoomPathOptions& options) {
   TouchPathOptions places;
-  places.touches = static_cast<int>(kPlacesPerTouch * options.touches);
+  places.touches = static_cast<int>(kCandidates * options.touches);
   places.seed = options.seed;
   places.slide = 0.0;
   Route route(query, scene, tool, options);

@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 const Vector3d kSky(0.40, 0.46, 0.55);     // linear, from above
 const Vector3d kBounce(0.26, 0.20, 0.15);  // from surrounding objects
-const Vector3d kWindow(1.95, 1.76, 1.46);
+const Vector3d kWindowLight(1.95, 1.76, 1.46);
 const Vector3d kSeenFrom(0.54, -0.68, 0.5);  // direction of the initial viewpoint, for highlights
 
 /// Distances along the normal at which ambient occlusion is probed, and their weights.
@@ -63,14 +63,14 @@ Vector3d lit(const Vector3d& albedo, double gloss, const Vector3d& normal, const
   const double up = 0.5 + 0.5 * normal.z();
   const double facing = std::max(0.0, normal.dot(window_direction()));
   const Vector3d sky = visibility.sky * (up * kSky + (1.0 - up) * kBounce);
-  const Vector3d light = sky + (facing * visibility.window) * kWindow;
+  const Vector3d light = sky + (facing * visibility.window) * kWindowLight;
   Vector3d seen = albedo.cwiseProduct(light);
   if (gloss > 0.0) {
     const Vector3d half = (window_direction() + kSeenFrom.normalized()).normalized();
     double shine = std::max(0.0, normal.dot(half));
     for (int k = 0; k < 5; ++k) shine *= shine;  // 32nd power
     const double edge = 1.0 - std::max(0.0, normal.dot(kSeenFrom.normalized()));
-    seen += gloss * (0.75 * shine * visibility.window * kWindow + 0.25 * edge * edge * edge * sky);
+    seen += gloss * (0.75 * shine * visibility.window * kWindowLight + 0.25 * edge * edge * edge * sky);
   }
   return seen;
 }

@@ -19,20 +19,20 @@ using Eigen::Vector3d;
 /// Times at which the hand begins to approach, arrives, begins to slide, begins to lift off, and ends. Unit:
 /// [s].
 constexpr double kComes = 0.8, kThere = 1.3, kSlides = kThere + StabilityTrial::kRest;
-constexpr double kLifts = kSlides + StabilityTrial::kSlide, kEnd = kLifts + StabilityTrial::kLift;
+constexpr double kLifts = kSlides + StabilityTrial::kSlide, kEnds = kLifts + StabilityTrial::kLift;
 /// Distance from the surface at which it waits. Unit: [m].
-constexpr double kAway = 0.015;
+constexpr double kWaits = 0.015;
 
 /// Rises from 0 to 1, with zero slope at both ends.
-double eased(double share) {
+double smooth_step(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
   return s * s * (3.0 - 2.0 * s);
 }
 
 HandPath path_at(const PressPlace& place, double press) {
   return [=](double t) {
-    const double depth = press - (kAway + press) * (1.0 - eased((t - kComes) / (kThere - kComes)) +
-                                                    eased((t - kLifts) / (kEnd - kLifts)));
+    const double depth = press - (kWaits + press) * (1.0 - smooth_step((t - kComes) / (kThere - kComes)) +
+                                                     smooth_step((t - kLifts) / (kEnds - kLifts)));
     const double slid = std::clamp(t - kSlides, 0.0, StabilityTrial::kSlide);
     Pose pose = place.touch;
     pose.position += depth * place.inward + StabilityTrial::kSlideSpeed * slid * place.along;
@@ -114,7 +114,7 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
   Eigen::AlignedBox3d rest;
   bool pushes = false;
   int resting = 0;
-  const auto ticks = static_cast<int>(kEnd / StabilityTrial::kTick);
+  const auto ticks = static_cast<int>(kEnds / StabilityTrial::kTick);
   for (int k = 0; k < ticks; ++k) {
     const double t = StabilityTrial::kTick * k;
     worker.run_until(t);

@@ -14,13 +14,6 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-double smooth(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
-Vector3d mixed(const Vector3d& a, const Vector3d& b, double share) { return a + share * (b - a); }
-
 /// A body of revolution about its local z axis, with a relief.
 struct Fruit {
   Vector3d center;

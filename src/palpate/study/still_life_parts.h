@@ -2,6 +2,7 @@
 /// Objects of the still-life scene: surfaces, paint and occupied space.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +24,15 @@ struct Thing {
   Pose pose = {};
   double relief = 0.0;
 };
+
+/// Rises from 0 at `low` to 1 at `high`, with zero slope at both ends.
+inline double smooth(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+inline Eigen::Vector3d mixed(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double share) {
+  return a + share * (b - a);
+}
 
 /// Half sizes of the table. Unit: [m].
 inline constexpr double kTableHalfX = 0.44, kTableHalfY = 0.31;

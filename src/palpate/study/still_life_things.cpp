@@ -14,13 +14,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-double smooth(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
-Vector3d mixed(const Vector3d& a, const Vector3d& b, double share) { return a + share * (b - a); }
-
 /// 1 in the middle of a groove, 0 from `half_width` on.
 double groove(double off, double half_width) { return 1.0 - smooth(0.0, half_width, std::abs(off)); }
 

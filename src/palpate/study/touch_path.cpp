@@ -69,14 +69,14 @@ struct Approach {
   Approach from(const Vector3d& other_origin) const { return {other_origin, direction, orientation}; }
 };
 
-struct Sphere {
+struct TravelSphere {
   Vector3d center;
   double radius;
 };
 
 /// Returns the least s at which a line is in the sphere; for a line that misses it, that of the nearest
 /// point.
-double entry(const Approach& line, const Sphere& sphere) {
+double entry(const Approach& line, const TravelSphere& sphere) {
   const Vector3d to_center = sphere.center - line.origin;
   const double middle = to_center.dot(line.direction);
   const double miss = to_center.squaredNorm() - middle * middle;
@@ -177,8 +177,8 @@ Quaterniond pointing_along(const Vector3d& direction) {
 /// Finds places to touch.
 class Search {
  public:
-  Search(Prober& prober, const EllipsoidScene& scene, const Sphere& sphere, const Eigen::AlignedBox3d& bounds,
-         const TouchPathOptions& options)
+  Search(Prober& prober, const EllipsoidScene& scene, const TravelSphere& sphere,
+         const Eigen::AlignedBox3d& bounds, const TouchPathOptions& options)
       : prober_(prober),
         scene_(scene),
         sphere_(sphere),
@@ -353,7 +353,7 @@ class Search {
 
   Prober& prober_;
   const EllipsoidScene& scene_;
-  Sphere sphere_;
+  TravelSphere sphere_;
   Eigen::AlignedBox3d bounds_;
   const TouchPathOptions& options_;
   Random random_;
@@ -401,7 +401,7 @@ Motion within(Motion motion, const TouchPathOptions& hand) {
 
 /// Motion along the great circle from one pose on the sphere to another; between opposite points, along any
 /// of them.
-Motion arc(const Sphere& sphere, const Pose& from, const Pose& to, const TouchPathOptions& hand) {
+Motion arc(const TravelSphere& sphere, const Pose& from, const Pose& to, const TouchPathOptions& hand) {
   const Vector3d a = from.position - sphere.center;
   const Vector3d b = to.position - sphere.center;
   const Quaterniond turn = rotation_between(a, b);
@@ -419,7 +419,7 @@ Motion arc(const Sphere& sphere, const Pose& from, const Pose& to, const TouchPa
 /// The path as a sequence of motions, either free or near the surface.
 class Script {
  public:
-  Script(const Sphere& sphere, double unit, const TouchPathOptions& options)
+  Script(const TravelSphere& sphere, double unit, const TouchPathOptions& options)
       : sphere_(sphere), unit_(unit), options_(options) {}
 
   void append(const Touch& touch) {
@@ -510,7 +510,7 @@ class Script {
     return 0.5 * pi * ((m - a).norm() + (b - m).norm());
   }
 
-  Sphere sphere_;
+  TravelSphere sphere_;
   double unit_;
   TouchPathOptions options_;
   std::vector<Motion> motions_;
@@ -538,7 +538,7 @@ void check(const EllipsoidScene& scene, const Tool& tool, const TouchPathOptions
 
 /// The script on the smallest of the travel spheres that is free of contact, otherwise on the one with the
 /// fewest.
-Script best_script(Prober& prober, const std::vector<Touch>& touches, const Sphere& sphere,
+Script best_script(Prober& prober, const std::vector<Touch>& touches, const TravelSphere& sphere,
                    const TouchPathOptions& options) {
   std::optional<Script> best;
   std::size_t least = std::numeric_limits<std::size_t>::max();
@@ -556,7 +556,7 @@ Script best_script(Prober& prober, const std::vector<Touch>& touches, const Sphe
 }
 
 /// Sphere around the scene, with room for the tool.
-Sphere travel_sphere(const Eigen::AlignedBox3d& bounds, const Tool& tool) {
+TravelSphere travel_sphere(const Eigen::AlignedBox3d& bounds, const Tool& tool) {
   return {bounds.center(), 0.5 * bounds.diagonal().norm() + kTravelClearance * tool.longest()};
 }
 
@@ -580,7 +580,7 @@ Trajectory touch_path(const ContactQuery& query, const EllipsoidScene& scene, co
                       const TouchPathOptions& options) {
   check(scene, tool, options);
   const Eigen::AlignedBox3d bounds = central_box(scene);
-  const Sphere sphere = travel_sphere(bounds, tool);
+  const TravelSphere sphere = travel_sphere(bounds, tool);
   Prober prober(query, tool);
   const std::vector<Touch> touches = Search(prober, scene, sphere, bounds, options).touches();
   return best_script(prober, touches, sphere, options).sampled();

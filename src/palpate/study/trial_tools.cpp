@@ -11,12 +11,12 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::string_view, 8> kNames{"ball20", "ball10", "ball5", "ball2",
-                                                 "rod",    "needle", "disc",  "plate"};
+constexpr std::array<std::string_view, 8> kToolNames{"ball20", "ball10", "ball5", "ball2",
+                                                     "rod",    "needle", "disc",  "plate"};
 
 }  // namespace
 
-std::span<const std::string_view> trial_tools() { return kNames; }
+std::span<const std::string_view> trial_tools() { return kToolNames; }
 
 std::optional<Tool> trial_tool(std::string_view name) {
   if (name == "ball20") return Tool({0.02, 0.02, 0.02});

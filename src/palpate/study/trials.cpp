@@ -23,17 +23,17 @@ using std::numbers::pi;
 constexpr std::array<std::string_view, 7> kPlaces{"face",  "edge",  "corner", "hole",
                                                   "plate", "sheet", "inside"};
 
-constexpr double kNoise = 0.25;                                  // standard deviation, in spacings
-constexpr double kTilt = 10.0 * pi / 180.0;                      // standard deviation. [rad]
-constexpr double kSlowest = 0.05, kSlow = 0.5, kFastest = 50.0;  // [m/s]
-constexpr double kShallowTrial = 3.0;                            // in shortest semi-axes
-constexpr double kFurther = 0.03;                                // length of a stroke from inside. [m]
-constexpr double kBefore = 1.5, kAway = 0.02, kFarAway = 0.3;    // in tool radii; [m]
-constexpr int kRest = 10, kPatience = 5, kStart = 8;             // [ticks]
-constexpr double kSilent = 0.1;                                  // fraction of stiffness times depth
-constexpr double kSilentDepth = 0.005, kFelt = 0.004;            // [m]
-constexpr double kSunk = 0.5;                                    // in shortest semi-axes
-constexpr double kHalfMm = 0.0005, kMm = 0.001;                  // [m]
+constexpr double kNoise = 0.25;              // standard deviation, in spacings
+constexpr double kTilt = 10.0 * pi / 180.0;  // standard deviation. [rad]
+constexpr double kSlowestStroke = 0.05, kSlow = 0.5, kFastestStroke = 50.0;  // [m/s]
+constexpr double kShallowTrial = 3.0;                                        // in shortest semi-axes
+constexpr double kFurther = 0.03;                                       // length of a stroke from inside. [m]
+constexpr double kStartsAt = 1.5, kApart = 0.02, kFarthestApart = 0.3;  // in tool radii; [m]
+constexpr int kRestTicks = 10, kPatience = 5, kStart = 8;               // [ticks]
+constexpr double kSilentShare = 0.1;                                    // fraction of stiffness times depth
+constexpr double kSilentDepth = 0.005, kFeltDepth = 0.004;              // [m]
+constexpr double kSunk = 0.5;                                           // in shortest semi-axes
+constexpr double kHalfMm = 0.0005, kMm = 0.001;                         // [m]
 constexpr std::size_t kScenes = 2;
 
 /// A place with its Gaussians.
@@ -131,10 +131,10 @@ std::optional<double> seen_touch(const Scene& scene, const TrialAim& aim, const 
 std::vector<double> ticks_of(double length, double speed, std::size_t& in) {
   std::vector<double> ticks;
   for (double s = 0.0; s < length; s += speed * kTick) ticks.push_back(s);
-  ticks.insert(ticks.end(), kRest + 1, length);
+  ticks.insert(ticks.end(), kRestTicks + 1, length);
   in = ticks.size();
   for (double s = length - speed * kTick; s > 0.0; s -= speed * kTick) ticks.push_back(s);
-  ticks.insert(ticks.end(), kRest + 1, 0.0);
+  ticks.insert(ticks.end(), kRestTicks + 1, 0.0);
   return ticks;
 }
 
@@ -148,7 +148,7 @@ class Trial {
   Trial(const TrialSetup& setup, const Scene& scene, std::size_t number)
       : setup_(setup), scene_(scene), random_(seed_of(setup.seed, number)) {
     result_.number = number;
-    result_.speed = kSlowest * std::pow(kFastest / kSlowest, random_.uniform());
+    result_.speed = kSlowestStroke * std::pow(kFastestStroke / kSlowestStroke, random_.uniform());
     const bool deep = random_.uniform() < 0.5;
     aim_ = scene.place.aim(random_, setup.tip_first);
     const double share = random_.uniform(0.2, 0.9);
@@ -201,10 +201,10 @@ class Trial {
 
   void from_outside(bool deep) {
     const double radius = aim_.tool.radius();
-    double back = kBefore * radius + kAway;
-    const double farthest = back + kFarAway;
+    double back = kStartsAt * radius + kApart;
+    const double farthest = back + kFarthestApart;
     while (back < farthest && overlaps(scene_.index, aim_.tool, aim_.point - back * aim_.along))
-      back += std::max(radius, kAway);
+      back += std::max(radius, kApart);
     way_ = {aim_.point - back * aim_.along, aim_.along, 0.0, 0.0};
     const double shallow = kShallowTrial * setup_.tool.thinnest();
     const auto touch = true_touch(scene_, aim_, way_, back + radius);
@@ -230,7 +230,7 @@ class Trial {
     const double turned =
         below_the_plane({tick.tool, proxy.orientation}) - below_the_plane(upright(tick.tool));
     const double depth = (s - *result_.seen) * std::abs(way_.along.dot(aim_.normal)) + turned;
-    if (depth > std::min(kFelt, setup_.tool.thinnest()))
+    if (depth > std::min(kFeltDepth, setup_.tool.thinnest()))
       result_.magnitude.push_back(force / (setup_.stiffness * depth));
   }
 
@@ -250,7 +250,7 @@ class Trial {
     const double loud = thinnest <= kSilentDepth ? thinnest : std::max(kSilentDepth, 0.5 * thinnest);
     deep_for_ = depth > loud ? deep_for_ + 1 : 0;
     if (deep_for_ > kPatience && (result_.slow() || rested) &&
-        tick.force.norm() < kSilent * setup_.stiffness * depth)
+        tick.force.norm() < kSilentShare * setup_.stiffness * depth)
       result_.silent = true;
     if (proxy_depth > kSunk * thinnest) result_.sunk = true;
     const auto thickness = scene_.place.thickness();
