@@ -34,7 +34,7 @@ fi
 
 say "building build/aarch64"
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_TOOLCHAIN_FILE=$root/cmake/aarch64.cmake" \
-  "-DAARCH64_SYSROOT=$sysroot" -DPALPATE_APPS=OFF -DPALPATE_TESTS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
+  "-DAARCH64_SYSROOT=$sysroot" -DPALPATE_APPS=OFF -DPALPATE_TESTS=ON "${unity[@]}" >/dev/null
 cmake --build "$build" --target test_base test_scene test_collision test_haptics >&2
 
 # Library to preload that hides the AES instructions from getauxval().

@@ -40,19 +40,21 @@ ensure_packages() {
 # ensure_npm: installs Debian's npm unless there is one of any origin.
 ensure_npm() { command -v npm >/dev/null || ensure_packages npm; }
 
+# For a full build: each library and program is compiled as one source, in a third of the time.
+unity=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0)
+
 # build_preset PRESET TESTS [TARGET...]: configures the build folder if necessary, and builds the targets or everything.
 # TESTS is ON or OFF; a folder with ON keeps it. A folder whose configuration missed an optional library is configured
-# again. Precompiled headers are on, which is faster for a full build, unless the folder was configured without them:
-# they do not work well with ccache and clangd.
+# again. A new folder is for full builds; one that was configured by hand compiles each source by itself.
 build_preset() {
   local preset=$1 tests=$2 cache=$root/build/$1/CMakeCache.txt
   if [[ ! -e $root/build/$preset/build.ninja ]] ||
     { [[ $tests == ON ]] && ! grep -q '^PALPATE_TESTS:BOOL=ON' "$cache"; } ||
     { [[ $tests == ON ]] && grep -qE '^(MUJOCO_|roscpp_DIR|ROS1_|CYCLONEDDS_).*-NOTFOUND' "$cache"; }; then
     say "configuring build/$preset"
-    local precompile=()
-    grep -qs '^CMAKE_DISABLE_PRECOMPILE_HEADERS:[A-Z]*=ON' "$cache" || precompile=(-DCMAKE_DISABLE_PRECOMPILE_HEADERS=OFF)
-    (cd "$root" && cmake --preset "$preset" "-DPALPATE_TESTS=$tests" "${precompile[@]}" >/dev/null)
+    local joined=()
+    [[ -e $cache ]] || joined=("${unity[@]}")
+    (cd "$root" && cmake --preset "$preset" "-DPALPATE_TESTS=$tests" "${joined[@]}" >/dev/null)
   fi
   shift 2
   say "building build/$preset (${*:-all})"

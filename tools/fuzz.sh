@@ -20,7 +20,7 @@ say "building build/fuzz"
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++-16 \
   -DCMAKE_C_COMPILER=clang-16 \
   "-DCMAKE_CXX_FLAGS=-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -O1 -g1" \
-  -DPALPATE_APPS=OFF -DPALPATE_TESTS=OFF -DPALPATE_FUZZ=ON >/dev/null
+  -DPALPATE_APPS=OFF -DPALPATE_TESTS=OFF -DPALPATE_FUZZ=ON "${unity[@]}" >/dev/null
 cmake --build "$build" --target "${targets[@]/%/_fuzzer}" >&2
 
 /usr/bin/python3 -B "$root/fuzz/make_seeds.py" "$build/seeds"
