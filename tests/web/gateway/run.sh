@@ -17,5 +17,5 @@ node=(node)
 if [[ $# -gt 2 ]]; then
   "${node[@]}" "${@:3}"
 else
-  "${node[@]}" --test --test-timeout=300000 gateway_test.mjs client_test.mjs both_clients_test.mjs local_model_test.mjs tls_test.mjs
+  "${node[@]}" --test --test-concurrency=3 --test-timeout=300000 gateway_test.mjs client_test.mjs both_clients_test.mjs local_model_test.mjs tls_test.mjs
 fi
