@@ -462,8 +462,8 @@ TEST(ReadRun, OfAWindowReadsItsRowsAndNoOthers) {
       found.insert(found.end(), {row.t, row.wrench.force.z()});
     EXPECT_EQ(found, expected) << i;
   }
-  EXPECT_EQ(read_run(run.file.path(), {.from = last}).rows.size(), 1U);
-  EXPECT_EQ(read_run(run.file.path(), {.to = first}).rows.size(), 1U);
+  EXPECT_EQ(read_run(run.file.path(), RunWindow{.from = last}).rows.size(), 1U);
+  EXPECT_EQ(read_run(run.file.path(), RunWindow{.to = first}).rows.size(), 1U);
 }
 
 TEST(ReadRun, OfAWindowWithoutRowsNamesTheNearest) {
@@ -496,7 +496,7 @@ TEST(ReadRun, OfAWindowInTheMiddleNamesTheByte) {
   const std::size_t comma = text.find(',', line);
   text[comma + 1] = 'x';
   const TemporaryFile broken(text, "run.csv");
-  EXPECT_THAT(message_of<Error>([&] { read_run(broken.path(), {.from = run.rows[5990].t}); }),
+  EXPECT_THAT(message_of<Error>([&] { read_run(broken.path(), RunWindow{.from = run.rows[5990].t}); }),
               AllOf(HasSubstr("run.csv"), HasSubstr(fmt::format("byte {}:", line)), HasSubstr("'x'")));
   EXPECT_THAT(message_of<Error>([&] { read_run(broken.path()); }), HasSubstr("line 6002:"));
   EXPECT_EQ(read_run(broken.path(), {.to = run.rows[5990].t}).rows.size(), 5991U);

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -26,6 +27,7 @@ class ConfigMember {
   /// \param Field a captureless lambda that returns a reference to the value, of a const or non-const
   /// configuration.
   template <class Field>
+  requires std::is_empty_v<Field>
   constexpr ConfigMember(Field)  // NOLINT(google-explicit-constructor): it is written as a lambda
       : read_([](const LiveConfig& config) -> const T& { return Field{}(config); }),
         write_([](LiveConfig& config) -> T& { return Field{}(config); }) {}

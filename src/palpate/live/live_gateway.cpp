@@ -176,7 +176,7 @@ void LiveGateway::Implementation::add_hands() {
     LiveSystem& system = *hand.system;
     HandGateway::Surroundings around{hub_, notices_, elsewhere(), pages_.report, {}, {}, {}};
     around.describe = [this](Json& parameters) { describe(parameters); };
-    around.stop = [this, &system] { system.stop_force(); };
+    around.stop = [&system] { system.stop_force(); };
     around.is_opening_scene = [this] { return live_.is_opening_scene(); };
     if (hand.name.empty()) around.stop = [this] { live_.stop_force(); };  // stops all hands
     hands_.push_back(std::make_unique<HandGateway>(hand.name, system, std::move(around)));
