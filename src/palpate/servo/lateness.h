@@ -10,8 +10,9 @@ namespace palpate {
 /// before; the sum decays by kForgiven of the time that passes. See SafetyLimits::late_max.
 class Lateness {
  public:
-  /// \param passed time since the last tick. Unit: [s]. \param period of the loop. Unit: [s]. \param most
-  /// upper bound of the sum. Unit: [s]. \returns true if the sum was greater: the loop is too late.
+  /// Counts one tick. \param most upper bound of the sum. Unit: [s]. \param passed time since the last tick.
+  /// Unit: [s]. \param period of the loop. Unit: [s]. \returns true if the sum was greater: the loop is too
+  /// late.
   bool exceeds(double most, double passed, double period) {
     sum_ = std::max(0.0, sum_ - kForgiven * passed) + std::max(0.0, passed - kOnTime * period);
     if (sum_ <= most) return false;
