@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
     const std::vector<Family> selected = select_families(
         [&](const std::string& name) { return std::find(with.begin(), with.end(), name) != with.end(); });
     const std::map<std::string, Sweep> sweeps = all_sweeps(options.comparison, sizes);
-    const std::string where = machine();
+    const std::string where = palpate::machine();
     std::string markdown = where + "\n";
     nlohmann::ordered_json json{{"machine", where}};
     if (!scene.empty()) {

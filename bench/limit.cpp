@@ -133,8 +133,9 @@ std::string to_markdown(const Limit& limit) {
 }
 
 nlohmann::ordered_json to_json(const Limit& limit) {
-  nlohmann::ordered_json json{
-      {"machine", machine()}, {"simd", limit.rate.target}, {"lanes_per_second", limit.rate.lanes_per_second}};
+  nlohmann::ordered_json json{{"machine", palpate::machine()},
+                              {"simd", limit.rate.target},
+                              {"lanes_per_second", limit.rate.lanes_per_second}};
   for (const Stage& stage : limit.stages)
     json["stages"].push_back(
         {{"item", stage.item}, {"items", stage.items}, {"operations", stage.operations}});
@@ -165,6 +166,6 @@ int main(int argc, char** argv) {
   declare_files(app, files);
   return run_program(app, argc, argv, [&] {
     const Limit limit = find_limit(gaussians);
-    publish(machine() + "\n\n" + to_markdown(limit), files.markdown, to_json(limit), files.json);
+    publish(palpate::machine() + "\n\n" + to_markdown(limit), files.markdown, to_json(limit), files.json);
   });
 }

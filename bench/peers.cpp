@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
     };
     const Comparison comparison = compare(options.comparison, select_families(wanted));
     nlohmann::ordered_json json = to_json(comparison);
-    json["machine"] = machine();
-    publish(machine() + "\n\n" + to_markdown(comparison), options.files.markdown, json, options.files.json);
+    json["machine"] = palpate::machine();
+    publish(palpate::machine() + "\n\n" + to_markdown(comparison), options.files.markdown, json,
+            options.files.json);
   });
 }
