@@ -9,6 +9,10 @@ import { ballScene, radius } from './mock_scene.mjs';
 
 const spread = (color) => Math.max(...color) - Math.min(...color);
 
+/// The labels that are shown at the tool: {text, box}.
+const labels = () => desk.page.evaluate(() => [...document.querySelectorAll('.tool-name, .tool-distance')]
+  .map((one) => ({ text: one.textContent, box: one.getBoundingClientRect().toJSON() })).filter(({ box }) => box.width > 0));
+
 describe('what is seen', () => {
   before(openDesk);
   beforeEach(() => resetDesk());
@@ -134,13 +138,17 @@ describe('what is seen', () => {
     await until(desk.page, () => window.palpateViewer.drawnContacts() === 0 && window.palpateViewer.cue() === 'gap');
   });
 
-  test('the line to the surface is as long as the gap is', async () => {
-    for (const height of [0.24, 0.2]) {
+  test('the line to the surface is as long as the gap is, and is labelled where no other label is', async () => {
+    for (const height of [0.4, 0.3, 0.24, 0.2]) {
       desk.gateway.tool.position = [0, 0, height];
       const longest = desk.gateway.parameters.tool[0].semi_axes[2]; // along z
       await until(desk.page, (gap) => Math.abs((window.palpateViewer.gap ?? 0) - gap) < 0.004, height - longest - radius);
+      await settle(desk.page, 3);
+      const shown = await labels();
+      const [a, b] = shown.map(({ box }) => box);
+      assert.ok(!b || a.right < b.left || b.right < a.left || a.bottom < b.top || b.bottom < a.top, JSON.stringify(shown));
     }
-    assert.match(await desk.page.locator('.tool-distance').textContent(), /^8(\.\d)? cm$|^7\.\d cm$/);
+    assert.ok((await labels()).some(({ text }) => /^(Tool, )?(8(\.\d)?|7\.\d) cm$/.test(text)));
   });
 
   test('the arrow points where the force does', async () => {
