@@ -576,8 +576,19 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
 ///     k f^2 / 2 <= B + k f p / 2,    B = k' f'^2 / 2 + k' f' p' / 2 + reserve
 ///
 /// with ' the values before: the force on the hand changes linearly from tick to tick.
+double ProxyForce::energy_left(const Motion& moved) const {
+  const double p = -product(spring_.along, moved, gyration_);
+  return std::max(0.0, 0.5 * spring_.stiffness * spring_.felt * (spring_.felt + p) + spring_.reserve);
+}
+
+void ProxyForce::release(const Motion& moved) {
+  spring_.reserve = std::min(energy_left(moved), most_reserve());
+  spring_.felt = 0.0;
+}
+
 void ProxyForce::wind(const Motion& pull, double length, const std::optional<Motion>& moved, double dt) {
   const Spring was = spring_;
+  const double left = moved ? energy_left(*moved) : 0.0;
   double k = hold_.stiffness * hold_.confidence;
   if (moved && was.felt > 0.0) {
     const double stiffer = std::max(hold_.stiffness, was.stiffness);
@@ -589,11 +600,10 @@ void ProxyForce::wind(const Motion& pull, double length, const std::optional<Mot
              .stiffness = k,
              .reserve = was.reserve};
   if (!moved) return;
-  const double p_was = -product(was.along, *moved, gyration_), p = -product(spring_.along, *moved, gyration_);
-  const double budget = std::max(0.0, 0.5 * was.stiffness * was.felt * (was.felt + p_was)) + was.reserve;
-  const double most = 0.5 * p + std::sqrt(0.25 * p * p + 2.0 * budget / std::max(k, kLeastStiffness));
+  const double p = -product(spring_.along, *moved, gyration_);
+  const double most = 0.5 * p + std::sqrt(0.25 * p * p + 2.0 * left / std::max(k, kLeastStiffness));
   spring_.felt = std::clamp(most, 0.0, length);
-  spring_.reserve = std::clamp(budget + 0.5 * k * spring_.felt * (p - spring_.felt), 0.0, most_reserve());
+  spring_.reserve = std::clamp(left + 0.5 * k * spring_.felt * (p - spring_.felt), 0.0, most_reserve());
 }
 
 /// As remember(), for the motion of a part of the tool.
@@ -659,7 +669,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   remember(proxy_.position - before);
   // No force on the way through free space.
   if (!trails_) {
-    spring_.felt = 0.0;
+    release(moved);
     return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   }
   const Motion pull = motion_between(input.tool, proxy_);

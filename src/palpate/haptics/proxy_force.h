@@ -282,6 +282,11 @@ class ProxyForce final : public ForceModel {
   void remember(const Eigen::Vector3d& moved);
   void head(Part& part, const Eigen::Vector3d& moved);
   double most_reserve() const;
+  /// Returns what the last force leaves of the energy of spring and reserve: it fades out while the tool
+  /// moves by `moved`. Unit: [J].
+  double energy_left(const Motion& moved) const;
+  /// Ends the force, as the proxy is at the tool.
+  void release(const Motion& moved);
   /// Updates spring_, with `pull` from tool to proxy. \param moved motion of the tool since the last call;
   /// nothing at the start, where the full length generates force
   void wind(const Motion& pull, double length, const std::optional<Motion>& moved, double dt);
