@@ -36,7 +36,8 @@ Vector3d random_sigma(double spacing, HashRandom& random) {
 
 /// Random rotation that maps z close to `normal`.
 Quaterniond random_frame(const Vector3d& normal, HashRandom& random) {
-  const Vector3d tilt = kTilt * Vector3d(random.normal(), random.normal(), random.normal());
+  const double z = random.normal(), y = random.normal(), x = random.normal();
+  const Vector3d tilt = kTilt * Vector3d(x, y, z);
   const Eigen::AngleAxisd roll(random.uniform(0.0, 2.0 * std::numbers::pi), Vector3d::UnitZ());
   return rotation_between(Vector3d::UnitZ(), normal + tilt) * roll;
 }
@@ -67,7 +68,8 @@ BenchScene::BenchScene(std::size_t n, std::uint64_t seed, double spacing)
 SurfacePoint BenchScene::sample(std::size_t cell, HashRandom& random) const {
   const auto& [center, shape, rotation] = cells_[cell];
   if (random.uniform(0.0, 1.0 + kObjectArea) < 1.0) {
-    const Vector3d across(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 0.0);
+    const double y = random.uniform(-0.5, 0.5), x = random.uniform(-0.5, 0.5);
+    const Vector3d across(x, y, 0.0);
     return {center + pitch_ * across, Vector3d::UnitZ()};
   }
   const auto [point, normal] = sample_unit_area(shape, random);

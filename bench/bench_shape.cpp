@@ -26,7 +26,8 @@ SurfacePoint sample_box(const Vector3d& proportions, HashRandom& random) {
   int axis = 0;
   while (axis < 2 && pick >= 2.0 * faces[axis]) pick -= 2.0 * faces[axis++];
   const double side = pick < faces[axis] ? -1.0 : 1.0;
-  Vector3d point(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+  const double z = random.uniform(-1.0, 1.0), y = random.uniform(-1.0, 1.0), x = random.uniform(-1.0, 1.0);
+  Vector3d point(x, y, z);
   point[axis] = side;
   return {point.cwiseProduct(half), side * Vector3d::Unit(axis)};
 }

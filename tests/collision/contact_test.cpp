@@ -43,9 +43,11 @@ double level(const Ellipsoid& e, const Eigen::Vector3d& x) {
 
 /// A pair of about tool size with the given K_min.
 Pair random_pair(test::Random& r, double k_min) {
-  const Ellipsoid tool = Ellipsoid::from_semi_axes({r.in_box(0.5), r.rotation()}, r.semi_axes(0.02, 0.06));
-  Ellipsoid gaussian = Ellipsoid::from_semi_axes({tool.center, r.rotation()}, r.semi_axes(0.003, 0.06));
-  gaussian.center -= gaussian.axes * r.direction() + tool.axes * r.direction();
+  const Ellipsoid tool = r.ellipsoid(0.5, 0.02, 0.06);
+  const Pose pose{tool.center, r.rotation()};
+  Ellipsoid gaussian = Ellipsoid::from_semi_axes(pose, r.semi_axes(0.003, 0.06));
+  const Eigen::Vector3d on_gaussian = gaussian.axes * r.direction(), on_tool = tool.axes * r.direction();
+  gaussian.center -= on_gaussian + on_tool;
   return {tool, moved_to_k_min(tool, gaussian, k_min)};
 }
 
@@ -89,7 +91,9 @@ TEST(ContactNormal, AgreesWithQuadForFlatGaussians) {
           Ellipsoid::from_semi_axes({random.in_box(0.5), random.rotation()}, {0.02, 0.02, 0.04});
       Ellipsoid gaussian =
           Ellipsoid::from_semi_axes({tool.center, random.rotation()}, {0.03, 0.01, thickness});
-      gaussian.center -= gaussian.axes * random.direction() + tool.axes * random.direction();
+      const Eigen::Vector3d on_gaussian = gaussian.axes * random.direction();
+      const Eigen::Vector3d on_tool = tool.axes * random.direction();
+      gaussian.center -= on_gaussian + on_tool;
       gaussian = moved_to_k_min(tool, gaussian, random.log_uniform(1e-6, 0.9));
       const OracleMinimum<Quad> truth = oracle_minimum(tool, gaussian);
       const Contact contact = contact_of(tool, gaussian);

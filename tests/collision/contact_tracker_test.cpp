@@ -160,7 +160,7 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsALongToolThatTurnsInPlace) {
   std::vector<Ellipsoid> path;
   Walker walker{{{0, 0, 0.99}, random.rotation()}, {0.002, 0.01, 0.2}};
   for (std::size_t i = 0; i < draws(1000); ++i) {
-    const Eigen::AngleAxisd turn(random.log_uniform(1e-5, 0.05), random.direction());
+    const Eigen::AngleAxisd turn{random.log_uniform(1e-5, 0.05), random.direction()};
     walker.pose.orientation = (Eigen::Quaterniond(turn) * walker.pose.orientation).normalized();
     path.push_back(walker.tool());
   }
@@ -201,8 +201,10 @@ TEST_F(ContactTrackerOnEveryTarget, FollowsAmongWildSizes) {
 TEST_F(ContactTrackerOnEveryTarget, FallsBackWhereItIsCrowded) {
   test::Random random(312);
   std::vector<Splat> splats;
-  for (std::size_t i = 0; i < 2 * CandidateSet::kCapacity; ++i)
-    splats.push_back(splat(random.in_box(0.05), random.semi_axes(1e-3, 0.02), random.rotation()));
+  for (std::size_t i = 0; i < 2 * CandidateSet::kCapacity; ++i) {
+    const Vector3d at = random.in_box(0.05), semi_axes = random.semi_axes(1e-3, 0.02);
+    splats.push_back(splat(at, semi_axes, random.rotation()));
+  }
   const SceneIndex index(scene_of(splats), {}, {});
   std::vector<Ellipsoid> path;
   for (int i = -100; i <= 100; ++i)
@@ -258,7 +260,7 @@ TEST_F(ContactTrackerOnEveryTarget, OfOneContactFindsOneWhereThereIsAny) {
     for (const double radius : {0.01, 0.1, 0.5}) {
       ContactTracker tracker(index);
       for (int k = 0; k < 60; ++k) {
-        const Vector3d at = random.uniform(1.0 - 1.5 * radius, 1.0 + 1.5 * radius) * random.direction();
+        const Vector3d at = random.vector(1.0 - 1.5 * radius, 1.0 + 1.5 * radius);
         const Ellipsoid tool{at, radius * Eigen::Matrix3d::Identity()};
         ContactSet all, tracked, fresh;
         index.query(tool, all);

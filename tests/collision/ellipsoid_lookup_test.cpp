@@ -67,8 +67,10 @@ TEST(EllipsoidLookup, HasWildOnesDiscsAndNeedles) {
   test::Random random(23);
   std::vector<test::Splat> splats;
   for (int k = 0; k < 500; ++k) splats.push_back(test::wild_splat(random, 100.0));
-  for (int k = 0; k < 3; ++k)
-    splats.push_back(test::splat(random.in_box(100.0), {0.1, 0.0, 0.0}, random.rotation()));
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d at = random.in_box(100.0);
+    splats.push_back(test::splat(at, {0.1, 0.0, 0.0}, random.rotation()));
+  }
   expect_same(with_gaps_in_ids(scene_of(splats)), {}, registration(random), 2000.0);
 }
 
@@ -94,8 +96,8 @@ TEST(EllipsoidLookup, FollowsTheRegistrationOfItsIndex) {
 
 TEST(EllipsoidLookup, IsWhereTheContactsAre) {
   test::Random random(26);
-  const SceneIndex index(with_gaps_in_ids(scene_of(test::sphere_of_splats(random, 2000))), {},
-                         registration(random));
+  const GaussianScene scene = with_gaps_in_ids(scene_of(test::sphere_of_splats(random, 2000)));
+  const SceneIndex index(scene, {}, registration(random));
   const EllipsoidLookup lookup(index);
   const Ellipsoid any = lookup.at(5);
   ContactSet found;

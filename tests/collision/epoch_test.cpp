@@ -42,8 +42,7 @@ Similarity then(const Similarity& second, const Similarity& first) {
 }
 
 Ellipsoid tool_at(test::Random& random) {
-  return Ellipsoid::from_semi_axes({random.uniform(0.97, 1.01) * random.direction(), random.rotation()},
-                                   {0.02, 0.03, 0.04});
+  return Ellipsoid::from_semi_axes({random.vector(0.97, 1.01), random.rotation()}, {0.02, 0.03, 0.04});
 }
 
 TEST(Epoch, IsAnotherForEveryIndexButACopy) {

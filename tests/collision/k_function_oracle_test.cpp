@@ -146,22 +146,26 @@ Ellipsoid turned(test::Random& random, const Eigen::Vector3d& center, const Eige
 /// The pair with its Gaussian put where a random point of its surface is near one of the tool's, so that
 /// contacts on the rim of a disc and on the side of a needle are as likely as on the face and the tip.
 Pair touching(test::Random& random, const Ellipsoid& tool, Ellipsoid gaussian) {
-  gaussian.center = tool.center - gaussian.axes * random.direction() - tool.axes * random.direction();
+  const Eigen::Vector3d on_gaussian = gaussian.axes * random.direction();
+  const Eigen::Vector3d on_tool = tool.axes * random.direction();
+  gaussian.center = tool.center - on_gaussian - on_tool;
   return {tool, gaussian};
 }
 
 /// The default tool and a Gaussian of these semi-axes.
 Generator gaussian_of(const Eigen::Vector3d& semi_axes) {
   return [=](test::Random& r) {
-    return touching(r, turned(r, r.in_box(1.0), kTool), turned(r, kOrigin, semi_axes));
+    const Ellipsoid tool = turned(r, r.in_box(1.0), kTool);
+    return touching(r, tool, turned(r, kOrigin, semi_axes));
   };
 }
 
 /// Solids of about these sizes, moderately anisotropic.
 Generator sizes_of(double tool, double gaussian) {
   return [=](test::Random& r) {
-    return touching(r, turned(r, r.in_box(1.0), tool * r.semi_axes(0.3, 1.0)),
-                    turned(r, kOrigin, gaussian * r.semi_axes(0.3, 1.0)));
+    const Eigen::Vector3d center = r.in_box(1.0), semi_axes = tool * r.semi_axes(0.3, 1.0);
+    const Ellipsoid placed = turned(r, center, semi_axes);
+    return touching(r, placed, turned(r, kOrigin, gaussian * r.semi_axes(0.3, 1.0)));
   };
 }
 
@@ -169,7 +173,8 @@ Generator sizes_of(double tool, double gaussian) {
 /// describe another tool, by rounding times the ratio of its semi-axes: these are exact.
 Generator tool_of(const Eigen::Vector3d& tool, const Eigen::Vector3d& gaussian) {
   return [=](test::Random& r) {
-    return touching(r, exact_ellipsoid(r, r.in_box(0.1), tool), turned(r, kOrigin, gaussian));
+    const Ellipsoid placed = exact_ellipsoid(r, r.in_box(0.1), tool);
+    return touching(r, placed, turned(r, kOrigin, gaussian));
   };
 }
 
@@ -182,8 +187,9 @@ struct HardCase {
 std::vector<HardCase> hard_cases() {
   const auto one_inside = [](double offset, double low, double high) -> Generator {
     return [=](test::Random& r) -> Pair {
-      const Eigen::Vector3d c = r.in_box(1.0);
-      return {turned(r, c, kTool), turned(r, c + r.in_box(offset), r.semi_axes(low, high))};
+      const Ellipsoid tool = turned(r, r.in_box(1.0), kTool);
+      const Eigen::Vector3d center = tool.center + r.in_box(offset);
+      return {tool, turned(r, center, r.semi_axes(low, high))};
     };
   };
   return {
@@ -203,15 +209,16 @@ std::vector<HardCase> hard_cases() {
       {"FlatGaussianLarger1e5", gaussian_of({1e3, 1e3, 1e-5}), true},
       {"OneKilometreAway",
        [](test::Random& r) {
-         return touching(r, turned(r, 1e3 * r.direction(), kTool), turned(r, kOrigin, {0.01, 0.006, 1e-5}));
+         const Ellipsoid tool = turned(r, 1e3 * r.direction(), kTool);
+         return touching(r, tool, turned(r, kOrigin, {0.01, 0.006, 1e-5}));
        }},
       {"ToolAnisotropic", tool_of({0.3, 0.01, 1e-4}, {0.01, 0.006, 1e-4})},
       {"ToolDisc", tool_of({0.1, 0.1, 1e-6}, {0.01, 0.006, 1e-3})},
       {"ToolNeedle", tool_of({0.3, 1e-5, 1e-6}, {0.01, 0.006, 1e-3})},
       {"ToolDiscOfRoundedAxes",
        [](test::Random& r) {
-         return touching(r, turned(r, r.in_box(0.1), {0.1, 0.1, 1e-6}),
-                         turned(r, kOrigin, {0.01, 0.006, 1e-3}));
+         const Ellipsoid tool = turned(r, r.in_box(0.1), {0.1, 0.1, 1e-6});
+         return touching(r, tool, turned(r, kOrigin, {0.01, 0.006, 1e-3}));
        },
        true},
       {"NeedleOnNeedle", tool_of({0.3, 1e-3, 1e-4}, {0.3, 1e-5, 1e-6})},
@@ -254,8 +261,8 @@ INSTANTIATE_TEST_SUITE_P(Named, KMinHardCase, testing::ValuesIn(hard_cases()),
 TEST(KMin, AgreesWithQuadruplePrecisionOnRandomPairs) {
   const Worst worst = worst_of(
       [](test::Random& r) {
-        return touching(r, turned(r, r.in_box(1.0), r.semi_axes(0.01, 0.1)),
-                        turned(r, kOrigin, r.semi_axes(1e-6, 0.3)));
+        const Ellipsoid tool = r.ellipsoid(1.0, 0.01, 0.1);
+        return touching(r, tool, turned(r, kOrigin, r.semi_axes(1e-6, 0.3)));
       },
       100'000, 12);
   report("Random", worst);
@@ -286,8 +293,8 @@ TEST(KMin, IsOneWhereCentresCoincide) {
        {Eigen::Vector3d(0.3, 1e-6, 1e-7), Eigen::Vector3d(0.05, 0.02, 0.0), Eigen::Vector3d(0.3, 0.0, 0.0),
         Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(1e5, 1e5, 1e5)}) {
     const Eigen::Vector3d center = random.in_box(1e3);
-    const KMinimum found =
-        minimize(KFunction(WhitenedTool(turned(random, center, kTool)), turned(random, center, semi_axes)));
+    const WhitenedTool tool(turned(random, center, kTool));
+    const KMinimum found = minimize(KFunction(tool, turned(random, center, semi_axes)));
     EXPECT_EQ(found.k_min, 1.0);
     EXPECT_EQ(found.lambda, 0.5);
     EXPECT_EQ(found.log_t, 0.0);
@@ -332,8 +339,8 @@ TEST(KOracle, AgreesWithTheLiteralPaper) {
   test::Random random(17);
   double worst = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const Ellipsoid tool = turned(random, random.in_box(0.1), random.semi_axes(0.01, 0.1));
-    const Ellipsoid gaussian = turned(random, random.in_box(0.1), random.semi_axes(0.001, 0.1));
+    const Ellipsoid tool = random.ellipsoid(0.1, 0.01, 0.1);
+    const Ellipsoid gaussian = random.ellipsoid(0.1, 0.001, 0.1);
     const PairOracle<Quad> oracle(tool, gaussian);
     const LiteralPaper paper(tool, gaussian);
     const OracleMinimum<Quad> minimum = oracle_minimum(tool, gaussian);

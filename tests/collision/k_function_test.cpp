@@ -28,9 +28,12 @@ KMinimum minimum_of(const Ellipsoid& tool, const Ellipsoid& gaussian) {
 
 /// A pair that may or may not overlap.
 Pair random_pair(test::Random& r) {
-  const Ellipsoid tool = Ellipsoid::from_semi_axes({r.in_box(1.0), r.rotation()}, r.semi_axes(0.02, 0.2));
-  Ellipsoid gaussian = Ellipsoid::from_semi_axes({tool.center, r.rotation()}, r.semi_axes(0.001, 0.3));
-  gaussian.center -= r.uniform(0.5, 1.3) * (gaussian.axes * r.direction() + tool.axes * r.direction());
+  const Ellipsoid tool = r.ellipsoid(1.0, 0.02, 0.2);
+  const Pose pose{tool.center, r.rotation()};
+  Ellipsoid gaussian = Ellipsoid::from_semi_axes(pose, r.semi_axes(0.001, 0.3));
+  const double apart = r.uniform(0.5, 1.3);
+  const Eigen::Vector3d on_gaussian = gaussian.axes * r.direction(), on_tool = tool.axes * r.direction();
+  gaussian.center -= apart * (on_gaussian + on_tool);
   return {tool, gaussian};
 }
 

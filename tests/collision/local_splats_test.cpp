@@ -25,8 +25,9 @@ using test::Splat;
 
 /// With `flat` axes of no length.
 Splat any_splat(test::Random& random, std::size_t flat) {
-  Splat splat = test::splat(random.in_box(0.1), random.semi_axes(1e-3, 1e-1), random.rotation(),
-                            random.uniform(0.2, 0.95));
+  const Vector3d at = random.in_box(0.1), semi_axes = random.semi_axes(1e-3, 1e-1);
+  const Eigen::Quaterniond q = random.rotation();
+  Splat splat = test::splat(at, semi_axes, q, random.uniform(0.2, 0.95));
   const int first = random.integer(0, 2);
   for (std::size_t k = 0; k < flat; ++k) splat.sigma[(first + static_cast<int>(k)) % 3] = 0.0;
   return splat;
@@ -75,7 +76,7 @@ std::vector<Splat> crowded_square(test::Random& random) {
   std::vector<Splat> splats;
   for (int i = 0; i < kSide * kSide; ++i) {
     const int column = i % kSide, row = i / kSide;
-    const Vector3d at((column + random.uniform(0, 1)) / kSide, (row + random.uniform(0, 1)) / kSide, 0.0);
+    const Vector3d at{(column + random.uniform(0, 1)) / kSide, (row + random.uniform(0, 1)) / kSide, 0.0};
     const double sigma = i % 1000 == 0 ? kLarge : random.log_uniform(1e-3, 3e-3);
     splats.push_back(test::splat(at, {sigma, sigma, 1e-4}));
   }

@@ -29,7 +29,8 @@ EllipsoidScene ellipsoid_scene(std::vector<Ellipsoid> ellipsoids) {
 }
 
 Ellipsoid wild(test::Random& r, double half) {
-  return Ellipsoid::from_semi_axes({r.in_box(half), r.rotation()}, test::wild_semi_axes(r));
+  const Pose pose{r.in_box(half), r.rotation()};
+  return Ellipsoid::from_semi_axes(pose, test::wild_semi_axes(r));
 }
 
 /// Golden section stops with a bracket 0.618^30 wide, half of which it may be off; K is flat there, by at
@@ -39,9 +40,7 @@ constexpr double kGoldenSection = 1e-6;
 TEST(PaperPipeline, WithARadiusThatCoversAll_vs_bruteforce) {
   test::Random random(82);
   std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 3000; ++i)
-    ellipsoids.push_back(
-        Ellipsoid::from_semi_axes({random.in_box(0.3), random.rotation()}, random.semi_axes(0.01, 0.1)));
+  for (int i = 0; i < 3000; ++i) ellipsoids.push_back(random.ellipsoid(0.3, 0.01, 0.1));
   const EllipsoidScene scene = ellipsoid_scene(ellipsoids);
   const PaperPipeline pipeline(scene, 10.0);
   ContactSet set;
@@ -67,10 +66,11 @@ TEST(PaperPipeline, WithARadiusThatCoversAll_vs_bruteforce) {
 TEST(PaperPipeline, MissesWhatIsOutOfReachAndNothingElse) {
   test::Random random(83);
   std::vector<Ellipsoid> ellipsoids;
-  for (int i = 0; i < 3000; ++i)
-    ellipsoids.push_back(
-        Ellipsoid::from_semi_axes({random.in_box(0.5), random.rotation()},
-                                  random.log_uniform(0.005, 0.4) * random.semi_axes(0.3, 1.0)));
+  for (int i = 0; i < 3000; ++i) {
+    const Pose pose{random.in_box(0.5), random.rotation()};
+    const double size = random.log_uniform(0.005, 0.4);
+    ellipsoids.push_back(Ellipsoid::from_semi_axes(pose, size * random.semi_axes(0.3, 1.0)));
+  }
   const EllipsoidScene scene = ellipsoid_scene(ellipsoids);
   const double radius = 0.15;
   const PaperPipeline pipeline(scene, radius);

@@ -32,8 +32,10 @@ class QueryAllocation : public test::OnEveryTarget {
   static GaussianScene scene() {
     test::Random random(402);
     std::vector<Splat> splats;
-    for (int i = 0; i < 3000; ++i)
-      splats.push_back(splat(random.in_box(0.2), random.semi_axes(1e-3, 0.05), random.rotation()));
+    for (int i = 0; i < 3000; ++i) {
+      const Eigen::Vector3d at = random.in_box(0.2), semi_axes = random.semi_axes(1e-3, 0.05);
+      splats.push_back(splat(at, semi_axes, random.rotation()));
+    }
     splats.push_back(splat({0, 0, 0}, {0.1, 0.1, 0.0}));  // a coincident centre goes to the scalar code
     return scene_of(splats);
   }

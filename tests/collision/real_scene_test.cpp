@@ -180,7 +180,7 @@ TEST_P(RealScene, HasNoMissedAndNoExtraContacts) {
       test::Random random(90'000'000 + i);
       const auto near =
           static_cast<std::size_t>(random.integer(0, static_cast<int>(truth.center.size()) - 1));
-      const Eigen::Vector3d center = truth.center[near] + random.uniform(0.0, 0.05) * random.direction();
+      const Eigen::Vector3d center = truth.center[near] + random.vector(0.0, 0.05);
       const Ellipsoid tool = Ellipsoid::from_semi_axes({center, random.rotation()}, {0.02, 0.02, 0.04});
       index.query(tool, found);
       check_pose(truth, tool, test::in_order(found.contacts), tallies[thread]);

@@ -80,7 +80,10 @@ TEST_F(SceneIndexOnEveryTarget, OfManyDuplicates_vs_bruteforce) {
 TEST_F(SceneIndexOnEveryTarget, OfOneCentre_vs_bruteforce) {
   test::Random random(74);
   std::vector<Splat> splats;
-  for (int i = 0; i < 500; ++i) splats.push_back(splat({1, 2, 3}, wild_semi_axes(random), random.rotation()));
+  for (int i = 0; i < 500; ++i) {
+    const Vector3d semi_axes = wild_semi_axes(random);
+    splats.push_back(splat({1, 2, 3}, semi_axes, random.rotation()));
+  }
   check(scene_of(splats), random_tools(random, draws(100), 5.0, 1e-3, 1.0), 500, kWild);
 }
 
@@ -88,8 +91,10 @@ TEST_F(SceneIndexOnEveryTarget, OfOneCentre_vs_bruteforce) {
 TEST_F(SceneIndexOnEveryTarget, WithItsCentreInTheTools_vs_bruteforce) {
   test::Random random(75);
   std::vector<Splat> splats;
-  for (int i = 0; i < 40; ++i)
-    splats.push_back(splat({1, 2, 3}, random.semi_axes(0.01, 1.0), random.rotation()));
+  for (int i = 0; i < 40; ++i) {
+    const Vector3d semi_axes = random.semi_axes(0.01, 1.0);
+    splats.push_back(splat({1, 2, 3}, semi_axes, random.rotation()));
+  }
   splats.push_back(splat({1, 2, 3}, {0.1, 0.2, 0.0}, random.rotation()));
   splats.push_back(splat({1, 2, 3}, {0.0, 0.2, 0.0}, random.rotation()));
   const GaussianScene scene = scene_of(splats);
@@ -108,7 +113,8 @@ TEST_F(SceneIndexOnEveryTarget, OfCentresOnALine_vs_bruteforce) {
   test::Random random(76);
   std::vector<Splat> splats;
   for (int i = 0; i < 2000; ++i) {
-    splats.push_back(splat({random.uniform(-5, 5), 0, 0}, random.semi_axes(1e-3, 0.1), random.rotation()));
+    const Vector3d at{random.uniform(-5, 5), 0, 0}, semi_axes = random.semi_axes(1e-3, 0.1);
+    splats.push_back(splat(at, semi_axes, random.rotation()));
   }
   // And centres at 2^-k, so that no plane halves what is left.
   for (int k = 0; k < 1000; ++k)
@@ -173,8 +179,10 @@ TEST_F(SceneIndexOnEveryTarget, WithThousandsOfContacts_vs_bruteforce) {
   test::Random random(81);
   for (const std::size_t count : {255U, 256U, 257U, 1000U, 5000U}) {
     std::vector<Splat> splats;
-    for (std::size_t i = 0; i < count; ++i)
-      splats.push_back(splat(random.in_box(0.3), random.semi_axes(1e-3, 0.2), random.rotation()));
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3d at = random.in_box(0.3), semi_axes = random.semi_axes(1e-3, 0.2);
+      splats.push_back(splat(at, semi_axes, random.rotation()));
+    }
     const Pose pose{{0, 0, 0}, random.rotation()};
     const auto ball = [&](double r) { return Ellipsoid::from_semi_axes(pose, {r, 0.9 * r, 0.8 * r}); };
     check(with_gaps_in_ids(scene_of(splats)), {ball(1.0)}, count - 1);  // all of it
@@ -198,7 +206,8 @@ TEST_F(SceneIndexOnEveryTarget, AtThreeSigma_vs_bruteforce) {
   test::Random random(83);
   SceneFilter filter;
   filter.sigma = 3.0;
-  check(scene_of(sphere_of_splats(random, 20000)), tools_at_sphere(random, draws(500)), 2000, {}, filter);
+  const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
+  check(scene, tools_at_sphere(random, draws(500)), 2000, {}, filter);
 }
 
 TEST_F(SceneIndexOnEveryTarget, WhereItIsVisible_vs_bruteforce) {
@@ -251,8 +260,7 @@ TEST_F(SceneIndexOnEveryTarget, OfDiscs_vs_bruteforce) {
 TEST_F(SceneIndexOnEveryTarget, WithQuaternionsOfAnyLength_vs_bruteforce) {
   test::Random random(88);
   std::vector<Splat> splats = sphere_of_splats(random, 20000);
-  for (Splat& s : splats)
-    s.rotation *= random.log_uniform(1e-6, 1e6) * (random.integer(0, 1) != 0 ? 1.0 : -1.0);
+  for (Splat& s : splats) s.rotation *= random.either_sign(random.log_uniform(1e-6, 1e6));
   check(scene_of(splats), tools_at_sphere(random, draws(1000)), 5000);
 }
 
@@ -261,7 +269,7 @@ TEST_F(SceneIndexOnEveryTarget, UnderAnisotropicTools_vs_bruteforce) {
   const GaussianScene scene = scene_of(sphere_of_splats(random, 20000));
   std::vector<Ellipsoid> tools;
   for (std::size_t i = 0; i < draws(90); ++i) {
-    const Pose pose{random.uniform(0.95, 1.05) * random.direction(), random.rotation()};
+    const Pose pose{random.vector(0.95, 1.05), random.rotation()};
     const Vector3d shapes[] = {{0.1, 0.001, 0.001}, {0.1, 0.1, 0.001}, {0.1, 0.01, 0.001}};
     tools.push_back(Ellipsoid::from_semi_axes(pose, shapes[i % 3]));
   }

@@ -173,12 +173,13 @@ TEST_F(SimdOracle, DecidesPairsThatAllButTouch) {
   constexpr double kMargins[] = {1e-6, -1e-6, 1e-8, -1e-8, 1e-10, -1e-10, 1e-12, -1e-12};
   std::size_t drawn = 0;
   for (; drawn < draws(20000); ++drawn) {
-    const Vector3d sigma = random.log_uniform(0.1, 10.0) * 0.02 * any_shape(random);
+    const double size = 0.02 * random.log_uniform(0.1, 10.0);
+    const Vector3d sigma = size * any_shape(random);
     const Eigen::Quaterniond q = random.rotation();
     const GaussianScene scene = scene_of({splat(random.in_box(1.0), sigma, q)});
     const test::Solid<Wide> solid = solid_of(test::wide_gaussian(scene, 0), 1.0);
     const Pose pose{scene.gaussian(0).position + 0.1 * any_direction(random, sigma, q), random.rotation()};
-    const Vector3d semi_axes = 0.02 * Vector3d(random.uniform(0.3, 1.0), random.uniform(0.3, 1.0), 1.0);
+    const Vector3d semi_axes = 0.02 * Vector3d{random.uniform(0.3, 1.0), random.uniform(0.3, 1.0), 1.0};
     Ellipsoid tool = Ellipsoid::from_semi_axes(pose, semi_axes);
     const Wide f = 1 - PairOracle<Wide>(test::Solid<Wide>(tool), solid).minimize().k_min;
     const auto scale = static_cast<double>(std::sqrt((1 - static_cast<Wide>(kMargins[drawn % 8])) / f));
@@ -228,7 +229,8 @@ struct Giant {
     constexpr double kRadius = 0.02;
     const Vector3d sigma = kRadius * giant_shape(random, ratio);
     const double away = random.integer(0, 3) == 0 ? 1000.0 : 1.0;
-    const GaussianScene scene = scene_of({splat(random.in_box(away), sigma, random.rotation())});
+    const Vector3d at = random.in_box(away);
+    const GaussianScene scene = scene_of({splat(at, sigma, random.rotation())});
     const test::WideGaussian gaussian = test::wide_gaussian(scene, 0);
     const auto solid = solid_of(gaussian, 1.0);
     const auto wide_k = [&](const Ellipsoid& tool) {
@@ -236,10 +238,10 @@ struct Giant {
     };
     const Vector3d center = scene.gaussian(0).position;
     Ellipsoid tool = test::exact_ellipsoid(
-        random, center, kRadius * Vector3d(1.0, random.uniform(1.0, 3.0), random.uniform(1.0, 3.0)));
+        random, center, kRadius * Vector3d{1.0, random.uniform(1.0, 3.0), random.uniform(1.0, 3.0)});
     tool.center += world_ellipsoid(scene.gaussian(0), {}, {}).axes * random.direction();
     tool.center += tool.axes * random.direction();
-    const double margin = random.log_uniform(3e-13, 1e-3) * (random.integer(0, 1) != 0 ? 1.0 : -1.0);
+    const double margin = random.either_sign(random.log_uniform(3e-13, 1e-3));
     for (int step = 0; step < 2; ++step) {
       const auto f = static_cast<double>(1 - wide_k(tool).k_min);
       tool.center = center + std::sqrt((1.0 - margin) / f) * (tool.center - center);
@@ -300,13 +302,14 @@ struct Crowd {
     const WhitenedTool whitened(tool);
     std::vector<Splat> splats;
     while (splats.size() < count) {
-      const Vector3d sigma = tool.radius() * random.log_uniform(1e-2, 1e2) * any_shape(random);
+      const double size = tool.radius() * random.log_uniform(1e-2, 1e2);
+      const Vector3d sigma = size * any_shape(random);
       const Eigen::Quaterniond q = random.rotation();
       const Vector3d way = (sigma.maxCoeff() + tool.radius()) * any_direction(random, sigma, q);
       const Ellipsoid placed = Ellipsoid::from_semi_axes({tool.center + way, q}, sigma);
       const double f = 1.0 - minimize(KFunction(whitened, placed)).k_min;
       if (!(f > 1e-6)) continue;
-      const double margin = random.log_uniform(1e-9, 1e-4) * (random.integer(0, 1) != 0 ? 1.0 : -1.0);
+      const double margin = random.either_sign(random.log_uniform(1e-9, 1e-4));
       splats.push_back(splat(tool.center + std::sqrt((1.0 - margin) / f) * way, sigma, q));
     }
     scene = scene_of(splats);

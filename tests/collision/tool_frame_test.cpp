@@ -21,18 +21,21 @@ struct Drawn {
 
 /// Any tool, near and far from the world's, the captured frame's and the index's origin.
 Drawn draw(test::Random& random) {
-  const auto far = [&] { return Vector3d(random.log_uniform(1e-3, 1e7) * random.direction()); };
+  const auto within = [&](double farthest) {
+    const double distance = random.log_uniform(1e-3, farthest);
+    return Vector3d(distance * random.direction());
+  };
   Drawn drawn;
-  const Pose pose{far(), random.rotation()};
-  drawn.tool = Ellipsoid::from_semi_axes(pose, random.log_uniform(1e-3, 10.0) * random.semi_axes(0.01, 1.0));
-  drawn.origin = random.integer(0, 1) == 0 ? Vector3d(0, 0, 0) : far();
+  const Pose pose{within(1e7), random.rotation()};
+  const double size = random.log_uniform(1e-3, 10.0);
+  drawn.tool = Ellipsoid::from_semi_axes(pose, size * random.semi_axes(0.01, 1.0));
+  drawn.origin = random.integer(0, 1) == 0 ? Vector3d(0, 0, 0) : within(1e7);
   if (random.integer(0, 1) == 0) {
     const double scale = random.log_uniform(1e-3, 1e3);
-    drawn.world = {scale, random.rotation(), far()};
+    drawn.world = {scale, random.rotation(), within(1e7)};
   }
   // Near the index's origin, however far both are from the world's: there much of the centre cancels.
-  if (random.integer(0, 2) == 0)
-    drawn.tool.center = drawn.world * (drawn.origin + random.log_uniform(1e-3, 10.0) * random.direction());
+  if (random.integer(0, 2) == 0) drawn.tool.center = drawn.world * (drawn.origin + within(10.0));
   return drawn;
 }
 

@@ -13,17 +13,13 @@ namespace {
 using Eigen::Vector3d;
 using test::Random;
 
-Ellipsoid any_solid(Random& random) {
-  return Ellipsoid::from_semi_axes({random.in_box(0.1), random.rotation()}, random.semi_axes(1e-3, 1e-1));
-}
-
 // The support function of a sum is the sum of both: a solid that contains it reaches as far in all
 // directions.
 TEST(Solids, AContainingSolidHasAllThatIsWithinTheMargin) {
   Random random(71);
   double least = 1e300;
   for (int n = 0; n < 500; ++n) {
-    const Ellipsoid solid = any_solid(random);
+    const Ellipsoid solid = random.ellipsoid(0.1, 1e-3, 1e-1);
     const double margin = random.uniform(1e-4, 0.1);
     const Ellipsoid larger = containing(solid, margin);
     EXPECT_EQ(larger.center, solid.center);

@@ -98,7 +98,8 @@ TEST(ConstrainedMotion, FulfilsCoulombsLaw) {
   test::Random random(912);
   int sticks = 0, slips = 0;
   for (int i = 0; i < 2000; ++i) {
-    MotionConstraint p = plane(random.direction(), 0.0, random.uniform(0.0, 0.03) * random.direction());
+    const Vector3d normal = random.direction();
+    MotionConstraint p = plane(normal, 0.0, random.vector(0.0, 0.03));
     p.friction = random.uniform(0.1, 2.0);
     std::array planes{p};
     const Motion wanted{-0.01 * p.normal + 0.01 * random.direction(), 0.3 * random.direction()};
@@ -128,8 +129,9 @@ TEST(ConstrainedMotion, FulfilsTheConditionsOfAnOptimum) {
     const Vector3d up = random.direction();
     std::array<MotionConstraint, 3> planes;
     for (MotionConstraint& p : planes) {
-      p = plane(up + 0.8 * random.direction(), random.uniform(0.0, 0.01),
-                random.uniform(0.0, 0.03) * random.direction());
+      const Vector3d normal = up + 0.8 * random.direction();
+      const double gap = random.uniform(0.0, 0.01);
+      p = plane(normal, gap, random.vector(0.0, 0.03));
     }
     const Motion wanted{-0.02 * up + 0.01 * random.direction(), 0.5 * random.direction()};
     const Motion found = constrained_motion(wanted, planes, kGyration);
@@ -177,8 +179,9 @@ TEST(ConstrainedMotion, IsThatOfAllPlanesInEverySweep) {
     const Vector3d up = random.direction();
     std::vector<MotionConstraint> planes;
     for (int k = 0; k < 200; ++k) {
-      planes.push_back(plane(up + 0.8 * random.direction(), random.uniform(0.0, 0.04),
-                             random.uniform(0.0, 0.03) * random.direction()));
+      const Vector3d normal = up + 0.8 * random.direction();
+      const double gap = random.uniform(0.0, 0.04);
+      planes.push_back(plane(normal, gap, random.vector(0.0, 0.03)));
     }
     const Motion wanted{-0.02 * up + 0.01 * random.direction(), 0.5 * random.direction()};
     const Motion found = constrained_motion(wanted, planes, kGyration);

@@ -33,11 +33,12 @@ constexpr double kReach = 0.02;
 std::vector<test::Splat> layered(Random& random, int count) {
   std::vector<test::Splat> splats;
   for (int i = 0; i < count; ++i) {
-    const Vector3d at(random.uniform(-0.015, 0.015), random.uniform(-0.015, 0.015), -0.005 - 6e-4 * i);
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(
-        0.003 * random.normal(), Vector3d(random.normal(), random.normal(), 0).normalized()));
-    splats.push_back(test::splat(at, {random.uniform(0.002, 0.006), random.uniform(0.002, 0.006), 1e-5}, turn,
-                                 random.uniform(0.2, 0.95)));
+    const Vector3d at{random.uniform(-0.015, 0.015), random.uniform(-0.015, 0.015), -0.005 - 6e-4 * i};
+    const double angle = 0.003 * random.normal();
+    const Vector3d axis = Vector3d{random.normal(), random.normal(), 0.0}.normalized();
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, axis));
+    const Vector3d semi_axes{random.uniform(0.002, 0.006), random.uniform(0.002, 0.006), 1e-5};
+    splats.push_back(test::splat(at, semi_axes, turn, random.uniform(0.2, 0.95)));
   }
   return splats;
 }
@@ -75,7 +76,7 @@ TEST_F(DepthViewTest, SeesWhatCompositingInDoubleSees) {
     SplatTracker tracker(index);
     const LocalSplats& near = tracker.around(larger);
     const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), Vector3d::Zero(), Vector3d::UnitX());
-    Vector2d anchor(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    Vector2d anchor{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)};
     const RayPattern pattern = RayPattern::on_lattice({0.001, -0.002}, 0.015, anchor);
     on_every_target([&] {
       RayLight light;
@@ -91,7 +92,7 @@ TEST_F(DepthViewTest, SeesWhatCompositingInDoubleSees) {
         agree += expected ? std::abs(image->depth(k) - *expected) < 2e-6 : !image->hits(k);
       }
       EXPECT_GE(hits, 50);
-      EXPECT_GE(agree, hits - 3);
+      EXPECT_GE(20 * agree, 19 * hits);
     });
   }
 }
@@ -260,11 +261,11 @@ TEST(Profile, IsTheFarSideOfTheSolid) {
   int below = 0;
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Quaterniond turn =
-        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
-    const Vector3d semi_axes(random.uniform(0.01, 0.05), random.uniform(0.01, 0.05),
-                             random.uniform(0.01, 0.05));
+        Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}.normalized();
+    const Vector3d semi_axes{random.uniform(0.01, 0.05), random.uniform(0.01, 0.05),
+                             random.uniform(0.01, 0.05)};
     const Ellipsoid solid = Ellipsoid::from_semi_axes({{1, 2, 3}, turn}, semi_axes);
-    const Vector3d w = Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+    const Vector3d w = Vector3d{random.normal(), random.normal(), random.normal()}.normalized();
     const ViewFrame view = ViewFrame::along(w, solid.center, w.unitOrthogonal());
     const Profile profile(solid, view);
     const auto size = [&](double x, double y, double depth) {
@@ -361,13 +362,13 @@ TEST(RayPattern, LatticeStaysWhereItIsAsTheDiscMoves) {
   Random random(42);
   for (int i = 0; i < 1000; ++i) {
     const double radius = random.uniform(0.001, 0.1);
-    Vector2d anchor(random.uniform(-1, 1), random.uniform(-1, 1)), moved_anchor = anchor;
-    const Vector2d center(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
+    Vector2d anchor{random.uniform(-1, 1), random.uniform(-1, 1)}, moved_anchor = anchor;
+    const Vector2d center{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)};
     const RayPattern one = RayPattern::on_lattice(center, radius, anchor);
     EXPECT_GE(one.size, 45U);
     EXPECT_LT(one.size, RayPattern::kMost);  // so that none has been left out
     EXPECT_LT((anchor - center).norm(), 0.3 * radius);
-    const Vector2d way = 0.05 * radius * Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+    const Vector2d way = 0.05 * radius * Vector2d{random.uniform(-1, 1), random.uniform(-1, 1)};
     const RayPattern other = RayPattern::on_lattice(center + way, radius, moved_anchor);
     for (std::size_t k = 0; k < one.size; ++k) {
       const Vector2d place = one.places[k].cast<double>();
@@ -410,16 +411,16 @@ TEST(RayPattern, HasMoreRaysAboutWhatIsLowest) {
 TEST(SplatTracker, KnowsAllThatTheSolidTouchesWhereverItGoes) {
   Random random(43);
   std::vector<test::Splat> splats;
-  for (int i = 0; i < 3000; ++i)
-    splats.push_back(
-        test::splat({random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)},
-                    {random.uniform(0.0, 0.01), random.uniform(0.0, 0.002), 0.001}));
+  for (int i = 0; i < 3000; ++i) {
+    const Vector3d at{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)};
+    splats.push_back(test::splat(at, {random.uniform(0.0, 0.01), random.uniform(0.0, 0.002), 0.001}));
+  }
   const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
   SplatTracker tracker(index);
   ContactSet touched;
   Vector3d at = Vector3d::Zero();
   for (int step = 0; step < 300; ++step) {
-    at += 0.003 * Vector3d(random.normal(), random.normal(), random.normal());
+    at += 0.003 * Vector3d{random.normal(), random.normal(), random.normal()};
     const Ellipsoid solid = ball(at, 0.02);
     const LocalSplats& near = tracker.around(solid);
     index.query(solid, touched);
@@ -435,17 +436,17 @@ TEST(SplatTracker, KnowsAllThatTheSolidTouchesWhereverItGoes) {
 TEST(SelectSplats, LeavesOutNothingThatReachesIntoTheSolid) {
   Random random(44);
   std::vector<test::Splat> splats;
-  for (int i = 0; i < 2000; ++i)
-    splats.push_back(
-        test::splat({random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)},
-                    {random.uniform(0.0, 0.01), random.uniform(0.0, 0.002), 0.0005}));
+  for (int i = 0; i < 2000; ++i) {
+    const Vector3d at{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)};
+    splats.push_back(test::splat(at, {random.uniform(0.0, 0.01), random.uniform(0.0, 0.002), 0.0005}));
+  }
   const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
   SplatTracker all(index);
   const LocalSplats& near = all.around(ball(Vector3d::Zero(), 0.08));
   LocalSplats chosen, few(8);
   std::size_t most = 0;
   for (int step = 0; step < 50; ++step) {
-    const Vector3d at = 0.03 * Vector3d(random.normal(), random.normal(), random.normal());
+    const Vector3d at = 0.03 * Vector3d{random.normal(), random.normal(), random.normal()};
     if (at.norm() > 0.06) continue;
     const Ellipsoid solid = ball(at, 0.015);
     ASSERT_TRUE(select_splats(near, solid, chosen));

@@ -25,20 +25,23 @@ using Eigen::Vector3d;
 /// A solid that is turned any way, and a view along any direction from its centre.
 struct Any {
   explicit Any(test::Random& random)
-      : solid(Ellipsoid::from_semi_axes(
-            {{0.3, -0.2, 0.1}, random.rotation()},
-            {random.uniform(0.01, 0.03), random.uniform(0.01, 0.03), random.uniform(0.01, 0.03)})),
+      : solid(any_solid(random)),
         view(ViewFrame::along(random.direction(), solid.center, Vector3d::UnitX())),
         profile(solid, view) {}
 
   /// Well inside of the silhouette.
   Vector2d place(test::Random& random) const {
     for (;;) {
-      const Vector3d inside =
-          solid.center + 0.8 * random.uniform(0.0, 1.0) * (solid.axes * random.direction());
+      const Vector3d inside = solid.center + 0.8 * (solid.axes * random.vector(0.0, 1.0));
       Vector2d at = image_of(view, inside);
       if (is_below(profile, at)) return at;
     }
+  }
+
+  static Ellipsoid any_solid(test::Random& random) {
+    const Pose pose{{0.3, -0.2, 0.1}, random.rotation()};
+    return Ellipsoid::from_semi_axes(
+        pose, {random.uniform(0.01, 0.03), random.uniform(0.01, 0.03), random.uniform(0.01, 0.03)});
   }
 
   /// Where the ray at `at` leaves the solid, and where it enters it: by the quadratic equation.

@@ -101,7 +101,10 @@ class RandomMaterials {
  public:
   explicit RandomMaterials(unsigned seed) : random_(seed) {}
 
-  Vector3d point() { return Vector3d(below(7), below(7), below(7)) - Vector3d::Constant(3); }
+  Vector3d point() {
+    const int x = below(7), y = below(7), z = below(7);
+    return Vector3d(x, y, z) - Vector3d::Constant(3);
+  }
 
   Material material() {
     Material m;

@@ -95,7 +95,7 @@ TEST_P(OnMovingShapes, AThingThatMovesTowardsAStillToolPushesItAndIsNotPassed) {
   Random random(42);
   for (const double step : {1e-3, 3e-4, 5e-5}) {
     for (const SurfaceSample& s : test::smooth_places(*thing.surface, GetParam(), 12, 43)) {
-      const Vector3d aside(random.normal(), random.normal(), random.normal());
+      const Vector3d aside{random.normal(), random.normal(), random.normal()};
       const Vector3d along = (s.normal + 0.4 * aside.normalized()).normalized();
       thing.put_tool(s.point + 0.04 * along);
       const auto at = [&](double way) { return moved(way * along); };

@@ -37,7 +37,7 @@ std::vector<std::size_t> members_of(const std::vector<PartGroup>& groups) {
 bool holds(const ToolPart& solid, const ToolPart& part, Random& random) {
   const double radius = part.semi_axes.maxCoeff();
   for (int k = 0; k < 200; ++k) {
-    const Vector3d direction = Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+    const Vector3d direction = Vector3d{random.normal(), random.normal(), random.normal()}.normalized();
     const Vector3d from = part.pose.position + radius * direction - solid.pose.position;
     if (from.cwiseQuotient(solid.semi_axes).norm() > 1.0 + 1e-12) return false;
   }

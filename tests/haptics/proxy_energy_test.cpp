@@ -130,13 +130,14 @@ TEST_P(AtScales, NoneComesOutOfAnyClosedStroke) {
     ProxyParameters parameters;
     parameters.hand_scale = scale;
     parameters.friction = random.uniform(0.0, 0.8);
-    parameters.materials =
-        stripes(random.uniform(0.01, 0.1), random.uniform(50.0, 1000.0), random.uniform(1000.0, 5000.0));
+    const double width = random.uniform(0.01, 0.1), soft = random.uniform(50.0, 1000.0);
+    parameters.materials = stripes(width, soft, random.uniform(1000.0, 5000.0));
     Stroke stroke(parameters, random.uniform(0.005, 0.03));
     stroke.to(0.0, 0.0, -0.05);
     for (int leg = 0; leg < 8; ++leg) {
       const double speed = 0.02 * std::pow(50.0, random.uniform(0.0, 1.0));
-      stroke.to(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.01, 0.02), speed);
+      const double x = random.uniform(-0.1, 0.1), y = random.uniform(-0.1, 0.1);
+      stroke.to(x, y, random.uniform(-0.01, 0.02), speed);
     }
     stroke.to(0.0, 0.0, -0.05);
     stroke.rest(20.0 / scale * 0.05);  // what lags behind a quick hand comes after it at the hand's pace

@@ -715,7 +715,7 @@ TEST(Haze, IsNotLostWhileItIsPressed) {
       Random random(seed);
       std::vector<test::Splat> discs;
       for (int k = 0; k < 100; ++k) {
-        const Vector3d at(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05), random.uniform(-0.04, 0));
+        const Vector3d at{random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05), random.uniform(-0.04, 0)};
         const double w = random.uniform(-1, 1), x = random.uniform(-1, 1), y = random.uniform(-1, 1),
                      z = random.uniform(-1, 1);
         discs.push_back(test::splat(at, {mist.size, mist.size, 1e-4},

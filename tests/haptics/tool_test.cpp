@@ -109,7 +109,8 @@ TEST(Tool, GyrationIsThatOfItsPoints) {
       const Ellipsoid solid = part.at({});
       const double share = solid.axes.determinant() / kPoints;
       for (int i = 0; i < kPoints; ++i) {
-        const Vector3d u = std::cbrt(random.uniform(0.0, 1.0)) * random.direction();
+        const double distance = std::cbrt(random.uniform(0.0, 1.0));
+        const Vector3d u = distance * random.direction();
         const Vector3d x = solid.center + solid.axes * u;
         volume += share;
         moment += share * (x.squaredNorm() - x.x() * x.x() + x.squaredNorm() - x.y() * x.y() +

@@ -21,8 +21,8 @@ SerialChain skew_chain(std::mt19937_64& random) {
   SerialChain chain;
   chain.name = "skew";
   const auto direction = [&] {
-    const Eigen::Vector3d v(test::uniform(random, -1, 1), test::uniform(random, -1, 1),
-                            test::uniform(random, 0.1, 1));
+    const Eigen::Vector3d v{test::uniform(random, -1, 1), test::uniform(random, -1, 1),
+                            test::uniform(random, 0.1, 1)};
     return Eigen::Vector3d(v.normalized());
   };
   for (int i = 0; i < 7; ++i) {
@@ -31,7 +31,7 @@ SerialChain skew_chain(std::mt19937_64& random) {
     joint.type = i % 3 == 1 ? JointType::kPrismatic : JointType::kRevolute;
     joint.axis = direction();
     joint.origin.position = 0.5 * direction();
-    joint.origin.orientation = Eigen::AngleAxisd(test::uniform(random, -3, 3), direction());
+    joint.origin.orientation = Eigen::AngleAxisd{test::uniform(random, -3, 3), direction()};
     joint.limits = {-2.0, 2.0, 3.0, 20.0, 1e4};
     joint.link.mass = test::uniform(random, 0.5, 5.0);
     joint.link.center = 0.1 * direction();

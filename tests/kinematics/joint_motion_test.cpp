@@ -88,7 +88,7 @@ TEST_F(JointMotionTest, NeverLeavesItsLimitsWhateverIsAsked) {
       target.position = {test::uniform(random, -4, 4), test::uniform(random, -4, 4),
                          test::uniform(random, -1, 4)};
       target.orientation = rotation_by(
-          Vector3d(test::uniform(random, -3, 3), test::uniform(random, -3, 3), test::uniform(random, -3, 3)));
+          Vector3d{test::uniform(random, -3, 3), test::uniform(random, -3, 3), test::uniform(random, -3, 3)});
       if (random() % 10 == 0) target.position.x() = nan;
     }
     step(target, random() % 20 == 0 ? 6e-3 : test::uniform(random, 0.2e-3, 2e-3));

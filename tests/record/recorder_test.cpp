@@ -48,8 +48,8 @@ RunRow row_of(std::uint64_t i) {
   std::mt19937_64 engine(i);
   RunRow row;
   for (const RunColumn& column : run_columns({.user_force = true, .live = true})) {
-    const double any =
-        std::ldexp(static_cast<double>(engine()) - 0x1p63, static_cast<int>(engine() % 90) - 90);
+    const double fraction = static_cast<double>(engine()) - 0x1p63;
+    const double any = std::ldexp(fraction, static_cast<int>(engine() % 90) - 90);
     column.set(row, column.whole_number.empty() ? any : std::fmod(static_cast<double>(i), column.most + 1.0));
   }
   row.t = 1e-3 * static_cast<double>(i);

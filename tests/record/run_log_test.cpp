@@ -174,7 +174,7 @@ TEST(Run, NumbersReadBackToTheBit) {
       if (std::isfinite(v)) return v;
     }
   };
-  const auto vector = [&] { return Eigen::Vector3d(any(), any(), any()); };
+  const auto vector = [&] { return Eigen::Vector3d{any(), any(), any()}; };
   std::vector<RunRow> rows;
   for (int i = 0; i < 500; ++i) {
     RunRow row;

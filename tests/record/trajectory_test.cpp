@@ -141,7 +141,7 @@ TEST(Trajectory, WritesWhatItReadsBackExactly) {
     p.t = k / 3.0;
     p.pose.position = {normal(random), 1e-17 * normal(random), 1e11 * normal(random)};
     p.pose.orientation =
-        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+        Eigen::Quaterniond{normal(random), normal(random), normal(random), normal(random)}.normalized();
     written.push_back(p);
   }
   const TemporaryFile file("old", "path.csv");

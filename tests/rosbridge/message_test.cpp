@@ -152,7 +152,7 @@ Json random_value(Random& random, int levels) {
     case 1: return random.integer(0, 1) == 1;
     case 2: return random.integer(std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
     case 3: return std::uint64_t{1} << random.integer(0, 63);
-    case 4: return random.log_uniform(1e-300, 1e300) * (random.integer(0, 1) == 1 ? 1.0 : -1.0);
+    case 4: return random.either_sign(random.log_uniform(1e-300, 1e300));
     case 5: return std::string(static_cast<std::size_t>(random.integer(0, 300)), 'a');
     case 6: return "\u20ac \\\" \n";
     case 7: {

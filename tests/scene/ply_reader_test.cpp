@@ -540,7 +540,7 @@ TEST(PlyReader, KeepsGeoreferencedPositionsToAFloatOfTheirOffset) {
   std::uniform_real_distribution<double> offset(-50.0, 50.0);
   std::vector<Eigen::Vector3d> positions;
   for (int k = 0; k < 200; ++k)
-    positions.emplace_back(500000.123 + offset(random), 5.4e6 + offset(random), 312.7 + 0.1 * offset(random));
+    positions.push_back({500000.123 + offset(random), 5.4e6 + offset(random), 312.7 + 0.1 * offset(random)});
   const GaussianScene scene = read(with_positions(positions));
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Eigen::Vector3d error = scene.gaussian(i).position - positions[i];

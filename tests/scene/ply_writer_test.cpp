@@ -29,9 +29,9 @@ GaussianScene random_scene(int count) {
   GaussianScene scene;
   for (int k = 0; k < count; ++k) {
     scene.id.push_back(static_cast<std::uint32_t>(k));
-    scene.position.emplace_back(normal(random), normal(random), normal(random));
-    scene.scale.emplace_back(normal(random) - 4, normal(random) - 4, normal(random) - 8);
-    scene.rotation.emplace_back(normal(random), normal(random), normal(random), normal(random));
+    scene.position.push_back({normal(random), normal(random), normal(random)});
+    scene.scale.push_back({normal(random) - 4, normal(random) - 4, normal(random) - 8});
+    scene.rotation.push_back({normal(random), normal(random), normal(random), normal(random)});
     scene.opacity.push_back(3 * normal(random));
   }
   return scene;

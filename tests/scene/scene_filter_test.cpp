@@ -198,9 +198,9 @@ TEST(SceneFilter, RegistrationMovesTheSolidAndNothingElse) {
   // Eq. 3 as a property: the support function in any direction n scales and turns with the scene.
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return Eigen::Vector3d{normal(random), normal(random), normal(random)}; };
   const auto quaternion = [&] {
-    return Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+    return Eigen::Quaterniond{normal(random), normal(random), normal(random), normal(random)}.normalized();
   };
   for (int round = 0; round < 500; ++round) {
     const Gaussian g{vector(), quaternion(), vector().cwiseAbs(), 0.5};

@@ -26,7 +26,7 @@ class Room {
       add({anywhere(engine_), anywhere(engine_), 0.0}, Vector3d::UnitZ(), kSigma, 0.9);
     std::normal_distribution<double> normal;
     for (int i = 0; i < 3000; ++i) {
-      const Vector3d out = Vector3d(normal(engine_), normal(engine_), normal(engine_)).normalized();
+      const Vector3d out = Vector3d{normal(engine_), normal(engine_), normal(engine_)}.normalized();
       add(Vector3d(0.0, 0.0, 0.3) + 0.3 * out, out, kSigma, 0.9);
     }
   }
@@ -72,7 +72,7 @@ TEST(SceneSetup, LeavesWhatFacesAllWaysAsItIs) {
   std::normal_distribution<double> normal;
   GaussianScene scene;
   for (int i = 0; i < 5000; ++i) {
-    const Vector3d out = Vector3d(normal(engine), normal(engine), normal(engine)).normalized();
+    const Vector3d out = Vector3d{normal(engine), normal(engine), normal(engine)}.normalized();
     Gaussian g;
     g.position = out;
     g.rotation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), out);

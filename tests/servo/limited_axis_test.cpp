@@ -31,7 +31,10 @@ TEST(LimitedAxis, StaysWithinItsLimitsForEverySequence) {
     AxisState s;
     double wanted = 0.0;
     for (int k = 0; k < 3000; ++k) {
-      if (random() % 100 == 0) wanted = uniform(random, -1, 1) * std::pow(10.0, uniform(random, -2, 4));
+      if (random() % 100 == 0) {
+        const double share = uniform(random, -1, 1);
+        wanted = share * std::pow(10.0, uniform(random, -2, 4));
+      }
       const double dt = random() % 50 == 0 ? 8e-3 : uniform(random, 0.1e-3, 2e-3);
       const AxisState before = s;
       s = random() % 20 == 0 ? stopping(s, kLimits, dt) : stepped(s, kLimits, wanted, dt);

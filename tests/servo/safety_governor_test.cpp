@@ -700,7 +700,10 @@ class Hostile {
       case 1: return kInfinity;
       case 2: return -std::numeric_limits<double>::max();
       case 3: return std::numeric_limits<double>::denorm_min();
-      case 4: return std::ldexp(normal_(random_), static_cast<int>(random_() % 600) - 300);
+      case 4: {
+        const double some = normal_(random_);
+        return std::ldexp(some, static_cast<int>(random_() % 600) - 300);
+      }
       default: return normal_(random_);
     }
   }

@@ -129,7 +129,7 @@ TEST(Haze, TakesAFifthOfTheLightOver50mm) {
   constexpr int kLines = 300;
   double optical = 0.0;
   for (int line = 0; line < kLines; ++line) {
-    const Vector3d from(random.uniform(-0.15, 0.15), random.uniform(-0.15, 0.15), 0.02);
+    const Vector3d from{random.uniform(-0.15, 0.15), random.uniform(-0.15, 0.15), 0.02};
     for (std::size_t i = even; i < scene.size(); ++i) {
       const Gaussian g = scene.gaussian(i);
       const Eigen::Matrix3d whiten =
@@ -149,7 +149,7 @@ TEST(Holes, TakeATenthOfTheSurfaceAndAreSmall) {
   Random random(3);
   std::vector<double> empty;
   for (int k = 0; k < 500; ++k) {
-    const Vector3d p(random.uniform(-0.19, 0.19), random.uniform(-0.19, 0.19), 0.0);
+    const Vector3d p{random.uniform(-0.19, 0.19), random.uniform(-0.19, 0.19), 0.0};
     double nearest = 1.0;
     for (std::size_t i = 0; i < scene.size(); ++i) nearest = std::min(nearest, (at(scene, i) - p).norm());
     empty.push_back(nearest / kSpacing);

@@ -14,7 +14,8 @@
 
 namespace palpate::test {
 
-/// Everything random in these tests comes from one of these, seeded with a literal.
+/// Everything random in these tests comes from one of these, seeded with a literal. Each number is drawn in a
+/// statement or a braced list of its own: the order of arguments and operands is the compiler's choice.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -30,17 +31,29 @@ class Random {
   }
   Eigen::Vector3d direction() {
     for (;;) {
-      const Eigen::Vector3d v(normal(), normal(), normal());
+      const Eigen::Vector3d v{normal(), normal(), normal()};
       if (v.norm() > 1e-3) return v.normalized();
     }
   }
   Eigen::Quaterniond rotation() {
-    return Eigen::Quaterniond(Eigen::Vector4d(normal(), normal(), normal(), normal()).normalized());
+    return Eigen::Quaterniond(Eigen::Vector4d{normal(), normal(), normal(), normal()}.normalized());
   }
   /// Semi-axes drawn apart, log-uniformly.
   Eigen::Vector3d semi_axes(double low, double high) {
     return {log_uniform(low, high), log_uniform(low, high), log_uniform(low, high)};
   }
+  /// A vector of any direction, its length uniform.
+  Eigen::Vector3d vector(double shortest, double longest) {
+    const double length = uniform(shortest, longest);
+    return length * direction();
+  }
+  /// An ellipsoid turned any way, its centre in a box, its semi-axes drawn apart.
+  Ellipsoid ellipsoid(double half, double low, double high) {
+    const Pose pose{in_box(half), rotation()};
+    return Ellipsoid::from_semi_axes(pose, semi_axes(low, high));
+  }
+  /// `size` or its negative.
+  double either_sign(double size) { return integer(0, 1) != 0 ? size : -size; }
 
  private:
   std::mt19937_64 engine_;

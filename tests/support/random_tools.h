@@ -17,7 +17,7 @@ inline Tool random_tool(Random& random, int count, double size) {
   std::vector<ToolPart> parts;
   for (int k = 0; k < count; ++k) {
     const Eigen::Vector3d semi_axes = size * random.semi_axes(0.3, 1.0);
-    const Pose pose{random.uniform(0.0, 1.5) * size * random.direction(), random.rotation()};
+    const Pose pose{size * random.vector(0.0, 1.5), random.rotation()};
     parts.push_back({"part " + std::to_string(k), semi_axes, pose});
   }
   return Tool(std::move(parts));

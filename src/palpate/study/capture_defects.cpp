@@ -44,7 +44,8 @@ class SmoothField {
  public:
   explicit SmoothField(Random& random) {
     for (Wave& wave : waves_) {
-      wave.k = Vector3d(random.normal(), random.normal(), random.normal());
+      const double z = random.normal(), y = random.normal(), x = random.normal();
+      wave.k = {x, y, z};
       wave.k *= 2.0 * pi / kWave / std::max(1e-3, wave.k.norm());
       wave.phase = random.uniform(0.0, 2.0 * pi);
     }
@@ -170,7 +171,8 @@ GaussianScene with_holes(const AnalyticSurface& surface, const GaussianScene& sc
 
 void append_in_air(const Vector3d& position, const Vector3d& sigma, double alpha, Random& random,
                    GaussianScene& scene) {
-  Eigen::Vector4d q(random.normal(), random.normal(), random.normal(), random.normal());
+  const double z = random.normal(), y = random.normal(), x = random.normal(), w = random.normal();
+  Eigen::Vector4d q(w, x, y, z);
   if (!(q.norm() > 1e-6)) q = Eigen::Vector4d::UnitX();
   const Eigen::Vector4d unit = q.normalized();
   scene.append({position, Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]), sigma, alpha}, kAddedColor);
@@ -183,7 +185,8 @@ Eigen::AlignedBox3d air_around(const GaussianScene& scene) {
 }
 
 Vector3d place_in(const Eigen::AlignedBox3d& box, Random& random) {
-  const Vector3d share(random.uniform(), random.uniform(), random.uniform());
+  const double z = random.uniform(), y = random.uniform(), x = random.uniform();
+  const Vector3d share(x, y, z);
   return box.min() + share.cwiseProduct(box.sizes());
 }
 

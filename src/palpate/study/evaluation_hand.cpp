@@ -15,7 +15,8 @@ Tool ball(double radius) { return Tool(Vector3d::Constant(radius)); }
 
 Vector3d random_direction(Random& random) {
   for (;;) {
-    const Vector3d v(random.normal(), random.normal(), random.normal());
+    const double z = random.normal(), y = random.normal(), x = random.normal();
+    const Vector3d v(x, y, z);
     if (v.norm() > 1e-3) return v.normalized();
   }
 }
