@@ -161,9 +161,9 @@ class Summary(Live):
 class Contacts(Live):
     def test_a_late_worker_feels_the_same_as_the_loop(self):
         inline = self.calm(*self.arguments("--seconds", "3", "--contacts", "inline"))
-        for _ in range(5):  # a worker that the machine leaves waiting is late indeed, and that faults
+        for _ in range(5):  # a thread that the machine leaves waiting is late indeed, and that faults
             worker = self.calm(*self.arguments("--seconds", "3", "--contacts", "worker", "--worker-delay", "0.05"))
-            if worker["faults"] != ["late-contacts"]:
+            if not worker["faults"]:
                 break
         self.assertEqual((inline["faults"], worker["faults"]), ([], []))
         self.assertAlmostEqual(worker["force_max"], inline["force_max"], delta=0.15 * inline["force_max"])

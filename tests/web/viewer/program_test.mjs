@@ -57,21 +57,29 @@ const untilFelt = async (look, argument, options = {}) => {
   return seen;
 };
 
+// Takes the tool to where an attempt begins.
+async function lift(begin) {
+  await page.mouse.up();
+  const resume = page.locator('#resume');
+  if (await resume.isVisible()) await resume.click();
+  await begin();
+}
+
 // `attempt`, once more from `begin` on where the program was held up meanwhile.
 async function undisturbed(attempt, begin = goBack) {
+  const isActive = () => document.getElementById('state').textContent === 'active';
   for (let tries = 1; ; ++tries) {
     heldUpBefore = await page.evaluate(countHeldUp);
     try {
-      // Held up again while it waits for the tool to be lifted, it says nothing more, and a tool that is pressed then waits for ever.
-      await until(page, () => document.getElementById('state').textContent === 'active');
+      // Held up since the last test, or again while it waits for the tool to be lifted, it says nothing more, and a tool that is
+      // pressed then waits for ever.
+      if (!await page.evaluate(isActive)) await lift(begin);
+      await until(page, isActive);
       await attempt();
       return;
     } catch (error) {
       if (tries === 5 || await page.evaluate(countHeldUp) === heldUpBefore) throw error;
-      await page.mouse.up();
-      const resume = page.locator('#resume');
-      if (await resume.isVisible()) await resume.click();
-      await begin();
+      await lift(begin);
     }
   }
 }
