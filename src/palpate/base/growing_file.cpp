@@ -12,8 +12,8 @@
 namespace palpate {
 
 GrowingFile::GrowingFile(std::string path, std::string_view lines) : path_(std::move(path)) {
-  constexpr mode_t kMode = 0666;  // less the user's umask, as any program's output
-  do descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, kMode);
+  constexpr mode_t kPermissions = 0666;  // less the user's umask, as any program's output
+  do descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, kPermissions);
   while (descriptor_ < 0 && errno == EINTR);
   if (descriptor_ < 0 && errno == EEXIST)
     throw Error("{}: exists already; move it away or give another name", path_);

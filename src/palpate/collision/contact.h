@@ -59,9 +59,9 @@ Contact make_contact(const WhitenedTool& tool, const Ellipsoid& gaussian, const 
 /// Paper eq. 4: true if the bounding spheres overlap. Enlarged by more than the rounding error, so that
 /// touching spheres are never separated.
 inline bool spheres_overlap(const Ellipsoid& a, double radius_a, const Ellipsoid& b, double radius_b) {
-  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+  constexpr double kEnlarged = 16.0 * std::numeric_limits<double>::epsilon();
   const double reach = radius_a + radius_b;
-  return (a.center - b.center).squaredNorm() < reach * reach * (1.0 + kRounding);
+  return (a.center - b.center).squaredNorm() < reach * reach * (1.0 + kEnlarged);
 }
 
 /// No limit.

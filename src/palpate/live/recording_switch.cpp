@@ -84,9 +84,9 @@ void RecordingSwitch::end(Done done) {
 void RecordingSwitch::finish(Job& job) {
   // A tick in progress may still use the recorder; one that begins now does not. If no tick ends in time, as
   // in a loop that hangs, the recorder may be in use and is kept.
-  constexpr double kPatience = 0.1, kLook = 1e-3;  // s
+  constexpr double kLongest = 0.1, kLook = 1e-3;  // s
   const std::uint64_t seen = ticks_.load(std::memory_order_acquire);
-  const double until = monotonic_now() + kPatience;
+  const double until = monotonic_now() + kLongest;
   while (ticks_.load(std::memory_order_acquire) == seen && monotonic_now() < until)
     sleep_until(monotonic_now() + kLook);
   job.recorder->close();

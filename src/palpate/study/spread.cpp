@@ -9,8 +9,8 @@ namespace palpate {
 
 Spread spread_of(std::vector<double> values) {
   if (values.empty()) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone, kNone, kNone, kNone, kNone};
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    return {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
   }
   return {quantile(values, 0.05), quantile(values, 0.5),   quantile(values, 0.95),
           quantile(values, 0.99), quantile(values, 0.999), quantile(values, 1.0)};

@@ -179,9 +179,9 @@ std::vector<MaterialRegion> material_regions(const StillLife& still_life) {
 }
 
 PlyMaterials material_columns(const StillLife& still_life) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kUnset = std::numeric_limits<float>::quiet_NaN();
   PlyMaterials columns;
-  for (auto& column : columns.values) column.assign(still_life.scene.size(), kNone);
+  for (auto& column : columns.values) column.assign(still_life.scene.size(), kUnset);
   for (const StillLifeObject& object : still_life.objects) {
     const std::array<std::optional<double>, kMaterialPropertyCount> values{
         object.material.stiffness, object.material.friction, object.material.damping};
