@@ -499,7 +499,7 @@ TEST(ReadRun, OfAWindowInTheMiddleNamesTheByte) {
   EXPECT_THAT(message_of<Error>([&] { read_run(broken.path(), RunWindow{.from = run.rows[5990].t}); }),
               AllOf(HasSubstr("run.csv"), HasSubstr(fmt::format("byte {}:", line)), HasSubstr("'x'")));
   EXPECT_THAT(message_of<Error>([&] { read_run(broken.path()); }), HasSubstr("line 6002:"));
-  EXPECT_EQ(read_run(broken.path(), {.to = run.rows[5990].t}).rows.size(), 5991U);
+  EXPECT_EQ(read_run(broken.path(), RunWindow{.to = run.rows[5990].t}).rows.size(), 5991U);
 }
 
 TEST(ReadRun, OfAWindowOfTimesInDisorderEnds) {
