@@ -570,12 +570,6 @@ void ProxyForce::remember(const Eigen::Vector3d& moved) {
   direction_ += forgotten * (moved / way - direction_);
 }
 
-/// With f the length of the spring that generates force, and p the tool's displacement away from the proxy,
-/// along the spring,
-///
-///     k f^2 / 2 <= B + k f p / 2,    B = k' f'^2 / 2 + k' f' p' / 2 + reserve
-///
-/// with ' the values before: the force on the hand changes linearly from tick to tick.
 double ProxyForce::energy_left(const Motion& moved) const {
   const double p = -product(spring_.along, moved, gyration_);
   return std::max(0.0, 0.5 * spring_.stiffness * spring_.felt * (spring_.felt + p) + spring_.reserve);
@@ -586,6 +580,12 @@ void ProxyForce::release(const Motion& moved) {
   spring_.felt = 0.0;
 }
 
+/// With f the length of the spring that generates force, and p the tool's displacement away from the proxy,
+/// along the spring,
+///
+///     k f^2 / 2 <= B + k f p / 2,    B = k' f'^2 / 2 + k' f' p' / 2 + reserve
+///
+/// with ' the values before, and B energy_left(): the force on the hand changes linearly from tick to tick.
 void ProxyForce::wind(const Motion& pull, double length, const std::optional<Motion>& moved, double dt) {
   const Spring was = spring_;
   const double left = moved ? energy_left(*moved) : 0.0;
