@@ -1,6 +1,8 @@
 // The node palpate_ros1.
 #include <cstdio>
 
+#include <palpate/base/real_time.h>
+
 #include <node_notices.h>
 #include <node_settings.h>
 #include <run_node.h>
@@ -29,6 +31,7 @@ int main(int argc, char** argv) {
   using namespace palpate;
   try {
     const node::NodeSettings settings = node::read_node_settings("ros1", ros1::init_node(argc, argv));
+    call_real_time(kNetworkPriority, ros1::start_node);
     node::NodeNotices notices(kProgram);
     node::run_node(settings, {transport, sink, ros1::is_up}, notices);
     return 0;

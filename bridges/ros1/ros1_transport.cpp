@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <palpate/base/real_time.h>
+
 #include "ros_link.h"
 
 namespace palpate {
@@ -35,6 +37,10 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
   void say(const std::string& line) override { say_(line); }
 
  private:
+  void on_thread() override {
+    name_thread("palpate-ros1");
+    make_real_time(kNetworkPriority);  // the servo loop reports why it is not permitted
+  }
   void on_pose(const ros1::Header& header, const std::array<double, 3>& position,
                const std::array<double, 4>& orientation) override {
     Pose pose;

@@ -124,6 +124,7 @@ class Link::Implementation {
   }
 
   void run() {
+    listener_.on_thread();
     while (!ends_ && !ros::master::check()) {
       tell_lost("there is no ROS master at " + ros::master::getURI() +
                 "; start roscore, or set ROS_MASTER_URI");

@@ -21,6 +21,9 @@ struct Header {
 class Listener {
  public:
   virtual ~Listener() = default;
+  /// Called first, before the link connects: sets the scheduling of the link's thread, which threads of
+  /// roscpp that it starts inherit.
+  virtual void on_thread() = 0;
   /// \param position Unit: [m]. \param orientation w, x, y, z
   virtual void on_pose(const Header& header, const std::array<double, 3>& position,
                        const std::array<double, 4>& orientation) = 0;

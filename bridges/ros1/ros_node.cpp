@@ -82,6 +82,8 @@ std::vector<node::NodeParameter> init_node(int& argc, char** argv) {
   return private_parameters();
 }
 
+void start_node() { ros::start(); }
+
 bool is_up() { return ros::ok(); }
 
 }  // namespace palpate::ros1

@@ -14,6 +14,9 @@ namespace palpate::ros1 {
 /// these.
 std::vector<node::NodeParameter> init_node(int& argc, char** argv);
 
+/// Starts the threads of ROS, which inherit the scheduling of the calling one: poses arrive on them.
+void start_node();
+
 /// Returns false once the node has been asked to end (`rosnode kill`, another node of the same name).
 bool is_up();
 

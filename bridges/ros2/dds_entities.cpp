@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
+#include <palpate/base/real_time.h>
 
 #include "dds_security.h"
 #include "type_hash.h"
@@ -112,7 +113,10 @@ Participant::Participant(Say say, const std::string& enclave) : told_(std::make_
   const Listener listener(dds_create_listener(told_.get()));
   dds_lset_requested_incompatible_qos(listener.get(), Told::on_reader);
   dds_lset_offered_incompatible_qos(listener.get(), Told::on_writer);
-  id_ = checked(dds_create_participant(domain(), qos.get(), listener.get()), "join the domain");
+  // Poses arrive on threads of Cyclone DDS, which inherit the scheduling unless CYCLONEDDS_URI sets it.
+  call_real_time(kNetworkPriority, [&] {
+    id_ = checked(dds_create_participant(domain(), qos.get(), listener.get()), "join the domain");
+  });
 }
 
 Participant::~Participant() { dds_delete(id_); }

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <palpate/base/error.h>
+#include <palpate/base/real_time.h>
 
 #include "dds_time.h"
 #include "ros_messages.h"
@@ -114,6 +115,8 @@ class Ros2Transport final : public CrtkTransport {
   }
 
   void run() {
+    name_thread("palpate-ros2");
+    make_real_time(kNetworkPriority);  // the servo loop reports why it is not permitted
     std::array<dds_attach_t, 4> triggered{};
     while (!ends()) {
       dds_waitset_wait(set_, triggered.data(), triggered.size(), DDS_INFINITY);

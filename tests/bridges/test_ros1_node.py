@@ -436,6 +436,20 @@ class Node(unittest.TestCase):
         self.assertGreater(len(trips), 100)
 
 
+    def test_8_poses_pass_through_real_time_threads_only(self):
+        threads = {}  # name: {(policy, priority)}
+        for thread in os.listdir(f"/proc/{self.run_.pid}/task"):
+            with open(f"/proc/{self.run_.pid}/task/{thread}/comm", encoding="utf-8") as name:
+                of_name = threads.setdefault(name.read().strip(), set())
+            of_name.add((os.sched_getscheduler(int(thread)), os.sched_getparam(int(thread)).sched_priority))
+        [(policy, priority)] = threads["palpate-servo"]
+        if policy != os.SCHED_FIFO:
+            self.skipTest("real-time priority is not permitted here")
+        below = (os.SCHED_FIFO, priority - 10)
+        self.assertEqual(threads["palpate-ros1"], {below})
+        self.assertIn(below, threads["palpate_ros1"], "roscpp's, which reads the sockets, has the name of the program")
+
+
 class Refusals(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

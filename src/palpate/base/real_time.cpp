@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <future>
 #include <system_error>
 
 #include <pthread.h>
@@ -60,6 +61,13 @@ std::vector<std::string> make_real_time(const ThreadPriority& wanted) {
     }
   }
   return refused;
+}
+
+void call_real_time(const ThreadPriority& wanted, const std::function<void()>& work) {
+  std::async(std::launch::async, [&] {
+    make_real_time(wanted);
+    work();
+  }).get();
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
+#include <palpate/base/real_time.h>
 #include <palpate/geometry/rotation.h>
 #include <palpate/servo/safety_governor.h>
 
@@ -84,7 +85,10 @@ void CrtkDevice::stop() noexcept {
 }
 
 /// Sends every written wrench, or only the newest if the transport is slower; once stopped, a zero wrench.
+/// At normal priority: where readers lack the time for every wrench, more of them would take it from the
+/// driver.
 void CrtkDevice::send_until_closed() {
+  name_thread("palpate-sender");
   double echoed = 0.0;
   bool off = true;  // the stop was sent
   while (!ends_.load(std::memory_order_relaxed)) {

@@ -11,6 +11,7 @@
 
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
+#include <palpate/base/real_time.h>
 #include <palpate/gateway/contact_markers.h>
 #include <palpate/gateway/felt_list.h>
 #include <palpate/live/gateway_metrics.h>
@@ -187,7 +188,7 @@ void LiveGateway::Implementation::listen(const GatewayConfig& options) {
   WebServerOptions server;
   server.uploads = uploads();
   server.address = options.address;
-  server.real_time = ThreadPriority{.priority = ThreadPriority().priority - 10, .cpu = {}};  // below the loop
+  server.real_time = kNetworkPriority;
   if (options.tls_certificate.empty() != options.tls_key.empty())
     throw Error("--tls-cert and --tls-key belong together: give both, or neither");
   server.tls_certificate = options.tls_certificate;

@@ -136,6 +136,16 @@ describe('the node', () => {
     await eventually(async () => (await driver.newest('contacts', kMarkers)).markers.some((m) => m.action === kDelete), 'deletions');
   });
 
+  test('poses pass through real-time threads only', (context) => {
+    const threads = node.threads();
+    const [policy, priority] = threads['palpate-servo'].split(' ');
+    if (policy !== '1') {
+      context.skip('real-time priority is not permitted here');
+      return;
+    }
+    const below = `1 ${priority - 10}`;
+    for (const name of ['palpate-ros2', 'recv']) assert.equal(threads[name], below, name); // `recv` is Cyclone's
+  });
   test('tells frames', async () => {
     await driver.lean();
     await wait(500);

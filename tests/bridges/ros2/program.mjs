@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -62,6 +62,15 @@ export class Program {
   }
   says(words, count = 1) {
     return eventually(() => this.said.split(words).length > count, () => `"${words}" in: ${this.said}`);
+  }
+  /** Scheduling of its threads, {name: 'policy priority'}; policy 1 is SCHED_FIFO. */
+  threads() {
+    const tasks = `/proc/${this.process.pid}/task`;
+    return Object.fromEntries(readdirSync(tasks).map((task) => {
+      const [, name, rest] = readFileSync(`${tasks}/${task}/stat`, 'utf8').match(/\((.*)\) (.*)/);
+      const fields = rest.split(' '); // from the third on: the 40th is the priority, the 41st the policy
+      return [name, `${fields[38]} ${fields[37]}`];
+    }));
   }
   async end() {
     this.process.kill('SIGTERM');
