@@ -27,6 +27,7 @@ from support import ply, wall_rows  # noqa: E402
 NODE = os.environ["PALPATE_ROS1"]
 LOCAL_DRIVER = os.environ["PALPATE_ROS1_LOCAL_DRIVER"]
 RATE = 200  # of poses, for as many drivers as Python can drive. Unit: [Hz]
+LOOP = 250  # of their hands: each tick sends wrenches, which one process in Python reads for all of them. Unit: [Hz]
 SOFT = 60  # so soft that no delay of Python makes it softer. Unit: [N/m].
 STIFF = 500
 DEEP = 0.02 - PRESSED  # that a ball is pressed in. Unit: [m]
@@ -44,13 +45,15 @@ class Hands(unittest.TestCase):
         with open(scene, "wb") as file:
             file.write(ply(wall_rows()))
         with open(flat, "w", encoding="utf-8") as file:
-            file.write('device = "ros1:/wide,force_max=8,rate=20"\ntool = [0.1, 0.1, 0.02]\n')
+            file.write('device = "ros1:/wide,force_max=8,rate=20"\ntool = [0.1, 0.1, 0.02]\n'
+                       f"rate = {LOOP}\n")
         cls.master = Master(port)
         cls.addClassCleanup(lambda: cls.master.kill())
         rospy.init_node("driver", disable_signals=True, disable_rosout=True)
         with open(cls.said, "wb") as said:
             cls.node = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={scene}", "_no_index_file:=true", "_tool:=0.02,0.02,0.02",
                                          "_device:=/omni,force_max=8,rate=20", f"_stiffness:={SOFT}", f"_hands:=left,flat={flat},far",
+                                         f"_rate:={LOOP}", f"_left/rate:={LOOP}", "_far/rate:=1000",
                                          f"_left/stiffness:={SOFT // 2}", "_left/device:=/left,force_max=8,rate=20",
                                          "_left/device_frame:=left_base", "_far/device:=/far,force_max=8,rate=500", f"_far/stiffness:={STIFF}"], stdin=subprocess.DEVNULL, stdout=said, stderr=said,
                                         cwd=folder.name)
@@ -221,24 +224,24 @@ class Hands(unittest.TestCase):
         self.assertAlmostEqual(-gap * stiffness, force, delta=0.02 * force)  # the force itself, from the plane alone
 
     def test_7_a_driver_renders_it(self):
-        process = subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True)
         pattern = re.compile(r"z (\S+) m, shown (\S+) N, wrench (\S+) N; poses (\d+), answered (\d+), wrenches (\d+), lost (\d+), models (\d+); "
                              r"p50 (\S+) ms, p99 (\S+) ms")
-        try:
-            for _ in range(20):  # on a busy machine, a line may be of a moment in which a model was late
-                line = process.stdout.readline()
-                z, shown, wrench, _, answered, _, _, models, _, _ = (float(text) for text in pattern.match(line).groups())
-                is_of_the_model = abs(shown - STIFF * (0.02 - z)) < 0.05 * shown
-                is_softer = wrench < 1.05 * shown  # by what it is late
-                if shown > 1.0 and models > 500 and answered > 500 and is_of_the_model and is_softer:
-                    break
-            else:
-                self.fail(line)
-            print(line.strip())
-        finally:
-            process.send_signal(signal.SIGINT)
-            process.wait(20)
-            process.stdout.close()
+
+        def is_right(line):
+            z, shown, wrench, _, answered, _, _, models, _, _ = (float(text) for text in pattern.match(line).groups())
+            is_of_the_model = abs(shown - STIFF * (0.02 - z)) < 0.05 * shown
+            is_softer = wrench < 1.05 * shown  # by what it is late
+            return shown > 1.0 and models > 500 and answered > 500 and is_of_the_model and is_softer
+
+        for _ in range(4):  # on a busy machine a pose may be late, after which a hand that leans on feels nothing: it comes down again
+            with subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True) as process:
+                lines = [process.stdout.readline() for _ in range(6)]
+                process.send_signal(signal.SIGINT)
+            if any(is_right(line) for line in lines):
+                break
+        else:
+            self.fail(lines)
+        print(lines[-1].strip())
 
     def test_8_a_lost_master_is_said_once(self):
         self.master.kill()
