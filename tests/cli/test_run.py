@@ -367,8 +367,11 @@ class Playback(Live):
 
     def test_a_scale_brings_the_hand_no_farther_than_the_tool(self):
         # The tool goes the same way; the hand a quarter of it, and feels a quarter of the force.
-        one, four = self.together(*(("--device", "playback", "--seconds", "3", "--workspace-scale", scale)
-                                    for scale in ("1", "4")))
+        for _ in range(5):  # a late tick takes the force away
+            one, four = self.together(*(("--device", "playback", "--seconds", "3", "--workspace-scale", scale)
+                                        for scale in ("1", "4")))
+            if "late-tick" not in one["faults"] + four["faults"]:
+                break
         self.assertAlmostEqual(one["force_max"] / four["force_max"], 4.0, delta=0.4)
 
 
