@@ -435,7 +435,6 @@ class Node(unittest.TestCase):
               f"p99 {1e3 * trips[int(0.99 * len(trips))]:.2f} ms")
         self.assertGreater(len(trips), 100)
 
-
     def test_8_poses_pass_through_real_time_threads_only(self):
         threads = {}  # name: {(policy, priority)}
         for thread in os.listdir(f"/proc/{self.run_.pid}/task"):
@@ -447,6 +446,7 @@ class Node(unittest.TestCase):
             self.skipTest("real-time priority is not permitted here")
         below = (os.SCHED_FIFO, priority - 10)
         self.assertEqual(threads["palpate-ros1"], {below})
+        self.assertEqual(threads["palpate-sender"], {(os.SCHED_OTHER, 0)}, "wrenches take no time from a driver")
         self.assertIn(below, threads["palpate_ros1"], "roscpp's, which reads the sockets, has the name of the program")
 
 

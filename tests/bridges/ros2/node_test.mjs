@@ -145,6 +145,7 @@ describe('the node', () => {
     }
     const below = `1 ${priority - 10}`;
     for (const name of ['palpate-ros2', 'recv']) assert.equal(threads[name], below, name); // `recv` is Cyclone's
+    assert.equal(threads['palpate-sender'], '0 0', 'wrenches take no time from a driver');
   });
   test('tells frames', async () => {
     await driver.lean();
