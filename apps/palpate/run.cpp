@@ -251,7 +251,7 @@ void run(const RunOptions& options) {
   for (std::size_t k = 0; k < systems.size(); ++k) {
     const LiveView& view = *views[k];
     outcomes.push_back({systems[k]->clock().now(), systems[k]->loop().statistics().ticks, view.totals(),
-                        view.newest().state, faults_of(view)});
+                        view.totals().state, faults_of(view)});
   }
   for (LiveSystem* system : systems) system->begin_to_stop();  // they ramp down while the gateway stops
   if (gateway) gateway->stop();

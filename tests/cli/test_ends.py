@@ -13,7 +13,7 @@ from test_gateway import Gateway
 from test_run import RATE, Live
 
 FALLING, STOPPED = "falling", "stopped"
-PAUSED, LATE_TICK = "paused", "late-tick"
+ENDED, LATE_TICK = "ended", "late-tick"
 LEANS = 3.0  # N, at least
 
 
@@ -86,7 +86,7 @@ class Ends(Falls, Live):
                 self.end(process)
                 rows = self.rows()
                 begin = self.last_fall(rows)
-                self.assertIn(rows[begin]["fault"], (PAUSED, LATE_TICK))  # a slow machine may be late just then
+                self.assertIn(rows[begin]["fault"], (ENDED, LATE_TICK))  # a slow machine may be late just then
                 self.assert_falls(rows, begin, 0.1)
                 self.assertEqual(force(rows[-1]), 0.0)
 

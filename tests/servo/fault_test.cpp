@@ -35,6 +35,7 @@ constexpr Said kSaid[] = {
     {Fault::kStalled, "stalled", 0.0, false},
     {Fault::kForceSensor, "force-sensor", 0.03, false},
     {Fault::kNotFollowing, "not-following", 0.03, true},
+    {Fault::kEnded, "ended", 0.1, true},
 };
 
 TEST(Faults, AreAsTheSafetyPageSays) {

@@ -32,6 +32,19 @@ TEST(LiveView, RemembersEachChangeOfStateAndOfFault) {
   EXPECT_EQ(told[2].fault, Fault::kPaused);
 }
 
+TEST(LiveView, TheEndOfTheLoopIsNoChangeOfTheRun) {
+  LiveView view;
+  view.see(record_of(1.0, GovernorState::kActive, Fault::kNone), {});
+  view.see(record_of(2.0, GovernorState::kFalling, Fault::kEnded), {});
+  view.see(record_of(3.0, GovernorState::kFalling, Fault::kLateTick), {});
+  view.see(record_of(4.0, GovernorState::kStopped, Fault::kEnded), {});
+  view.update();
+  ASSERT_EQ(view.transitions().size(), 1U);
+  EXPECT_EQ(view.transitions()[0].t, 1.0);
+  EXPECT_EQ(view.totals().state, GovernorState::kActive);
+  EXPECT_EQ(view.newest().state, GovernorState::kStopped);
+}
+
 TEST(LiveView, OfTooManyChangesTheFirstAreTold) {
   LiveView view;
   for (std::size_t k = 0; k < LiveView::kRemembered + 10; ++k)

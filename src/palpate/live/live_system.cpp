@@ -246,7 +246,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
 }
 
 void LiveSystem::begin_to_stop() {
-  if (tick_) tick_->governor().stop(Fault::kPaused);
+  if (tick_) tick_->governor().stop(Fault::kEnded);
 }
 
 void LiveSystem::stop() {
@@ -263,7 +263,7 @@ void LiveSystem::stop() {
 
 void LiveSystem::stop_force(Fault why) {
   tick_->governor().stop(why);
-  if (admittance_ != nullptr && traits(why).latched && why != Fault::kPaused)
+  if (admittance_ != nullptr && traits(why).latched && why != Fault::kPaused && why != Fault::kEnded)
     admittance_->governor().stop(why);
 }
 

@@ -23,7 +23,7 @@ void stop_for(Fault why) {
 }
 extern "C" void end_run(int) {
   ends.store(true, std::memory_order_relaxed);
-  stop_for(Fault::kPaused);
+  stop_for(Fault::kEnded);
 }
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
 /// Stops the devices, then terminates the program by the same signal.

@@ -17,7 +17,7 @@ struct LiveOutcome {
   double seconds;
   std::uint64_t ticks;
   LiveTotals totals;
-  GovernorState state;              ///< before shutdown
+  GovernorState state;              ///< before the end was requested
   std::vector<std::string> faults;  ///< all that occurred, once each, in order
 };
 

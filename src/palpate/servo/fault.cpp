@@ -36,6 +36,7 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
      false},
     {"not-following", "the device does not follow its setpoint; remove what blocks it, and check its drives",
      kSoon, true},
+    {"ended", "start again when ready", kGently, true},
 }};
 
 }  // namespace

@@ -29,8 +29,9 @@ enum class Fault : std::uint8_t {
   kStalled,        ///< the loop did not tick for ServoLoop::kPatience; the device was stopped
   kForceSensor,    ///< implausible or missing force measurements: ForceSensorGuard
   kNotFollowing,   ///< following error above MotionSafety::following_max
+  kEnded,          ///< the loop or the program is being stopped
 };
-inline constexpr std::size_t kFaultCount = 19;
+inline constexpr std::size_t kFaultCount = 20;
 
 /// Properties of a fault.
 struct FaultTraits {

@@ -14,15 +14,20 @@ void LiveView::add(const TickRecord& record) {
         totals_.margin_min > 0.0 ? std::min(totals_.margin_min, record.margin) : record.margin;
 }
 
-void LiveView::see(const TickRecord& record, const TickTimes& times) {
-  add(record);
+void LiveView::remember(const TickRecord& record) {
   const std::size_t n = remembered_.load(std::memory_order_relaxed);
-  if ((record.state != state_ || record.fault != fault_) && n < kRemembered) {
+  if ((record.state != totals_.state || record.fault != fault_) && n < kRemembered) {
     transitions_[n] = {record.t, record.state, record.fault};
     remembered_.store(n + 1, std::memory_order_release);
   }
-  state_ = record.state;
+  totals_.state = record.state;
   fault_ = record.fault;
+}
+
+void LiveView::see(const TickRecord& record, const TickTimes& times) {
+  add(record);
+  ends_ = ends_ || record.fault == Fault::kEnded;
+  if (!ends_) remember(record);
   newest_.back() = {record, times, totals_};
   newest_.publish();
 }

@@ -16,13 +16,15 @@ namespace palpate {
 struct LiveTotals {
   std::uint64_t contact_ticks = 0;  ///< ticks with contact
   std::uint64_t contacts_max = 0;
-  double force_max = 0.0;    ///< largest force sent. Unit: [N].
-  double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
-  double margin_min = 0.0;   ///< the least of TickRecord::margin; 0 if there was none
+  double force_max = 0.0;                         ///< largest force sent. Unit: [N].
+  double port_energy = 0.0;                       ///< PassivityController::put_out(). Unit: [J].
+  double margin_min = 0.0;                        ///< the least of TickRecord::margin; 0 if there was none
+  GovernorState state = GovernorState::kWaiting;  ///< as of the last tick before the end (Fault::kEnded)
 };
 
-/// Keeps the newest tick, running totals, and every state transition of the governor. The servo thread calls
-/// see(); all other functions are for one other thread unless stated otherwise.
+/// Keeps the newest tick, running totals, and every state transition of the governor until the end is
+/// requested (Fault::kEnded). The servo thread calls see(); all other functions are for one other thread
+/// unless stated otherwise.
 class LiveView final : public TickObserver {
  public:
   void see(const TickRecord& record, const TickTimes& times) override;
@@ -47,14 +49,15 @@ class LiveView final : public TickObserver {
   };
 
   void add(const TickRecord& record);
+  void remember(const TickRecord& record);
 
   TripleBuffer<Snapshot> newest_;
   std::array<GovernorTransition, kRemembered> transitions_;
   std::atomic<std::size_t> remembered_ = 0;
   // Of the servo thread.
   LiveTotals totals_;
-  GovernorState state_ = GovernorState::kWaiting;
   Fault fault_ = Fault::kNone;
+  bool ends_ = false;
 };
 
 }  // namespace palpate

@@ -94,7 +94,7 @@ void ServoLoop::run(const Options& options) {
     due -= early;
     if (ends_.load(std::memory_order_relaxed)) {
       if (tick_.governor().state() == GovernorState::kStopped) return;
-      tick_.governor().stop(Fault::kPaused);
+      tick_.governor().stop(Fault::kEnded);
     }
     tick(due);
     const auto next = static_cast<std::uint64_t>(std::floor((clock_.now() - begin) / period)) + 1;
