@@ -7,6 +7,7 @@ import json
 import os
 import random
 import shutil
+import signal
 import struct
 import subprocess
 import tempfile
@@ -73,6 +74,27 @@ def run(*args, cwd=None, timeout=120, stdout=None, env=None):
 def stood_still(summary):
     """For how long the machine gave the servo thread of a run nothing. Unit: [us]."""
     return max(summary["late_us"]["max"], summary["tick_us"]["max"])
+
+
+def threads_of(pid):
+    """The name of each thread of a process, by its number."""
+    names = {}
+    for thread in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{thread}/comm", encoding="utf-8") as name:
+            names[int(thread)] = name.read().strip()
+    return names
+
+
+def stop(process):
+    """Sends SIGSTOP and waits until every thread stands still, which takes a busy machine a while."""
+    process.send_signal(signal.SIGSTOP)
+
+    def runs(thread):
+        with open(f"/proc/{process.pid}/task/{thread}/stat", encoding="utf-8") as stat:
+            return stat.read().rpartition(")")[2].split()[0] != "T"
+
+    while any(runs(thread) for thread in threads_of(process.pid)):
+        time.sleep(0.001)
 
 
 def faults_but_late(summary):

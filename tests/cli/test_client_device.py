@@ -9,7 +9,7 @@ import threading
 import time
 import unittest
 
-from support import SANITIZED, rows_of
+from support import SANITIZED, rows_of, threads_of
 from test_gateway import KEY, Gateway
 
 HAND = "/palpate/client/measured_cp"
@@ -115,10 +115,7 @@ class Starved(Gateway):
     THREADS = ("palpate-gateway", "palpate-pages", "palpate-decode", "palpate-slow")
 
     def threads(self):
-        for thread in os.listdir(f"/proc/{self.process.pid}/task"):
-            with open(f"/proc/{self.process.pid}/task/{thread}/comm") as name:
-                if name.read().strip() in self.THREADS:
-                    yield int(thread)
+        return [thread for thread, name in threads_of(self.process.pid).items() if name in self.THREADS]
 
     def starve(self, seconds):
         """The gateway's threads run only where a processor has nothing else to do, and none has."""

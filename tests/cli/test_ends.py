@@ -8,7 +8,7 @@ import signal
 import time
 import unittest
 
-from support import SANITIZED, path_csv, rows_of, table_of
+from support import SANITIZED, path_csv, rows_of, stop, table_of
 from test_gateway import Gateway
 from test_run import RATE, Live
 
@@ -97,7 +97,7 @@ class Ends(Falls, Live):
                     os.remove(self.path("run.csv"))
                 process = self.start("--json")
                 before = len(self.until_it_leans(process))
-                process.send_signal(signal.SIGSTOP)
+                stop(process)
                 time.sleep(gap)
                 process.send_signal(signal.SIGCONT)
                 time.sleep(0.5)

@@ -12,7 +12,7 @@ import subprocess
 import time
 import unittest
 
-from support import PALPATE, SANITIZED, Case, path_csv, ply, stood_still, wall_rows, table_of
+from support import PALPATE, SANITIZED, Case, path_csv, ply, stood_still, table_of, threads_of, wall_rows
 
 PATIENCE = 60 if SANITIZED else 20
 KEY = base64.b64encode(b"0123456789abcdef").decode()
@@ -258,8 +258,7 @@ class Changed(Gateway):
 
 class Recorded(Gateway):
     def real_time_threads(self):
-        return [thread for thread in os.listdir(f"/proc/{self.process.pid}/task")
-                if os.sched_getscheduler(int(thread)) != os.SCHED_OTHER]
+        return [thread for thread in threads_of(self.process.pid) if os.sched_getscheduler(thread) != os.SCHED_OTHER]
 
     @unittest.skipUnless(SLOW_DISK, "not with a sanitizer, or not started by ctest")
     def test_an_emergency_stop_is_heard_while_a_recording_ends(self):

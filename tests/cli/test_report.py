@@ -189,7 +189,7 @@ class Report(Case):
         self.assertEqual(list(zip(governor["state"], governor["fault"])), list(changes.values()))
         self.assertEqual(governor["states"], ["waiting", "rising", "active", "falling", "stopped"])
         self.assertEqual(governor["faults"][5], "over-speed")
-        self.assertEqual(governor["faults"][13:], ["emergency-stop", "late-tick", "crowded", "stalled", "force-sensor", "not-following"])  # recordings have the numbers
+        self.assertEqual(governor["faults"][13:], ["emergency-stop", "late-tick", "crowded", "stalled", "force-sensor", "not-following", "ended"])  # recordings have the numbers
         self.assertIn({"label": "Faults", "value": "3"}, document["summary"])
 
     def test_a_replay_has_no_governor(self):
