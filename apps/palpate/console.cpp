@@ -33,7 +33,7 @@ Console::Console(LiveHands& hands, const LiveViews& views, LiveGateway* gateway,
       draws_(!quiet && ::isatty(STDERR_FILENO) != 0),
       told_(views.size()) {}
 
-bool Console::look() {
+bool Console::update() {
   for (const auto& view : views_) view->update();
   tell_transitions();
   if (draws_) draw();
@@ -43,7 +43,7 @@ bool Console::look() {
 
 void Console::wait_for_no_force() {
   const auto has_fallen = [](const auto& view) { return view->newest().state == GovernorState::kStopped; };
-  while (look() && !std::all_of(views_.begin(), views_.end(), has_fallen)) {
+  while (update() && !std::all_of(views_.begin(), views_.end(), has_fallen)) {
   }
 }
 

@@ -28,7 +28,7 @@ class Console {
   Console& operator=(const Console&) = delete;
 
   /// Updates the display, and waits briefly for a key. \returns false once the user wants to quit.
-  bool look();
+  bool update();
   void tell_transitions();
   void tell(const std::string& message);
 

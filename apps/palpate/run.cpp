@@ -234,7 +234,7 @@ void run(const RunOptions& options) {
       notify(Console::kHelp);
       if (systems.size() > 1) notify(Console::kHelpOfHands);
     }
-    while (hands.first().clock().now() < until && !failure && console.look()) {
+    while (hands.first().clock().now() < until && !failure && console.update()) {
       failure = recordings.failure();
       if (!gateway) continue;
       for (const std::string& line : lines.take()) gateway->say(line);

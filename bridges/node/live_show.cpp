@@ -84,7 +84,7 @@ void LiveShow::add_transforms(std::vector<SinkTransform>& all) const {
 
 void LiveShow::add_statuses(std::vector<SinkStatus>& all) {
   const double now = hand_.system.clock().now();
-  watch_.look(now);
+  watch_.update(now);
   const std::string of = is_first() ? "palpate" : "palpate/" + hand_.settings.name;
   all.push_back(servo_status(of + ": servo"));
   all.push_back(device_status(of + ": device", now));

@@ -81,10 +81,10 @@ void PrintTo(const AxesTrial& trial, std::ostream* out) {
 }
 
 struct Outcome {
-  double work = 0.0;     ///< most that the motors did on the handle in a stroke. Unit: [J].
-  double put_out = 0.0;  ///< as the controller sees it. Unit: [J].
-  double swing = 0.0;    ///< at rest, peak to peak. Unit: [m].
-  double pressed = 0.0;  ///< most force. Unit: [N].
+  double work = 0.0;         ///< most that the motors did on the handle in a stroke. Unit: [J].
+  double port_energy = 0.0;  ///< as the controller sees it. Unit: [J].
+  double swing = 0.0;        ///< at rest, peak to peak. Unit: [m].
+  double pressed = 0.0;      ///< most force. Unit: [N].
   double softest = std::numeric_limits<double>::infinity();  ///< margin
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
@@ -131,7 +131,7 @@ Outcome AxesEnergy::run(double delay) {
       before = device.motor_work();
       stroke = over;
     }
-    outcome.put_out = now.put_out;
+    outcome.port_energy = now.port_energy;
     outcome.state = now.state;
     outcome.fault = now.fault;
   }
@@ -145,12 +145,12 @@ TEST_P(AxesEnergy, NoneComesOutOfAStrokeThatTurns) {
     const Outcome o = run(delay);
     if (prints) {
       std::printf("| %s | %s | %s | %.0f | %.3f | %.3f | %.3f | %.1f | %.2f |\n", GetParam().profile.c_str(),
-                  GetParam().model.c_str(), GetParam().axes.name, 1e3 * delay, 1e3 * o.work, 1e3 * o.put_out,
-                  1e3 * o.swing, o.pressed, o.softest);
+                  GetParam().model.c_str(), GetParam().axes.name, 1e3 * delay, 1e3 * o.work,
+                  1e3 * o.port_energy, 1e3 * o.swing, o.pressed, o.softest);
     }
     EXPECT_NE(o.state, GovernorState::kStopped) << delay << ": " << traits(o.fault).name;
     EXPECT_LE(o.work, 1e-3) << delay << ", margin " << o.softest;
-    EXPECT_LE(o.put_out, 1e-3) << delay << ", margin " << o.softest;
+    EXPECT_LE(o.port_energy, 1e-3) << delay << ", margin " << o.softest;
     EXPECT_LE(o.swing, 0.05e-3) << delay << ", margin " << o.softest;
     EXPECT_GT(o.pressed, 0.05) << "was never pressed";
   }

@@ -89,7 +89,7 @@ TEST_P(ClosedLoop, RestsOnTheSurface) {
   }
   EXPECT_EQ(loop_->governor().state(), GovernorState::kActive) << traits(loop_->governor().fault()).name;
   EXPECT_LE(rest.diagonal().norm(), 0.05e-3);
-  EXPECT_LE(tick().put_out, 1e-3);
+  EXPECT_LE(tick().port_energy, 1e-3);
   EXPECT_LT(device_->pose().position.z(), kRadius);  // it presses
   EXPECT_GT(device_->pose().position.z(), kRadius - 0.01);
 }
@@ -98,7 +98,7 @@ TEST_P(ClosedLoop, MakesNoEnergyWhileSliding) {
   hold(press(0.01, 2.0));
   while (count_ < 3500) tick();
   EXPECT_EQ(loop_->governor().state(), GovernorState::kActive) << traits(loop_->governor().fault()).name;
-  EXPECT_LE(tick().put_out, 1e-3);
+  EXPECT_LE(tick().port_energy, 1e-3);
 }
 
 // Uneven ticks; a force that is late by up to 10 ms; and half of the damping that the device is said to
@@ -125,7 +125,7 @@ TEST_P(ClosedLoop, RestsHoweverLateAndUneven) {
     }
     EXPECT_EQ(now->state, GovernorState::kActive) << delay << ": " << traits(now->fault).name;
     EXPECT_LE(rest.diagonal().norm(), 0.05e-3) << delay << ", margin " << softest;
-    EXPECT_LE(now->put_out, 1e-3) << delay << ", margin " << softest;
+    EXPECT_LE(now->port_energy, 1e-3) << delay << ", margin " << softest;
     if (delay == 10e-3) {
       EXPECT_LT(softest, 1.0) << "500 N/m at 10 ms are not passive";
     }

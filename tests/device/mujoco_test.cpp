@@ -282,7 +282,7 @@ class ClosedLoopTest : public testing::TestWithParam<Trial> {
     theirs_ = press_with<MujocoDevice>(GetParam(), plant, scene);
     for (const Outcome* outcome : {&ours_, &theirs_}) {
       EXPECT_EQ(outcome->last.state, GovernorState::kActive) << traits(outcome->last.fault).name;
-      EXPECT_LE(outcome->last.put_out, 1e-3);
+      EXPECT_LE(outcome->last.port_energy, 1e-3);
       EXPECT_GT(outcome->force.z(), 0.5);
     }
   }

@@ -40,7 +40,7 @@ TickRecord pressed_tick() {
   tick.map.offset = {0, 0, 1};
   tick.map.rotation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX());
   tick.reading.pose.position = {0.1, 0.2, 0.3};
-  tick.let_through = 0.5;
+  tick.force_scale = 0.5;
   tick.felt.local.count = 1;
   tick.felt.local.planes[0] = {{0, 0, 1.5}, Eigen::Vector3d::UnitZ()};
   tick.felt.local.stiffness = 500.0;

@@ -28,21 +28,21 @@ TEST(RateWatch, IsOfTheLastSecond) {
   EXPECT_EQ(watch.rate(), 0.0);
   statistics.ticks = 500;
   for (int k = 0; k < 500; ++k) statistics.whole.add(1e-4);
-  watch.look(0.5);
+  watch.update(0.5);
   EXPECT_EQ(watch.rate(), 1000.0) << "the first look need not wait for a second";
   EXPECT_EQ(watch.times().count(), 500U);
   statistics.ticks = 1300;
   for (int k = 0; k < 800; ++k) statistics.whole.add(2e-4);
-  watch.look(1.4);
+  watch.update(1.4);
   EXPECT_EQ(watch.rate(), 1000.0) << "it has not passed";
   EXPECT_EQ(watch.times().count(), 500U);
   statistics.ticks = 1600;
-  watch.look(2.5);
+  watch.update(2.5);
   EXPECT_EQ(watch.rate(), 550.0) << "1100 ticks in 2 s";
   EXPECT_EQ(watch.times().count(), 800U);
   EXPECT_NEAR(watch.times().quantile(0.5), 2e-4, 0.05 * 2e-4);
   statistics.ticks = 3600;
-  watch.look(3.5);
+  watch.update(3.5);
   EXPECT_EQ(watch.rate(), 2000.0);
 }
 
@@ -53,7 +53,7 @@ TEST(Diagnostics, AreInTheUnitsThatTheyAreCalledBy) {
   for (int k = 0; k < 43; ++k) statistics.whole.add(2e-4);
   for (int k = 0; k < 2; ++k) statistics.whole.add(1e-3);
   RateWatch watch(statistics);
-  watch.look(0.1);
+  watch.update(0.1);
   TickRecord tick;
   tick.state = GovernorState::kActive;
   tick.contacts = 7;
@@ -63,7 +63,7 @@ TEST(Diagnostics, AreInTheUnitsThatTheyAreCalledBy) {
   tick.margin = 1.5;
   tick.energy = 0.002;
   tick.felt.stored_energy = 0.003;
-  tick.put_out = 0.004;
+  tick.port_energy = 0.004;
   tick.added_damping = 0.6;
   TickTimes times;
   times.whole = 2e-4;
@@ -89,7 +89,7 @@ TEST(Diagnostics, AreInTheUnitsThatTheyAreCalledBy) {
                                                                    {"margin", 1.5},
                                                                    {"energy_mj", 2.0},
                                                                    {"stored_mj", 3.0},
-                                                                   {"put_out_mj", 4.0},
+                                                                   {"port_energy_mj", 4.0},
                                                                    {"damping", 0.6},
                                                                    {"clients", 3.0}})
     EXPECT_DOUBLE_EQ(number(values, key.c_str()), expected) << key;

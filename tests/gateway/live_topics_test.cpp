@@ -233,7 +233,7 @@ TEST_F(LiveTopicsTest, WhoHoldsItGetsTheSurfaceAboutTheToolInItsOwnFrame) {
   subscribe(*second, {kModel});
   put(*first, {1, 0, 0}, "device", 7);
   record.reading.pose.position = {0.5, 0, 0};
-  record.let_through = 0.25;
+  record.force_scale = 0.25;
   record.felt.local.stiffness = 300.0;
   record.felt.local.damping = 2.0;
   record.felt.local.friction = 0.5;
@@ -502,10 +502,11 @@ TEST_F(LiveTopicsTest, DiagnosticsHaveWhatIsDocumented) {
   EXPECT_EQ(status["level"], 0);
   std::map<std::string, std::string> values;
   for (const Json& pair : status["values"]) values[pair["key"]] = pair["value"];
-  for (const char* key : {"state",        "fault",       "advice",      "held_by",   "rate_hz",  "tick_us",
-                          "tick_mean_us", "tick_p50_us", "tick_p99_us", "age_us",    "overruns", "contacts",
-                          "candidates",   "k_max",       "force_n",     "torque_nm", "margin",   "energy_mj",
-                          "stored_mj",    "put_out_mj",  "damping",     "clients"}) {
+  for (const char* key :
+       {"state",        "fault",          "advice",      "held_by",   "rate_hz",  "tick_us",
+        "tick_mean_us", "tick_p50_us",    "tick_p99_us", "age_us",    "overruns", "contacts",
+        "candidates",   "k_max",          "force_n",     "torque_nm", "margin",   "energy_mj",
+        "stored_mj",    "port_energy_mj", "damping",     "clients"}) {
     EXPECT_EQ(values.count(key), 1U) << key;
   }
   EXPECT_EQ(values.size(), 22U);

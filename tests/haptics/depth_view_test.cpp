@@ -49,9 +49,9 @@ struct LooksDown {
   explicit LooksDown(const std::vector<test::Splat>& splats)
       : index(test::scene_of(splats), SceneFilter{}, Similarity{}), tracker(index) {}
 
-  void look(const RayPattern& pattern) {
+  void render(const RayPattern& pattern) {
     RayLight light;
-    image->look(tracker.around(larger), view, profile, larger, pattern, 0.0, light);
+    image->render(tracker.around(larger), view, profile, larger, pattern, 0.0, light);
   }
 
   SceneIndex index;
@@ -80,7 +80,7 @@ TEST_F(DepthViewTest, SeesWhatCompositingInDoubleSees) {
     const RayPattern pattern = RayPattern::on_lattice({0.001, -0.002}, 0.015, anchor);
     on_every_target([&] {
       RayLight light;
-      image->look(near, view, Profile(solid, view), larger, pattern, 0.0, light);
+      image->render(near, view, Profile(solid, view), larger, pattern, 0.0, light);
       int hits = 0, agree = 0;
       for (std::size_t k = 0; k < DepthView::kRays; ++k) {
         if (k >= pattern.size && k < DepthView::kRegular) continue;
@@ -106,7 +106,7 @@ TEST_F(DepthViewTest, ClearanceIsFromTheSolidToWhatIsSeen) {
   const auto& image = ball.image;
   Vector2d anchor = Vector2d::Zero();
   on_every_target([&] {
-    ball.look(RayPattern::on_lattice({0, 0}, 0.01, anchor));
+    ball.render(RayPattern::on_lattice({0, 0}, 0.01, anchor));
     const std::size_t nearest = image->nearest();
     ASSERT_LT(nearest, DepthView::kRays);
     EXPECT_NEAR(image->clearance(nearest), 0.01, 1e-6);  // straight below
@@ -125,7 +125,7 @@ TEST_F(DepthViewTest, SeesNothingOutsideOfTheLargerSolid) {
   Vector2d anchor = Vector2d::Zero();
   const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.038, anchor);
   on_every_target([&] {
-    ball.look(pattern);
+    ball.render(pattern);
     std::size_t hits = 0;
     for (std::size_t k = 0; k < pattern.size; ++k) {
       const double aside = std::hypot(ball.image->x(k), ball.image->y(k));
@@ -144,10 +144,10 @@ TEST_F(DepthViewTest, SeesWhatIsKnownWhereverItBegins) {
   const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.01, anchor);
   on_every_target([&] {
     RayLight light;
-    ball.look(pattern);
+    ball.render(pattern);
     EXPECT_FALSE(ball.image->hits(DepthView::kRegular));
-    ball.image->look(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
-                     light, -0.01);
+    ball.image->render(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
+                       light, -0.01);
     EXPECT_NEAR(ball.image->depth(DepthView::kRegular), -0.005, 1e-6);
     EXPECT_EQ(light.since, -0.01);
   });
@@ -164,8 +164,8 @@ TEST_F(DepthViewTest, EachRayLosesTheLightThatIsHiddenFromIt) {
   on_every_target([&] {
     RayLight light;
     light.since = -0.01;
-    ball.image->look(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
-                     light);
+    ball.image->render(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
+                       light);
     double least = 1.0;
     for (std::size_t k = 0; k < pattern.size; ++k) {
       const double m = std::hypot(ball.image->x(k) - 0.004, ball.image->y(k) + 0.003) / kSigma;
@@ -190,8 +190,8 @@ TEST_F(DepthViewTest, LightIsThatOfTheNearestRay) {
         light.left[k] = 0.5F + 0.5F * static_cast<float>(k) / static_cast<float>(pattern.size);
       const RayLight given = light;
       const DepthView& image = *ball.image;
-      ball.image->look(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
-                       light);
+      ball.image->render(ball.tracker.around(ball.larger), ball.view, ball.profile, ball.larger, pattern, 0.0,
+                         light);
       for (std::size_t k = DepthView::kRegular; k < DepthView::kRegular + 3; ++k) {
         const auto away = [&](std::size_t i) {
           return std::hypot(image.x(i) - image.x(k), image.y(i) - image.y(k));
@@ -224,7 +224,7 @@ TEST_F(DepthViewTest, SeesTheSpecksThatAreNearest) {
     LooksDown ball(specks);
     Vector2d anchor = Vector2d::Zero();
     on_every_target([&] {
-      ball.look(RayPattern::on_lattice({0, 0}, 0.015, anchor));
+      ball.render(RayPattern::on_lattice({0, 0}, 0.015, anchor));
       for (const double clearance : clearances) {
         bool seen = false;
         for (std::size_t k = 0; k < DepthView::kRays; ++k)
@@ -247,7 +247,7 @@ TEST_F(DepthViewTest, SeesWhatReachesARowOfRaysThatIsNotTheNearest) {
   Vector2d anchor = Vector2d::Zero();
   const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
   on_every_target([&] {
-    ball.look(pattern);
+    ball.render(pattern);
     std::size_t above = 0;
     for (std::size_t k = 0; k < pattern.size; ++k) {
       if (std::hypot(ball.image->x(k) - 0.5 * kCell, ball.image->y(k) - kRow) > 1e-6) continue;
@@ -303,7 +303,7 @@ TEST_F(DepthViewTest, HasNoClearanceAtTheSideOfTheSolid) {
       Vector2d anchor = Vector2d::Zero();
       RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.03, anchor);
       pattern.aim = {0.0, r * kRadius};
-      ball.look(pattern);
+      ball.render(pattern);
       EXPECT_EQ(image->clearance(kAimed) < DepthView::kNothing, r < 0.9998) << r;
       for (std::size_t k = 0; k < DepthView::kRays; ++k) {
         const bool below = image->hits(k) && ball.profile.below(image->x(k), image->y(k));
@@ -326,7 +326,7 @@ TEST_F(DepthViewTest, MomentsAreSumsOverTheRays) {
   on_every_target([&] {
     Vector2d anchor = Vector2d::Zero();
     const RayPattern pattern = RayPattern::on_lattice({0, 0}, 0.015, anchor);
-    ball.look(pattern);
+    ball.render(pattern);
     Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Vector<double, 6> right = Eigen::Vector<double, 6>::Zero();
     double hit = 0.0, residual = 0.0, aimed = 0.0, through = 0.0;
@@ -477,12 +477,12 @@ struct MiddleRay {
       : index(test::scene_of(splats), SceneFilter{}, Similarity{}), tracker(index) {}
 
   /// From a ball whose centre is at the height `z`; \returns the height of what is seen.
-  double look(double z, RayLight& light) {
+  double render(double z, RayLight& light) {
     const Vector3d center(0, 0, z);
     const Ellipsoid solid = ball(center, kRadius), larger = ball(center, kRadius + kReach);
     const ViewFrame view = ViewFrame::along(-Vector3d::UnitZ(), center, Vector3d::UnitX());
     const RayPattern pattern = RayPattern::over_ellipse(kRadius * Eigen::Matrix2d::Identity(), {0, 0});
-    image->look(tracker.around(larger), view, Profile(solid, view), larger, pattern, 0.0, light);
+    image->render(tracker.around(larger), view, Profile(solid, view), larger, pattern, 0.0, light);
     return z - image->depth(DepthView::kRegular);
   }
 
@@ -496,7 +496,7 @@ TEST_F(DepthViewTest, SeesAWideDiscWhoseCentreIsFarAside) {
   on_every_target([&] {
     MiddleRay ray({test::splat({0.08, 0.01, -0.03}, {0.1, 0.1, 1e-5}, Eigen::Quaterniond::Identity(), 0.95)});
     RayLight light;
-    EXPECT_NEAR(ray.look(0.0, light), -0.03, 1e-6);
+    EXPECT_NEAR(ray.render(0.0, light), -0.03, 1e-6);
   });
 }
 
@@ -509,17 +509,18 @@ TEST_F(DepthViewTest, WhatTheToolHasComeThroughTakesLightAway) {
   on_every_target([&] {
     MiddleRay ray(veils);
     RayLight light;
-    EXPECT_NEAR(ray.look(0.002, light), -0.015, 1e-6);
+    EXPECT_NEAR(ray.render(0.002, light), -0.015, 1e-6);
     EXPECT_NEAR(light.left[0], 1.0, 1e-6);
     // 9 mm lower, two veils are above the ball's centre, where it looks from.
     light.since -= 0.009;
-    EXPECT_NEAR(ray.look(-0.007, light), -0.015, 1e-6);
+    EXPECT_NEAR(ray.render(-0.007, light), -0.015, 1e-6);
     EXPECT_NEAR(light.left[0], 0.83 * 0.83, 1e-3);
     RayLight fresh;
-    EXPECT_NEAR(ray.look(-0.007, fresh), -0.025, 1e-6) << "for one that starts there, the fourth from there";
+    EXPECT_NEAR(ray.render(-0.007, fresh), -0.025, 1e-6)
+        << "for one that starts there, the fourth from there";
     // Nothing is felt twice: what has taken more than it takes to be seen is as what has taken that.
     light.since -= 0.011;
-    EXPECT_NEAR(ray.look(-0.018, light), -0.020, 1e-6);
+    EXPECT_NEAR(ray.render(-0.018, light), -0.020, 1e-6);
     EXPECT_EQ(light.left[0], DepthView::kSeen);
   });
 }

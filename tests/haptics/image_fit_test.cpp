@@ -172,8 +172,8 @@ class Seen {
     SplatTracker tracker(index_);
     Vector2d anchor = kCenter;
     RayLight light;
-    image_->look(tracker.around(larger_), view_, Profile(solid_, view_), larger_,
-                 RayPattern::on_lattice(kCenter, kRadius * kDetail, anchor), 0.0, light);
+    image_->render(tracker.around(larger_), view_, Profile(solid_, view_), larger_,
+                   RayPattern::on_lattice(kCenter, kRadius * kDetail, anchor), 0.0, light);
   }
 
   bool fit(ImageFit& fit, double level) const {

@@ -177,10 +177,10 @@ TEST(SurfacePatches, TwoSupportsAreTwoPatches) {
     const Vector3d rod(0.1, 0.02, 0.02), above = at + Vector3d(0.0002, 0.0007, 0.0165);
     const Ellipsoid solid = Ellipsoid::from_semi_axes({above, Eigen::Quaterniond::Identity()}, rod);
     SplatTracker tracker(index);
-    LookBudget budget;
+    WorkBudget budget;
     SurfacePatches patches(0.01, (rod.array() + 0.01) / rod.array(), budget);
     const LocalSplats& splats = tracker.around(enlarged(solid, 0.01));
-    patches.look_ahead(splats, solid, -Vector3d::UnitZ(), above - 0.02 * Vector3d::UnitZ(), 0.002, 0.0,
+    patches.view_ahead(splats, solid, -Vector3d::UnitZ(), above - 0.02 * Vector3d::UnitZ(), 0.002, 0.0,
                        [] { return true; });
     ASSERT_EQ(patches.patches().size(), 2U);
     EXPECT_LT((patches.patches()[0].foot - above).x() * (patches.patches()[1].foot - above).x(), 0.0);
@@ -216,7 +216,7 @@ struct Feeler {
   void follow(const Vector3d& at) { patches.follow(around(at), solid(at)); }
   std::optional<double> look_down(const Vector3d& at, double way) {
     const Vector3d down = -Vector3d::UnitZ();
-    return patches.look_ahead(around(at), solid(at), down, at + axes.z() * down, way, 0.0,
+    return patches.view_ahead(around(at), solid(at), down, at + axes.z() * down, way, 0.0,
                               [] { return true; });
   }
 
@@ -224,7 +224,7 @@ struct Feeler {
   Vector3d axes;
   SceneIndex index;
   SplatTracker tracker;
-  LookBudget budget;
+  WorkBudget budget;
   SurfacePatches patches;
 };
 
@@ -354,7 +354,7 @@ TEST(SurfacePatches, RememberTheLastLook) {
     EXPECT_LT((patch.anchor - kGlobe * under).norm(), 0.3 * SurfacePatches::kWindow * kDetail) << angle;
     EXPECT_NEAR(patch.sight.norm(), kGlobe, 1e-3) << angle;
     EXPECT_LT((patch.sight - kGlobe * under).norm(), 0.5 * SurfacePatches::kWindow * kDetail) << angle;
-    if (patch.looked_by.center != at(angle)) continue;
+    if (patch.viewed_from.center != at(angle)) continue;
     EXPECT_EQ(patch.seen_by.center, at(angle));
     EXPECT_NEAR((patch.seen_at - patch.foot).norm(), 0.0, 1e-12) << angle;
     EXPECT_NEAR((patch.foot - (at(angle) - kRadius * patch.normal)).norm(), 0.0, 2e-4) << angle;
@@ -376,7 +376,7 @@ TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
   const Ellipsoid solid = Ellipsoid::from_semi_axes({}, Vector3d::Constant(kRadius));
   SplatTracker tracker(index);
   const LocalSplats& splats = tracker.around(enlarged(solid, 0.005));
-  LookBudget budget;
+  WorkBudget budget;
   SurfacePatches patches(0.003, Vector3d::Constant((kRadius + 0.005) / kRadius), budget);
   for (const test::Splat& splat : hollow) {
     budget.refill();
@@ -385,7 +385,7 @@ TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
   }
   EXPECT_EQ(patches.patches().size(), SurfacePatches::kMost);
   patches.clear();
-  while (!budget.is_spent()) budget.spend_on_look(splats.size, splats.size, splats.size);
+  while (!budget.is_spent()) budget.spend_on_view(splats.size, splats.size, splats.size);
   EXPECT_FALSE(patches.add_at(splats, solid, Vector3d::UnitZ(), -0.95 * kRadius * Vector3d::UnitZ()));
 }
 
@@ -456,7 +456,7 @@ TEST(SurfacePatches, OnlyACertainWallIsSlidInto) {
   const auto walls = [](const std::vector<test::Splat>& splats) {
     Feeler ball(splats, Vector3d::Constant(kRadius), 0.008);
     const Vector3d at(0.001, 0.001, kRadius + 0.0005), down = -Vector3d::UnitZ();
-    ball.patches.look_ahead(ball.around(at), ball.solid(at), down, at + kRadius * down, 0.002, 0.98,
+    ball.patches.view_ahead(ball.around(at), ball.solid(at), down, at + kRadius * down, 0.002, 0.98,
                             [] { return true; });
     return ball.patches.patches().size();
   };

@@ -4,45 +4,45 @@
 
 #include <gtest/gtest.h>
 
-#include <palpate/haptics/look_budget.h>
+#include <palpate/haptics/work_budget.h>
 
 namespace palpate {
 namespace {
 
-int looks_of_a_tick(LookBudget& budget, std::size_t near, std::size_t in_window, std::size_t drawn) {
+int views_of_a_tick(WorkBudget& budget, std::size_t near, std::size_t in_window, std::size_t drawn) {
   budget.refill();
-  int looks = 0;
-  for (; !budget.is_spent(); ++looks) budget.spend_on_look(near, in_window, drawn);
-  return looks;
+  int views = 0;
+  for (; !budget.is_spent(); ++views) budget.spend_on_view(near, in_window, drawn);
+  return views;
 }
 
-TEST(LookBudget, AllowsFewerLooksTheMoreTheySee) {
-  LookBudget budget;
-  const int empty = looks_of_a_tick(budget, 0, 0, 0), near = looks_of_a_tick(budget, 500, 0, 0),
-            in_window = looks_of_a_tick(budget, 500, 500, 0), drawn = looks_of_a_tick(budget, 500, 500, 500);
+TEST(WorkBudget, AllowsFewerViewsTheMoreTheyContain) {
+  WorkBudget budget;
+  const int empty = views_of_a_tick(budget, 0, 0, 0), near = views_of_a_tick(budget, 500, 0, 0),
+            in_window = views_of_a_tick(budget, 500, 500, 0), drawn = views_of_a_tick(budget, 500, 500, 500);
   EXPECT_GT(empty, near);
   EXPECT_GT(near, in_window);
   EXPECT_GT(in_window, drawn);
   EXPECT_GT(drawn, 4);
 }
 
-TEST(LookBudget, CountsAllThatATickDoes) {
-  const std::function<void(LookBudget&)> all[] = {
-      [](LookBudget& b) { b.spend_on_touch(10); },          [](LookBudget& b) { b.spend_on_fit(); },
-      [](LookBudget& b) { b.spend_on_search(100, 50); },    [](LookBudget& b) { b.spend_on_taking_up(100); },
-      [](LookBudget& b) { b.spend_on_selection(100, 10); }, [](LookBudget& b) { b.spend_on_start(); },
-      [](LookBudget& b) { b.spend_on_motion(10); },
+TEST(WorkBudget, CountsAllThatATickDoes) {
+  const std::function<void(WorkBudget&)> all[] = {
+      [](WorkBudget& b) { b.spend_on_touch(10); },          [](WorkBudget& b) { b.spend_on_fit(); },
+      [](WorkBudget& b) { b.spend_on_search(100, 50); },    [](WorkBudget& b) { b.spend_on_taking_up(100); },
+      [](WorkBudget& b) { b.spend_on_selection(100, 10); }, [](WorkBudget& b) { b.spend_on_start(); },
+      [](WorkBudget& b) { b.spend_on_motion(10); },
   };
   for (const auto& spend : all) {
-    LookBudget budget;
+    WorkBudget budget;
     for (int k = 0; k < 10'000; ++k) spend(budget);
     EXPECT_TRUE(budget.is_spent());
   }
 }
 
 // A search of any size goes on in every tick in which it is asked for.
-TEST(LookBudget, LimitsASearchToWhatIsLeft) {
-  LookBudget budget;
+TEST(WorkBudget, LimitsASearchToWhatIsLeft) {
+  WorkBudget budget;
   const std::size_t most = budget.search_limit();
   budget.spend_on_search(most, most);
   EXPECT_LT(budget.search_limit(), most);
@@ -52,17 +52,17 @@ TEST(LookBudget, LimitsASearchToWhatIsLeft) {
 }
 
 // However many planes there are: or the proxy would wait for ever.
-TEST(LookBudget, AllowsAMotionInATickThatHasDoneNothingElse) {
+TEST(WorkBudget, AllowsAMotionInATickThatHasDoneNothingElse) {
   for (const std::size_t planes : {0U, 1U, 256U, 100'000U}) {
-    LookBudget budget;
+    WorkBudget budget;
     EXPECT_TRUE(budget.allows_motion(planes));
     budget.spend_on_motion(planes);
     EXPECT_FALSE(budget.is_spent()) << "there is some left to look where it goes";
   }
 }
 
-TEST(LookBudget, IsHalfSpentBeforeItIsSpent) {
-  LookBudget budget;
+TEST(WorkBudget, IsHalfSpentBeforeItIsSpent) {
+  WorkBudget budget;
   int halves = 0;
   for (; !budget.is_half_spent(); ++halves) budget.spend_on_part();
   EXPECT_FALSE(budget.is_spent());

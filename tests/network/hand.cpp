@@ -65,7 +65,7 @@ class Hand {
 struct Rest {
   double z = 0.0, force = 0.0;      // mean; m, N
   double least = 1e9, most = -1e9;  // m
-  double put_out = 0.0;             // J, by the force
+  double port_energy = 0.0;         // J, by the force
   int ticks = 0;
   void add(double at, double shown, double work) {
     ++ticks;
@@ -73,7 +73,7 @@ struct Rest {
     force += (shown - force) / ticks;
     least = std::min(least, at);
     most = std::max(most, at);
-    put_out += work;
+    port_energy += work;
   }
 };
 
@@ -116,8 +116,9 @@ class Trial {
     const auto if_measured = [&](double figure) { return rests_[1].ticks > 0 ? figure : std::nan(""); };
     const double stiffness = if_measured((rests_[1].force - rests_[0].force) / (rests_[0].z - rests_[1].z));
     std::printf("%d %.0f %.3f %.2f %.1f %.1f %.0f %.0f\n", drops_,
-                if_measured(1e6 * (rests_[1].most - rests_[1].least)), if_measured(1e3 * rests_[1].put_out),
-                1e3 * (put_out_ - hand_.absorbed()), age(0.5), age(0.99), stiffness, 1e3 * lasts);
+                if_measured(1e6 * (rests_[1].most - rests_[1].least)),
+                if_measured(1e3 * rests_[1].port_energy), 1e3 * (put_out_ - hand_.absorbed()), age(0.5),
+                age(0.99), stiffness, 1e3 * lasts);
   }
 
  private:

@@ -59,12 +59,12 @@ TEST(LiveView, OfTooManyChangesTheFirstAreTold) {
 TEST(LiveView, CountsWhatHasBeenFelt) {
   LiveView view;
   EXPECT_FALSE(view.update());
-  const auto see = [&](std::uint32_t contacts, double force, double margin, double put_out) {
+  const auto see = [&](std::uint32_t contacts, double force, double margin, double port_energy) {
     TickRecord record;
     record.contacts = contacts;
     record.sent.force.y() = force;
     record.margin = margin;
-    record.put_out = put_out;
+    record.port_energy = port_energy;
     view.see(record, {});
     EXPECT_TRUE(view.update());
   };

@@ -147,12 +147,12 @@ TEST(PassivityController, ResetForgets) {
   PassivityController controller(kPeriod, 0.0, 10.0);
   const Wrench push{{0, 0, 5}, Vector3d::Zero()};
   for (int k = 0; k < 10; ++k) controller.correct(push, 0.0, push, at(0.001 * k), kPeriod);
-  EXPECT_NEAR(controller.put_out(), 5 * 0.009, 1e-12);
+  EXPECT_NEAR(controller.port_energy(), 5 * 0.009, 1e-12);
   EXPECT_GT(controller.excess(), 0.0);
   controller.reset();
   EXPECT_EQ(controller.excess(), 0.0);
   EXPECT_EQ(controller.correct(push, 0.0, push, at(1.0), kPeriod).force, push.force);
-  EXPECT_NEAR(controller.put_out(), 5 * 0.009, 1e-12);  // what is done is done
+  EXPECT_NEAR(controller.port_energy(), 5 * 0.009, 1e-12);  // what is done is done
 }
 
 /// Moves from z = 0 to z and back, in steps of 0.1 mm, against a spring.
@@ -171,14 +171,14 @@ TEST(PassivityController, ASampledSpringPutsOutMoreThanItTakes) {
   PassivityController controller(kPeriod, 0.0, 0.0);
   Wrench sent;
   press_and_let_go(controller, {1000.0}, -0.01, sent);
-  EXPECT_NEAR(controller.put_out(), 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
+  EXPECT_NEAR(controller.port_energy(), 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
 }
 
 TEST(PassivityController, WhatTheDeviceAbsorbsDoesNotReachTheHand) {
   PassivityController controller(kPeriod, 0.3, 0.0);  // K T / 2 = 0.5 N s/m
   Wrench sent;
   press_and_let_go(controller, {1000.0}, -0.01, sent);
-  EXPECT_NEAR(controller.put_out(), (0.5 - 0.3) / 0.5 * 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
+  EXPECT_NEAR(controller.port_energy(), (0.5 - 0.3) / 0.5 * 200 * 0.5 * 1000.0 * 1e-4 * 1e-4, 1e-9);
 }
 
 // What winds up by itself has made nothing until it comes out.
@@ -187,9 +187,9 @@ TEST(PassivityController, WhatWindsUpByItselfCountsWhenItComesOut) {
   const auto force = [](double f) { return Wrench{{0, 0, f}, Vector3d::Zero()}; };
   controller.correct(force(0), 0.0, force(0), at(0.0), kPeriod);
   for (int k = 0; k < 10; ++k) controller.correct(force(k), 0.01 * k, force(k), at(0.0), kPeriod);
-  EXPECT_EQ(controller.put_out(), 0.0);
+  EXPECT_EQ(controller.port_energy(), 0.0);
   controller.correct(force(10), 0.0, force(10), at(0.005), kPeriod);
-  EXPECT_NEAR(controller.put_out(), 10 * 0.005, 1e-12);
+  EXPECT_NEAR(controller.port_energy(), 10 * 0.005, 1e-12);
 }
 
 // Of what was put in, a spring that gives way keeps no more than it holds.
@@ -200,7 +200,7 @@ TEST(PassivityController, WhatTheSpringHasLostDoesNotComeBack) {
   controller.correct(push, 1.0, push, at(-0.010), kPeriod);    // 40 mJ in
   controller.correct(push, 0.008, push, at(-0.010), kPeriod);  // 8 are left
   controller.correct(push, 0.0, push, at(-0.005), kPeriod);    // 20 come out
-  EXPECT_NEAR(controller.put_out(), 0.012, 1e-12);
+  EXPECT_NEAR(controller.port_energy(), 0.012, 1e-12);
 }
 
 TEST(PassivityController, OnlyObservesWhatHasNoPotential) {
@@ -209,7 +209,7 @@ TEST(PassivityController, OnlyObservesWhatHasNoPotential) {
   const Wrench push{{0, 0, 4}, Vector3d::Zero()};
   for (int k = 0; k < 10; ++k)
     EXPECT_EQ(controller.correct(push, unknown, push, at(0.001 * k), kPeriod).force, push.force);
-  EXPECT_NEAR(controller.put_out(), 4 * 0.009, 1e-12);
+  EXPECT_NEAR(controller.port_energy(), 4 * 0.009, 1e-12);
   EXPECT_EQ(controller.added_damping(), 0.0);
 }
 

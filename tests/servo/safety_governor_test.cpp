@@ -441,19 +441,19 @@ TEST(SafetyGovernor, SaysWhatShareItLetsThrough) {
   d.force_sustained = 2.0;
   Loop loop(d);
   loop.tick();
-  EXPECT_EQ(loop.governor.let_through(), 0.0) << "the gate is shut";
+  EXPECT_EQ(loop.governor.force_scale(), 0.0) << "the gate is shut";
   loop.feel({0, 0, 0});
-  EXPECT_EQ(loop.governor.let_through(), 1.0) << "all of nothing";
+  EXPECT_EQ(loop.governor.force_scale(), 1.0) << "all of nothing";
   loop.wanted = force({0, 0, 1.5});
   loop.run(0.1);
-  EXPECT_EQ(loop.governor.let_through(), 1.0);
+  EXPECT_EQ(loop.governor.force_scale(), 1.0);
   loop.wanted = force({0, 0, 6.0});
   loop.run(60.0);
-  EXPECT_NEAR(loop.governor.let_through(), loop.sent.force.norm() / 6.0, 1e-6);
-  EXPECT_LT(loop.governor.let_through(), 0.5);
+  EXPECT_NEAR(loop.governor.force_scale(), loop.sent.force.norm() / 6.0, 1e-6);
+  EXPECT_LT(loop.governor.force_scale(), 0.5);
   loop.governor.stop();
   loop.tick();
-  EXPECT_EQ(loop.governor.let_through(), 0.0);
+  EXPECT_EQ(loop.governor.force_scale(), 0.0);
 }
 
 // What has come out is paid for with that fault: it is not told again for the same energy.

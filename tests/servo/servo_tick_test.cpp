@@ -115,19 +115,19 @@ TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {
 // Who renders it without this loop's delay needs no softer one, and gets none where a fault holds the force.
 TEST_F(ServoTickTest, TheLocalSurfaceIsAsStiffAsItIsSetHoweverLateTheForce) {
   begin();
-  EXPECT_EQ(run(0.02).let_through, 0.0) << "the gate";
+  EXPECT_EQ(run(0.02).force_scale, 0.0) << "the gate";
   run(1.0);
   loop->set_delay(0.02);
   go_to(-0.005);
   const TickRecord& pressed = run(1.0);
   EXPECT_EQ(pressed.felt.local.stiffness, wall.k);
   EXPECT_LT(pressed.felt.stiffness, 0.5 * wall.k);
-  EXPECT_EQ(pressed.let_through, 1.0);
+  EXPECT_EQ(pressed.force_scale, 1.0);
   loop->set_gain(0.5);
   EXPECT_EQ(run(kTick).felt.local.stiffness, 0.5 * wall.k);
   loop->governor().stop();
   const TickRecord& stopped = run(kTick);
-  EXPECT_EQ(stopped.let_through, 0.0);
+  EXPECT_EQ(stopped.force_scale, 0.0);
   EXPECT_EQ(stopped.felt.local.count, 0U);
   EXPECT_GT(stopped.felt.local.stiffness, 0.0) << "of no plane, and not another kind of force";
 }
@@ -168,7 +168,7 @@ TEST_F(ServoTickTest, AStifferSpringUnderAHandHasNoMoreEnergy) {
   loop->set_gain(2.0);
   run(2.0);
   EXPECT_NEAR(device.shown.force.x(), 5.0 * std::sqrt(2.0), 0.01);
-  EXPECT_NEAR(loop->look().felt.stored_energy, 0.025, 1e-4);
+  EXPECT_NEAR(loop->count_contacts().felt.stored_energy, 0.025, 1e-4);
   go_to(-0.008);  // by 2 of 7.07 mm
   run(0.05);
   EXPECT_NEAR(device.shown.force.x(), 1000.0 * (0.00707 - 0.002), 0.01);
@@ -176,7 +176,7 @@ TEST_F(ServoTickTest, AStifferSpringUnderAHandHasNoMoreEnergy) {
   go_to(-0.008);
   run(0.05);
   EXPECT_NEAR(device.shown.force.x(), 1000.0 * 0.008, 0.01) << "pressed anew, it is as stiff as it was set";
-  EXPECT_NEAR(loop->look().felt.stored_energy, 0.5 * 1000.0 * 0.008 * 0.008, 1e-4);
+  EXPECT_NEAR(loop->count_contacts().felt.stored_energy, 0.5 * 1000.0 * 0.008 * 0.008, 1e-4);
 }
 
 // What the loop makes of a model is what a passivity controller of the device's rate, damping and arm makes
@@ -525,10 +525,10 @@ TEST_F(ServoTickTest, ContactsAreThoseOfTheToolWhateverTheModelWants) {
   device.pose.position = {0.15, 0, 0};  // on the sphere
   run(0.1);
   ContactSet fresh;
-  query(index, Tool{}, loop->look().tool, fresh);
+  query(index, Tool{}, loop->count_contacts().tool, fresh);
   EXPECT_GT(fresh.contacts.size(), 0U);
-  EXPECT_EQ(loop->look().contacts, fresh.contacts.size());
-  EXPECT_NEAR(loop->look().k_max, fresh.k_max(), 1e-9);
+  EXPECT_EQ(loop->count_contacts().contacts, fresh.contacts.size());
+  EXPECT_NEAR(loop->count_contacts().k_max, fresh.k_max(), 1e-9);
 }
 
 // The scene goes away in between, so that another search would find nothing.
@@ -540,12 +540,12 @@ TEST_F(ServoTickTest, ContactsThatAModelWasToldAreNotLookedForAgain) {
   const SceneIndex gone = index.registered({1.0, Eigen::Quaterniond::Identity(), {9, 9, 9}});
   run(0.1);
   ContactSet fresh;
-  query(there, Tool{}, loop->look().tool, fresh);
+  query(there, Tool{}, loop->count_contacts().tool, fresh);
   ASSERT_GT(fresh.contacts.size(), 0U);
   index = gone;
-  EXPECT_EQ(loop->look().contacts, fresh.contacts.size());
+  EXPECT_EQ(loop->count_contacts().contacts, fresh.contacts.size());
   EXPECT_EQ(run(kTick).felt.wrench.force, Vector3d(Vector3d::Zero()));
-  EXPECT_EQ(loop->look().contacts, 0U) << "and in the next tick they are those of the next tick";
+  EXPECT_EQ(loop->count_contacts().contacts, 0U) << "and in the next tick they are those of the next tick";
 }
 
 // A sphere of 0.15 m comes at 1 m/s until the tool is 15 mm deep in it.
@@ -577,7 +577,7 @@ TEST_F(ServoTickTest, LooksAtTheContactsOfTheTool) {
   ASSERT_GT(found.contacts.size(), 0U);
   ASSERT_GT(found.filtered, found.contacts.size());
   ASSERT_GT(found.candidates, found.filtered);
-  loop->look();
+  loop->count_contacts();
   EXPECT_EQ(record.contacts, found.contacts.size());
   EXPECT_EQ(record.filtered, found.filtered);
   EXPECT_EQ(record.candidates, found.candidates);
@@ -599,13 +599,13 @@ TEST_F(ServoTickTest, MoreContactsThanATickHasTimeForAreAFault) {
   device.pose.position = {0.05, 0, 0};
   const test::AllocationGuard guard;
   EXPECT_EQ(run(0.2).fault, Fault::kCrowded);
-  loop->look();
+  loop->count_contacts();
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_EQ(device.shown.force, Vector3d(Vector3d::Zero()));
   loop->use({&wall, &many});  // one that does not want them looks on, as far as there is time
   EXPECT_EQ(run(1.0).fault, Fault::kNone);
-  EXPECT_LE(loop->look().contacts, ToolTracker::kRoom);
-  EXPECT_GT(loop->look().contacts, 1000U);
+  EXPECT_LE(loop->count_contacts().contacts, ToolTracker::kRoom);
+  EXPECT_GT(loop->count_contacts().contacts, 1000U);
 }
 
 TEST_F(ServoTickTest, TakesNothingFromTheHeap) {
@@ -618,7 +618,7 @@ TEST_F(ServoTickTest, TakesNothingFromTheHeap) {
   loop->set_gain(2.0);
   for (int k = 0; k < 1000; ++k) {
     run(kTick);
-    loop->look();
+    loop->count_contacts();
   }
   EXPECT_EQ(guard.count(), 0U);
 }

@@ -60,7 +60,7 @@ struct GiantOutcome {
   double scene_force = 0.0,
          user_force = 0.0;   ///< means of the last second, along -inward and inward. Unit: [N].
   double true_force = 0.0;   ///< of the hand, as the plant has it. Unit: [N].
-  double port_energy = 0.0;  ///< PassivityController::put_out(). Unit: [J].
+  double port_energy = 0.0;  ///< PassivityController::port_energy(). Unit: [J].
   double early = 0.0,
          late = 0.0;  ///< extents along `inward` in 2.5 to 3 s, and in the last half second. Unit: [m].
   Fault fault = Fault::kNone, motion_fault = Fault::kNone;
@@ -120,7 +120,7 @@ inline GiantOutcome run_trial(const GiantTrial& trial) {
     const Eigen::Vector3d at = device.pose().position;
     const double depth = (at - home).dot(trial.inward);
     outcome.deepest = std::max(outcome.deepest, depth);
-    outcome.port_energy = now.put_out;
+    outcome.port_energy = now.port_energy;
     if (outcome.fault == Fault::kNone) outcome.fault = now.fault;
     if (outcome.motion_fault == Fault::kNone) outcome.motion_fault = loop.governor().fault();
     if (k * kTick > kGiantWaits + 1.0 && k * kTick < kGiantWaits + 1.5)

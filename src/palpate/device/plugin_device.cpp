@@ -51,17 +51,17 @@ class PluginDevice final : public HapticDevice {
     PalpateDeviceCapabilities can{};
     plugin_.capabilities(device_, &can);
     take(can);
-    look();
+    copy_status();
   }
   void calibrate() override {
     if (plugin_.calibrate == nullptr)
       throw Error("{}: needs calibration, but has no function for it; correct the plug-in", path_);
     call(plugin_.calibrate);
-    look();
+    copy_status();
   }
   void enable() override {
     call(plugin_.enable);
-    look();
+    copy_status();
   }
   void close() noexcept override {
     plugin_.close(device_);
@@ -73,7 +73,7 @@ class PluginDevice final : public HapticDevice {
   bool read(double t, DeviceReading& reading) override {
     PalpateDeviceReading said{};
     const bool is_new = plugin_.read(device_, t, &said) == 1;
-    look();
+    copy_status();
     if (!is_new) return false;
     const auto& q = said.orientation;
     reading.t = said.t;
@@ -108,7 +108,7 @@ class PluginDevice final : public HapticDevice {
   }
 
   /// Copies the plug-in's status, for callers that do not query the plug-in.
-  void look() {
+  void copy_status() {
     const char* text = "";
     const int status = plugin_.status(device_, &text);
     const bool known = status >= PALPATE_DEVICE_CLOSED && status <= PALPATE_DEVICE_FAULT;

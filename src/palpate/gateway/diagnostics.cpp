@@ -17,7 +17,7 @@ int level_of(const TickRecord& tick) {
 
 }  // namespace
 
-void RateWatch::look(double now) {
+void RateWatch::update(double now) {
   constexpr double kLeast = 1.0;  // s
   if (now - at_ < kLeast && rate_ > 0.0) return;
   times_.next();
@@ -55,7 +55,7 @@ LiveDiagnostics diagnose(const TickRecord& tick, const TickTimes& times, const R
   number("margin", tick.margin);
   number("energy_mj", kMilli * tick.energy);
   number("stored_mj", std::isnan(tick.felt.stored_energy) ? 0.0 : kMilli * tick.felt.stored_energy);
-  number("put_out_mj", kMilli * tick.put_out);
+  number("port_energy_mj", kMilli * tick.port_energy);
   number("damping", tick.added_damping);
   number("clients", static_cast<double>(context.clients));
   return result;

@@ -28,8 +28,8 @@ class RateWatch {
   explicit RateWatch(const LoopStatistics& statistics) : statistics_(statistics) {}
 
   /// Starts a new window if a second has passed. \param now on the loop's clock. Unit: [s].
-  void look(double now);
-  /// Returns the rate over the last window; 0 before the first look(). Unit: [Hz].
+  void update(double now);
+  /// Returns the rate over the last window; 0 before the first update(). Unit: [Hz].
   double rate() const { return rate_; }
   /// Returns the tick durations of the same window.
   const TimeWindow& times() const { return times_; }

@@ -173,13 +173,13 @@ void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
   send(body_, "tool", {back * tick.sent_world.force, back * tick.sent_world.torque});
 }
 
-void LiveTopics::look() {
+void LiveTopics::read_newest_tick() {
   if (feed_.update()) map_ = feed_.newest().record.map;
 }
 
 void LiveTopics::answer() {
   feed_.wake().clear();
-  look();
+  read_newest_tick();
   if (holder_ == nullptr) return;
   const bool another = feed_.newest().answers != answered_;
   answered_ = feed_.newest().answers;
@@ -187,7 +187,7 @@ void LiveTopics::answer() {
   // The force that still ramps down for the previous hand is not sent to this one.
   const TickRecord& tick = feed_.newest().record;
   publish_device_wrench(waits_since_ ? Wrench{} : tick.sent);
-  publish_local_model(waits_since_ ? 0.0 : tick.let_through);
+  publish_local_model(waits_since_ ? 0.0 : tick.force_scale);
   if (!another) return;
   told_ = true;
   publish_world_wrenches(Stamp::now(), holder_);
@@ -195,7 +195,7 @@ void LiveTopics::answer() {
 
 void LiveTopics::publish() {
   if (holder_ != nullptr && clock_.now() - held_at_ > kSilence) release();
-  look();
+  read_newest_tick();
   if (holder_ != nullptr && waits_since_) hand_over();
   if (holder_ != nullptr && count_ % kEchoEvery == 0) ask_echo();
   const TickRecord& tick = feed_.newest().record;
@@ -209,7 +209,7 @@ void LiveTopics::publish() {
   if (tool_topic_.is_watched()) publish_tool(stamp);
   if (count_ % kContactsEvery == 0 && contacts_.is_watched()) publish_contacts(stamp);
   if (count_ % kDiagnosticsEvery == 0) {
-    watch_.look(clock_.now());
+    watch_.update(clock_.now());
     if (diagnostics_.is_watched()) publish_diagnostics(stamp);
   }
   ++count_;

@@ -81,7 +81,7 @@ class LiveTopics {
   /// Passes the newest pose to the loop, once the force for a previous hand has ramped to zero.
   void hand_over();
   /// Reads the newest tick.
-  void look();
+  void read_newest_tick();
   bool force_has_fallen() const;
   void publish_device_wrench(const Wrench& wrench);
   /// \param share fraction of the force that the governor passes, 0 without a force

@@ -5,7 +5,7 @@
 namespace palpate {
 
 LocalModel local_model_of(const TickRecord& tick) {
-  LocalModel model{tick.felt.local, tick.reading.pose.position, tick.let_through};
+  LocalModel model{tick.felt.local, tick.reading.pose.position, tick.force_scale};
   for (std::size_t k = 0; k < model.surface.count; ++k) {
     auto& [point, normal] = model.surface.planes[k];
     point = tick.map.to_device(Pose{point}).position;

@@ -23,8 +23,8 @@ std::vector<double> confidence(const SceneIndex& index, const Tool& tool, const 
     Eigen::Vector2d anchor = place;
     const double window = SurfacePatches::kWindow;
     RayLight light;
-    image->look(splats, view, Profile(solid, view), larger,
-                RayPattern::on_lattice(place, window * detail, anchor), depth - 2.0 * detail, light);
+    image->render(splats, view, Profile(solid, view), larger,
+                  RayPattern::on_lattice(place, window * detail, anchor), depth - 2.0 * detail, light);
     result.push_back(confidence_of(image->moments({place, detail, depth, static_cast<float>(window)}),
                                    image->nearest() < DepthView::kRays));
   }

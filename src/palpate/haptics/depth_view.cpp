@@ -379,11 +379,11 @@ void Cast(DepthViewLanes lanes) {
     hn::Store(hn::Zero(d), d, lanes.sum() + k);
     hn::Store(hn::Zero(d), d, lanes.share() + k);
   }
-  constexpr std::size_t kLookEvery = 16;
+  constexpr std::size_t kCheckEvery = 16;
   std::uint32_t lit = 0;
   std::size_t count = 0;
   for (const SplatImage& image : lanes.images()) {
-    if (count++ % kLookEvery == 0) lit = lit_blocks(lanes);
+    if (count++ % kCheckEvery == 0) lit = lit_blocks(lanes);
     if (lit == 0) break;
     const Drawn splat(image);
     const auto number = hn::Set(du, image.number);
@@ -573,9 +573,9 @@ RayPattern RayPattern::on_lattice(const Eigen::Vector2d& center, double radius, 
   return {radius * Eigen::Matrix2d::Identity(), center, anchor};
 }
 
-void DepthView::look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile,
-                     const Ellipsoid& larger, const RayPattern& pattern, double start, RayLight& light,
-                     double known) {
+void DepthView::render(const LocalSplats& splats, const ViewFrame& view, const Profile& profile,
+                       const Ellipsoid& larger, const RayPattern& pattern, double start, RayLight& light,
+                       double known) {
   start = std::min(start, known);
   ViewJob job{view.u.cast<float>(),
               view.v.cast<float>(),

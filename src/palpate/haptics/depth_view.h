@@ -143,9 +143,9 @@ class DepthView {
   /// `light.since` on, at most down to kSeen, since they were not felt there before. `light` then holds the
   /// transmittance at `start`. Unit: [m]. \param known depth of an earlier hit, from which rays begin at the
   /// latest, even if it is behind the solid. Unit: [m].
-  void look(const LocalSplats& splats, const ViewFrame& view, const Profile& profile, const Ellipsoid& larger,
-            const RayPattern& pattern, double start, RayLight& light,
-            double known = std::numeric_limits<double>::infinity());
+  void render(const LocalSplats& splats, const ViewFrame& view, const Profile& profile,
+              const Ellipsoid& larger, const RayPattern& pattern, double start, RayLight& light,
+              double known = std::numeric_limits<double>::infinity());
 
   /// \name Statistics of the last view
   /// @{

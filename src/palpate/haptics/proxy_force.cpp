@@ -55,7 +55,7 @@ constexpr double kHeadingOfTool = 0.25;
 constexpr double kStraight = 0.3, kSameWay = 0.5;
 /// Excess of a view over the motion, as a fraction of the detail, and least cosine between the two directions
 /// for a view to be reused.
-constexpr double kAhead = 0.01, kSameLook = 0.95;
+constexpr double kAhead = 0.01, kSameDirection = 0.95;
 
 /// Least cosine between the motion of a part and the inward normal at which it meets a surface head-on.
 /// Surfaces lower down are under it, where it has looked already: bumps of what it slides on are no walls.
@@ -239,29 +239,29 @@ bool ProxyForce::start_patches(Part& part, bool at_once) {
   return true;
 }
 
-bool ProxyForce::look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look,
+bool ProxyForce::view_along(Part& part, Sight& sight, const LocalSplats& splats, const ViewRequest& request,
                             const Pose& target) {
   const Ellipsoid solid = part.solid.at(proxy_);
   if (sight.done) return true;
   const double moved = way_between(sight.from, solid);
-  const double detail = part.patches.detail(), seen = look.way + kAhead * detail;
-  if (moved + seen <= sight.clear && look.along.dot(sight.along) > kSameLook) return true;
+  const double detail = part.patches.detail(), seen = request.way + kAhead * detail;
+  if (moved + seen <= sight.clear && request.along.dot(sight.along) > kSameDirection) return true;
   // A surface that the part does not touch at the end of its motion adds no patch, however far the view
   // extends.
-  const Ellipsoid next{solid.center + look.way * look.along, solid.axes}, there = part.solid.at(target);
+  const Ellipsoid next{solid.center + request.way * request.along, solid.axes}, there = part.solid.at(target);
   const auto admit = [&] {
-    const bool met = touches(part, there) || (!look.arrives && touches(part, next));
+    const bool met = touches(part, there) || (!request.arrives && touches(part, next));
     part.meets = part.meets || met;
     return met;
   };
   const std::optional<double> clear =
-      part.patches.look_ahead(splats, solid, look.along, look.about, seen, look.head_on, admit);
+      part.patches.view_ahead(splats, solid, request.along, request.about, seen, request.head_on, admit);
   if (!clear) return false;
-  sight = {solid, look.along, std::min({*clear, 0.5 * part.reach, 0.5 * detail}), true};
+  sight = {solid, request.along, std::min({*clear, 0.5 * part.reach, 0.5 * detail}), true};
   return true;
 }
 
-bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& goal) {
+bool ProxyForce::view_ahead(Part& part, const LocalSplats& splats, const Goal& goal) {
   if (splats.size == 0) return true;
   const auto& [target, longest] = goal;
   const Ellipsoid solid = part.solid.at(proxy_);
@@ -272,8 +272,9 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
     Eigen::Vector3d along = wanted / length;
     const double heading = part.heading.norm();
     if (heading > kStraight && part.heading.dot(along) > kSameWay * heading) along = part.heading / heading;
-    const Look look{along, farthest_point(solid, along), std::min(length, farthest), length <= farthest};
-    sees = look_along(part, part.ahead, splats, look, target);
+    const ViewRequest request{along, farthest_point(solid, along), std::min(length, farthest),
+                              length <= farthest};
+    sees = view_along(part, part.ahead, splats, request, target);
   }
   // Where the part rotates, its ends move in opposite directions.
   Eigen::Index longest_axis = 0;
@@ -286,13 +287,13 @@ bool ProxyForce::look_ahead(Part& part, const LocalSplats& splats, const Goal& g
   for (const double end : {1.0, -1.0}) {
     Sight& sight = end > 0.0 ? part.one_end : part.other_end;
     const Eigen::Vector3d tip = solid.center + end * solid.axes.col(longest_axis);
-    const Look look{end / swept * sweep, tip, std::min(swept, farthest), swept <= farthest};
-    sees = look_along(part, sight, splats, look, target) && sees;
+    const ViewRequest request{end / swept * sweep, tip, std::min(swept, farthest), swept <= farthest};
+    sees = view_along(part, sight, splats, request, target) && sees;
   }
   return sees;
 }
 
-bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) {
+bool ProxyForce::view_aside(Part& part, const Motion& motion, const Goal& goal) {
   const LocalSplats& splats = *part.near;
   if (splats.size == 0) return true;
   const Ellipsoid solid = part.solid.at(proxy_);
@@ -300,10 +301,10 @@ bool ProxyForce::look_aside(Part& part, const Motion& motion, const Goal& goal) 
   const double length = goes.norm();
   if (length < kLeastSweep * part.patches.detail()) return true;
   const Eigen::Vector3d along = goes / length;
-  if (along.dot(part.ahead.along) > kSameLook) return true;
+  if (along.dot(part.ahead.along) > kSameDirection) return true;
   const double way = std::min({length, step_, goal.longest});
-  const Look look{along, farthest_point(solid, along), way, false, kHeadOn};
-  return look_along(part, part.aside, splats, look, goal.target);
+  const ViewRequest request{along, farthest_point(solid, along), way, false, kHeadOn};
+  return view_along(part, part.aside, splats, request, goal.target);
 }
 
 bool ProxyForce::may_meet(Part& part, const Goal& goal) {
@@ -320,22 +321,22 @@ void ProxyForce::select_near(Part& part) {
   budget_.spend_on_selection(splats.size, part.own->size);
 }
 
-bool ProxyForce::look_around(const Goal& goal) {
+bool ProxyForce::view_around(const Goal& goal) {
   for (Part& part : parts_) {
-    if (!part.ready) part.ready = look_from(part, goal);
+    if (!part.ready) part.ready = view_from(part, goal);
     if (!part.ready) return false;
   }
   return true;
 }
 
-bool ProxyForce::look_from(Part& part, const Goal& goal) {
+bool ProxyForce::view_from(Part& part, const Goal& goal) {
   if (budget_.is_spent()) return false;
   budget_.spend_on_part();
   if (!search(*part.group, budget_.search_limit()) || budget_.is_spent()) return false;
   select_near(part);
   part.patches.follow(*part.near, part.solid.at(proxy_));
   part.meets = may_meet(part, goal);
-  return look_ahead(part, *part.near, goal);
+  return view_ahead(part, *part.near, goal);
 }
 
 bool ProxyForce::search(Group& group, std::size_t most) {
@@ -421,7 +422,7 @@ Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double
 }
 
 std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold& held) {
-  if (!look_around(goal)) return std::nullopt;
+  if (!view_around(goal)) return std::nullopt;
   const Motion wanted = motion_between(proxy_, goal.target);
   Motion motion;
   for (int k = 0; k < kMostTurns; ++k) {
@@ -435,18 +436,18 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
     bool found = false;
     for (Part& part : parts_) {
       const std::size_t known = part.patches.patches().size();
-      if (!look_aside(part, motion, goal)) return std::nullopt;
+      if (!view_aside(part, motion, goal)) return std::nullopt;
       if (part.patches.patches().size() == known) continue;
       part.aside.done = false;
       found = true;
     }
     if (!found) break;
   }
-  look_anew();
+  view_anew();
   return motion;
 }
 
-void ProxyForce::look_anew() {
+void ProxyForce::view_anew() {
   for (Part& part : parts_)
     part.ready = part.ahead.done = part.aside.done = part.one_end.done = part.other_end.done = false;
 }
@@ -485,7 +486,7 @@ double ProxyForce::cross_free_space(const Pose& target, double longest) {
   proxy_ = share == 1.0 ? target : at(share);
   held_ = waits_ = false;
   trails_ = trails_ && share < 1.0;
-  look_anew();
+  view_anew();
   return share * length;
 }
 

@@ -13,11 +13,11 @@
 #include <palpate/collision/splat_tracker.h>
 #include <palpate/haptics/constrained_motion.h>
 #include <palpate/haptics/force_model.h>
-#include <palpate/haptics/look_budget.h>
 #include <palpate/haptics/material.h>
 #include <palpate/haptics/part_groups.h>
 #include <palpate/haptics/surface_patches.h>
 #include <palpate/haptics/tool.h>
+#include <palpate/haptics/work_budget.h>
 
 namespace palpate {
 
@@ -60,7 +60,7 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 ///     surface that it has met (SurfacePatches). A patch begins only where an ellipsoid is touched;
 ///  2. the proxy moves towards the tool as far as the patches allow (constrained_motion(), with friction), at
 ///     most half of the reach per step and never farther than it has viewed, so that it passes through
-///     nothing (tested up to 50 m/s); work left over, or beyond the budget (LookBudget), continues in the
+///     nothing (tested up to 50 m/s); work left over, or beyond the budget (WorkBudget), continues in the
 ///     next tick. A longer motion on which no part touches an ellipsoid is made without a view;
 ///  3. these steps are repeated until it hardly moves, at most kMostSteps times in contact, kMostFreeSteps
 ///     times out of contact. In contact it moves only slightly farther than the tool did, so that the force
@@ -120,7 +120,7 @@ class ProxyForce final : public ForceModel {
   static constexpr std::size_t kMostPairs = 4096;
 
  private:
-  /// A look ahead.
+  /// A view ahead.
   struct Sight {
     Ellipsoid from;
     Eigen::Vector3d along = Eigen::Vector3d::Zero();
@@ -129,11 +129,11 @@ class ProxyForce final : public ForceModel {
   };
 
   /// Direction and focus of a view of a part.
-  struct Look {
+  struct ViewRequest {
     Eigen::Vector3d along, about;  ///< a unit vector, and the point of the part that goes first, world frame
     double way;                    ///< how far it goes there now. Unit: [m].
     bool arrives;                  ///< then it is where it wants to be
-    double head_on = 0.0;          ///< see SurfacePatches::look_ahead()
+    double head_on = 0.0;          ///< see SurfacePatches::view_ahead()
   };
 
   /// Parts that share one search of the scene.
@@ -149,7 +149,7 @@ class ProxyForce final : public ForceModel {
 
   struct Part {
     Part(const SceneIndex& index, const ToolPart& part, const ProxyParameters& parameters, double extent,
-         Lookahead* lookahead, std::size_t capacity, LookBudget& budget)
+         Lookahead* lookahead, std::size_t capacity, WorkBudget& budget)
         : solid(part),
           reach(reach_of(part, detail_of(part, parameters), extent)),
           larger(enlarged(part, detail_of(part, parameters), reach)),
@@ -235,12 +235,12 @@ class ProxyForce final : public ForceModel {
   /// same goal.
   std::optional<Motion> way_to(const Goal& goal, double stretch, Hold& held);
   /// Discards the views made for the next step.
-  void look_anew();
+  void view_anew();
   /// Tracks the patches of all parts, and views the scene along their intended motions. \returns as
-  /// look_ahead()
-  bool look_around(const Goal& goal);
-  /// Does the same for one part. \returns as look_ahead()
-  bool look_from(Part& part, const Goal& goal);
+  /// view_ahead()
+  bool view_around(const Goal& goal);
+  /// Does the same for one part. \returns as view_ahead()
+  bool view_from(Part& part, const Goal& goal);
   /// Finds the Gaussians around a group, visiting about `most` Gaussians of the index. \returns false if
   /// there are more to visit
   bool search(Group& group, std::size_t most);
@@ -251,14 +251,15 @@ class ProxyForce final : public ForceModel {
   void forget_surface();
   /// Restarts at the proxy's pose, and permits the motion needed to leave what it is inside of.
   void start_at_proxy();
-  /// Views the scene along the motion of `part`. \returns as look_ahead()
-  bool look_aside(Part& part, const Motion& motion, const Goal& goal);
+  /// Views the scene along the motion of `part`. \returns as view_ahead()
+  bool view_aside(Part& part, const Motion& motion, const Goal& goal);
   /// Views the scene along the intended motion of `part`. \returns false if the budget was spent first.
-  bool look_ahead(Part& part, const LocalSplats& splats, const Goal& goal);
+  bool view_ahead(Part& part, const LocalSplats& splats, const Goal& goal);
   /// Selects the Gaussians of its group that `part` may see.
   void select_near(Part& part);
-  /// As look_ahead(), for one direction.
-  bool look_along(Part& part, Sight& sight, const LocalSplats& splats, const Look& look, const Pose& target);
+  /// As view_ahead(), for one direction.
+  bool view_along(Part& part, Sight& sight, const LocalSplats& splats, const ViewRequest& request,
+                  const Pose& target);
   /// Returns true if `part`, as `solid`, touches an ellipsoid.
   bool touches(Part& part, const Ellipsoid& solid);
   /// Returns false if `part` is free, reaches its target in this step, and touches nothing there: a contact
@@ -299,7 +300,7 @@ class ProxyForce final : public ForceModel {
   double gyration_;  ///< Unit: [m].
   double radius_;    ///< radius of the tool about its handle. Unit: [m].
   double step_;      ///< largest displacement of a point per step. Unit: [m].
-  LookBudget budget_;
+  WorkBudget budget_;
   std::deque<Group> groups_;  ///< not movable
   std::deque<Part> parts_;    ///< likewise
   ContactSet contacts_;

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// Views of a new patch, whose position and normal depend on each other.
-constexpr int kFirstLooks = 3;
+constexpr int kFirstViews = 3;
 /// Largest distance of the offset from that of the nearest ray, in roughnesses: on noise it follows slowly,
 /// at an edge at once.
 constexpr double kSlack = 2.0;
@@ -107,8 +107,8 @@ double confidence_of(const DepthMoments& moments, bool seen) {
   return least + (1.0 - least) * whole * std::clamp((hidden - kHalf) / (kOpaque - kHalf), 0.0, 1.0);
 }
 
-bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch,
-                          Look& look) {
+bool SurfacePatches::view(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch,
+                          ViewGaps& gaps) {
   const ViewFrame view = ViewFrame::along(-patch.normal, solid.center, patch.tangent);
   const Profile profile(solid, view);
   const Vector2d lowest = image_of(view, farthest_point(solid, -patch.normal));
@@ -121,8 +121,9 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
   const double known = patch.gap > -kIn * detail_
                            ? (solid.center - patch.on_surface()).dot(patch.normal) - kKnown * detail_
                            : std::numeric_limits<double>::infinity();
-  view_->look(splats, view, profile, scaled(solid, larger_), pattern, start_of(profile, place), light, known);
-  budget_.spend_on_look(splats.size, view_->in_window(), view_->drawn());
+  view_->render(splats, view, profile, scaled(solid, larger_), pattern, start_of(profile, place), light,
+                known);
+  budget_.spend_on_view(splats.size, view_->in_window(), view_->drawn());
   budget_.spend_on_fit();
   const std::size_t nearest = view_->nearest();
   if (nearest == DepthView::kRays) return false;
@@ -143,8 +144,8 @@ bool SurfacePatches::look(const LocalSplats& splats, const Ellipsoid& solid, Sur
       detail_);
   if (!is_below(profile, foot)) foot = place;
   const double depth = depth_of(profile, foot);
-  look.fitted = facing * (fit.depth(foot) - depth);
-  look.least = facing * clearance;
+  gaps.fitted = facing * (fit.depth(foot) - depth);
+  gaps.least = facing * clearance;
   patch.sight = view.at(view_->x(nearest), view_->y(nearest), view_->depth(nearest));
   patch.tangent = view.u;
   patch.anchor = view.at(anchor.x(), anchor.y(), fit.depth(anchor));
@@ -202,8 +203,8 @@ bool SurfacePatches::see_again(const LocalSplats& splats, const Ellipsoid& solid
   const Vector3d from = patch.seen_at, surface = patch.on_surface();
   const Vector3d gone = carried(patch.seen_by, solid, from) - from;
   const double hazy = (1.0 - patch.confidence) / (1.0 - kSeen), held = kHeld * detail_ * hazy * hazy;
-  Look seen;
-  if (!look(splats, solid, patch, seen)) return false;
+  ViewGaps seen;
+  if (!view(splats, solid, patch, seen)) return false;
   const Vector3d way = patch.foot - from;
   const double along = (way - way.dot(patch.normal) * patch.normal).norm();
   const double wanted = seen.least - seen.fitted, band = kSlack * patch.roughness;
@@ -226,8 +227,8 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is refilled from the front
-    const bool as_it_was = way_between(patch.looked_by, solid) < kStill * detail_ || budget_.is_spent();
-    if (!as_it_was) patch.looked_by = solid;
+    const bool as_it_was = way_between(patch.viewed_from, solid) < kStill * detail_ || budget_.is_spent();
+    if (!as_it_was) patch.viewed_from = solid;
     if (as_it_was || !see_again(splats, solid, patch)) {
       if (!stay(solid, patch)) continue;
       seen_count_ = witness_count_[i];
@@ -275,10 +276,10 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   image << view.u.transpose() * solid.axes, view.v.transpose() * solid.axes;
   const Eigen::Matrix2d root = Eigen::Matrix2d(image * image.transpose()).llt().matrixL();
   carry_light(solid, along);
-  view_->look(splats, view, profile, scaled(solid, larger_),
-              RayPattern::over_ellipse(root, image_of(view, about)), start_of_all(profile, solid, along),
-              light_);
-  budget_.spend_on_look(splats.size, view_->in_window(), view_->drawn());
+  view_->render(splats, view, profile, scaled(solid, larger_),
+                RayPattern::over_ellipse(root, image_of(view, about)), start_of_all(profile, solid, along),
+                light_);
+  budget_.spend_on_view(splats.size, view_->in_window(), view_->drawn());
   double first = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);
@@ -305,9 +306,9 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   patch.light = meeting.light;
   SurfacePatch best = patch;
   seen_count_ = 0;
-  for (int k = 0; k < kFirstLooks && (k == 0 || !budget_.is_spent()); ++k) {
-    Look seen;
-    if (!look(splats, solid, patch, seen)) break;
+  for (int k = 0; k < kFirstViews && (k == 0 || !budget_.is_spent()); ++k) {
+    ViewGaps seen;
+    if (!view(splats, solid, patch, seen)) break;
     // Contact occurs where the surface is seen along the motion.
     patch.gap = meeting.clearance * std::max(kLeastFacing, -meeting.along.dot(patch.normal));
     patch.offset = patch.gap - seen.fitted;
@@ -315,7 +316,7 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   }
   if (only_wall && (best.covered < kWhole || best.confidence < kCertain)) return false;
   best.seen_at = best.foot;
-  best.seen_by = best.looked_by = solid;
+  best.seen_by = best.viewed_from = solid;
   return keep(best);
 }
 
@@ -327,15 +328,15 @@ bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, c
   patch.tangent = normal.unitOrthogonal();
   patch.foot = patch.anchor = patch.sight = point;
   bool found = false;
-  for (int k = 0; k < kFirstLooks && !budget_.is_spent(); ++k) {
-    Look seen;
-    if (!look(splats, solid, patch, seen)) break;
+  for (int k = 0; k < kFirstViews && !budget_.is_spent(); ++k) {
+    ViewGaps seen;
+    if (!view(splats, solid, patch, seen)) break;
     patch.offset = seen.least - seen.fitted;
     patch.gap = seen.least;
     found = true;
   }
   patch.seen_at = patch.foot;
-  patch.seen_by = patch.looked_by = solid;
+  patch.seen_by = patch.viewed_from = solid;
   return found && keep(patch);
 }
 

@@ -12,7 +12,7 @@
 
 #include <palpate/geometry/ellipsoid.h>
 #include <palpate/haptics/depth_view.h>
-#include <palpate/haptics/look_budget.h>
+#include <palpate/haptics/work_budget.h>
 
 namespace palpate {
 
@@ -34,7 +34,7 @@ struct SurfacePatch {
   Eigen::Vector3d sight;                              ///< hit of the nearest ray, the aim of the next view
   Eigen::Vector3d seen_at = Eigen::Vector3d::Zero();  ///< the foot at the last hit
   Ellipsoid seen_by;                                  ///< the solid at that time
-  Ellipsoid looked_by;                                ///< the solid at the last view
+  Ellipsoid viewed_from;                              ///< the solid at the last view
   double offset = 0.0;  ///< of the rendered surface over the fit, along the normal. Unit: [m].
   float light = 1.0F;   ///< transmittance along the motion up to here
   /// The Gaussian that accounts for more than half of the hits, if there is one.
@@ -77,7 +77,7 @@ class SurfacePatches {
   /// \param detail the scale of the fit. Unit: [m]. > 0 \param larger factors from the solid's semi-axes to
   /// those of the solid in which the scene is viewed \param budget of all parts of a tool; must outlive this
   /// object
-  SurfacePatches(double detail, const Eigen::Vector3d& larger, LookBudget& budget)
+  SurfacePatches(double detail, const Eigen::Vector3d& larger, WorkBudget& budget)
       : detail_(detail), larger_(larger), budget_(budget), view_(std::make_unique<DepthView>()) {}
 
   /// Radius of the window of a patch, in details: its kernel, of the form (1 - r^2)^3, has a standard
@@ -100,7 +100,7 @@ class SurfacePatches {
   /// view, or a further one after a patch was added. Unit: [m]. \param head_on if above 0, only surfaces met
   /// head-on count: the least cosine between `along` and its outward normal there
   template <class Admit>
-  std::optional<double> look_ahead(const LocalSplats& splats, const Ellipsoid& solid,
+  std::optional<double> view_ahead(const LocalSplats& splats, const Ellipsoid& solid,
                                    const Eigen::Vector3d& along, const Eigen::Vector3d& about, double way,
                                    double head_on, const Admit& admit) {
     double clear = 0.0;
@@ -120,7 +120,7 @@ class SurfacePatches {
               const Eigen::Vector3d& point);
 
   std::span<const SurfacePatch> patches() const { return {patches_.data(), size_}; }
-  /// Gaussians that patch `i` was fitted to in the last follow(), look_ahead() or add_at(). The weights sum
+  /// Gaussians that patch `i` was fitted to in the last follow(), view_ahead() or add_at(). The weights sum
   /// to 1; empty if there are none.
   std::span<const PatchWitness> witnesses(std::size_t i) const {
     return {witnesses_[i].data(), witness_count_[i]};
@@ -134,7 +134,7 @@ class SurfacePatches {
     float light = 1.0F;  ///< transmittance up to there
   };
   /// Result of the view of a patch.
-  struct Look {
+  struct ViewGaps {
     double fitted = 0.0;  ///< gap of the fit. Unit: [m].
     double least = 0.0;   ///< gap by the nearest ray. Unit: [m].
   };
@@ -142,7 +142,7 @@ class SurfacePatches {
   double meet(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
               const Eigen::Vector3d& about, double way, double head_on, Meeting& meeting);
   bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting, bool only_wall);
-  bool look(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, Look& look);
+  bool view(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, ViewGaps& gaps);
   /// Carries the transmittance of rays over a free motion, to a view from `solid` along `along`.
   void carry_light(const Ellipsoid& solid, const Eigen::Vector3d& along);
   /// Returns true if an existing patch covers `point`. \param of the Gaussian hit there, if known
@@ -156,7 +156,7 @@ class SurfacePatches {
 
   double detail_;
   Eigen::Vector3d larger_;
-  LookBudget& budget_;
+  WorkBudget& budget_;
   std::unique_ptr<DepthView> view_;
   RayLight light_;  ///< of the last view along a free motion
   Eigen::Vector3d light_from_ = Eigen::Vector3d::Zero(), light_along_ = Eigen::Vector3d::Zero();

@@ -11,7 +11,7 @@ namespace palpate {
 /// duration of a tick does not depend on the size of the tool or the number of parts and Gaussians. It counts
 /// work instead of time, so that a repeated run gives the same forces. A started operation is completed, and
 /// may exceed the budget by one view.
-class LookBudget {
+class WorkBudget {
  public:
   /// In units of about 20 ns.
   static constexpr double kTick = 15500.0;
@@ -21,8 +21,8 @@ class LookBudget {
   bool is_half_spent() const { return left_ <= 0.5 * kTick; }
   /// Spends the cost of a view. \param near Gaussians that were considered \param in_window, drawn see
   /// DepthView
-  void spend_on_look(std::size_t near, std::size_t in_window, std::size_t drawn) {
-    spend(kPerLook + kPerNear * real(near) + kPerInWindow * real(in_window) + kPerDrawn * real(drawn));
+  void spend_on_view(std::size_t near, std::size_t in_window, std::size_t drawn) {
+    spend(kPerView + kPerNear * real(near) + kPerInWindow * real(in_window) + kPerDrawn * real(drawn));
   }
   /// Spends the cost of a surface fit to a view.
   void spend_on_fit() { spend(kPerFit); }
@@ -62,7 +62,7 @@ class LookBudget {
 
   // Least squares of the times of ticks: of a plate of 256 parts, on a capture and flat on two planes, and of
   // a gripper, a disc and balls of 50 and 100 mm.
-  static constexpr double kPerLook = 150.0, kPerNear = 0.3, kPerInWindow = 1.2, kPerDrawn = 2.0;
+  static constexpr double kPerView = 150.0, kPerNear = 0.3, kPerInWindow = 1.2, kPerDrawn = 2.0;
   static constexpr double kPerFit = 250.0;
   static constexpr double kPerSearch = 10.0, kPerWalked = 0.3, kPerPassed = 0.1, kPerFound = 0.8;
   /// Cost of a search that has yet to find the suitable sample.

@@ -8,7 +8,7 @@ void LiveView::add(const TickRecord& record) {
   totals_.contact_ticks += record.contacts != 0 ? 1 : 0;
   totals_.contacts_max = std::max<std::uint64_t>(totals_.contacts_max, record.contacts);
   totals_.force_max = std::max(totals_.force_max, record.sent.force.norm());
-  totals_.port_energy = record.put_out;
+  totals_.port_energy = record.port_energy;
   if (record.margin > 0.0)
     totals_.margin_min =
         totals_.margin_min > 0.0 ? std::min(totals_.margin_min, record.margin) : record.margin;

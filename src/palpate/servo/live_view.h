@@ -17,7 +17,7 @@ struct LiveTotals {
   std::uint64_t contact_ticks = 0;  ///< ticks with contact
   std::uint64_t contacts_max = 0;
   double force_max = 0.0;                         ///< largest force sent. Unit: [N].
-  double port_energy = 0.0;                       ///< PassivityController::put_out(). Unit: [J].
+  double port_energy = 0.0;                       ///< PassivityController::port_energy(). Unit: [J].
   double margin_min = 0.0;                        ///< the least of TickRecord::margin; 0 if there was none
   GovernorState state = GovernorState::kWaiting;  ///< as of the last tick before the end (Fault::kEnded)
 };

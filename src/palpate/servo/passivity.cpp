@@ -43,7 +43,7 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   const double absorbed = std::clamp(sampling, 0.0, damping_ * way.squaredNorm() / period);
   held_ -= work(sent) - absorbed;
   const double out = std::max(0.0, -held_);
-  put_out_ += out;
+  port_energy_ += out;
   held_ = std::clamp(held_, 0.0, stored);
   pose_ = pose;
   added_ = 0.0;

@@ -56,11 +56,11 @@ class PassivityController {
   /// D. Unit: [J].
   double excess() const { return excess_; }
   /// Net output: the sum of O since construction. Unit: [J].
-  double put_out() const { return put_out_; }
+  double port_energy() const { return port_energy_; }
   /// Damping added now. Unit: [N s/m].
   double added_damping() const { return added_; }
 
-  /// Resets all but put_out() to the initial state; the next pose is the first.
+  /// Resets all but port_energy() to the initial state; the next pose is the first.
   void reset();
 
  private:
@@ -68,7 +68,7 @@ class PassivityController {
   bool started_ = false;
   DevicePose pose_;
   double excess_ = 0.0, added_ = 0.0;
-  double held_ = 0.0, put_out_ = 0.0;  ///< E, and put_out(). Unit: [J].
+  double held_ = 0.0, port_energy_ = 0.0;  ///< E, and port_energy(). Unit: [J].
 };
 
 }  // namespace palpate

@@ -295,13 +295,13 @@ Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
   presses_ = !small && (state_ == GovernorState::kRising || state_ == GovernorState::kActive);
   if (state_ == GovernorState::kFalling) {  // on its own ramp, however late the tick
     sent_ = share() * at_fall_;
-    let_through_ = 0.0;
+    force_scale_ = 0.0;
     return sent_;
   }
   const double time = std::min(passed_, Lateness::kOnTime * limits_.tick);  // what the slew limit counts
   const Wrench bearable = shortened(asked, force_.bound(), torque_.bound());
   const double force = wanted.force.norm();
-  let_through_ = good ? share() * (force > 0.0 ? std::min(1.0, bearable.force.norm() / force) : 1.0) : 0.0;
+  force_scale_ = good ? share() * (force > 0.0 ? std::min(1.0, bearable.force.norm() / force) : 1.0) : 0.0;
   sent_ =
       sent_ + shortened(share() * bearable - sent_, limits_.force_slew * time, limits_.torque_slew * time);
   return sent_;

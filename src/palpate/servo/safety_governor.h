@@ -143,7 +143,7 @@ class SafetyGovernor {
 
   /// Fraction of the wrench last requested of release() that is let through once slew has settled; 0 in a
   /// fall. In [0, 1].
-  double let_through() const { return let_through_; }
+  double force_scale() const { return force_scale_; }
 
   GovernorState state() const { return state_; }
   /// Reason for withholding force; kNone if there is none.
@@ -208,7 +208,7 @@ class SafetyGovernor {
   double energy_ = 0.0;
   Eigen::AlignedBox3d reach_;  ///< range of the handle so far, in D. Unit: [m].
   Wrench sent_;
-  double let_through_ = 0.0;
+  double force_scale_ = 0.0;
   SustainedLimit force_, torque_;            ///< of the wrench sent
   Wrench at_fall_;                           ///< wrench sent at fall_from_
   double fall_from_ = 0.0, fall_end_ = 0.0;  ///< linear ramp to zero. Unit: [s].

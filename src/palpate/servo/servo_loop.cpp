@@ -63,7 +63,7 @@ void ServoLoop::tick(double due) {
   const double sent = clock_.now();
   times.compute = sent - begin;
   times.age = sent - record.reading.t;
-  tick_.look();
+  tick_.count_contacts();
   times.whole = clock_.now() - begin;
   times.spent = thread_time() - spent;
   times.overruns = statistics_.overruns.load(std::memory_order_relaxed);

@@ -141,7 +141,7 @@ double ServoTick::unfelt_work(const Wrench& felt) {
   return unfelt ? work : 0.0;
 }
 
-const TickRecord& ServoTick::look() {
+const TickRecord& ServoTick::count_contacts() {
   const bool known = asked_ && used_.model->wants_contacts();
   if (!known) used_.contacts->query(record_.tool, found_, ToolTracker::kMost);
   record_.candidates = found_.candidates;
@@ -156,8 +156,8 @@ void ServoTick::tell() {
   record_.state = governor_.state();
   record_.fault = governor_.fault();
   record_.energy = governor_.energy();
-  record_.put_out = passivity_.put_out();
-  record_.let_through = governor_.let_through();
+  record_.port_energy = passivity_.port_energy();
+  record_.force_scale = governor_.force_scale();
   record_.added_damping = passivity_.added_damping();
 }
 

@@ -28,20 +28,20 @@ struct TickRecord {
   WorkspaceMap map;       ///< map from device to world that was used
   Wrench sent;            ///< F_H_D: wrench sent to the device, torque about the handle
   Wrench sent_world;      ///< the same, not scaled, expressed in the world
-  /// Contact counts of the tool, set by ServoTick::look(); see ContactSet. Covers the first
+  /// Contact counts of the tool, set by ServoTick::count_contacts(); see ContactSet. Covers the first
   /// ToolTracker::kMost pairs.
   std::size_t candidates = 0, filtered = 0, contacts = 0;
   double k_max = 0.0;  ///< ContactSet::k_max(), likewise
   GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
   double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
-  double put_out = 0.0;        ///< PassivityController::put_out(). Unit: [J].
+  double port_energy = 0.0;    ///< PassivityController::port_energy(). Unit: [J].
   double added_damping = 0.0;  ///< Unit: [N s/m].
   /// Stiffness margin: ratio of the largest passive stiffness (passive_stiffness(), with a hand that damps by
   /// ServoTick::kHandDamping) to the set stiffness; 0 if there is no spring or it is unknown. Below 1 the
   /// spring is softened by this factor.
   double margin = 0.0;
-  double let_through = 0.0;  ///< SafetyGovernor::let_through()
+  double force_scale = 0.0;  ///< SafetyGovernor::force_scale()
 };
 
 /// A force model and its contact search.
@@ -77,7 +77,7 @@ class ServoTick {
 
   /// Finds the contacts of the tool at its pose in run(), for observers, once the force is sent. \returns the
   /// record of run(), with the contact counts.
-  const TickRecord& look();
+  const TickRecord& count_contacts();
 
   /// Lower bound of the damping of a hand that holds the handle, in addition to the device's. Unit: [N s/m].
   static constexpr double kHandDamping = 1.0;

@@ -232,7 +232,7 @@ ReproductionRun reproduce(const ReproductionScene& scene, const Tool& tool, cons
     const double t = static_cast<double>(k) * setup.period;
     force.forget_time();
     tick.run(t);
-    const TickRecord& record = tick.look();
+    const TickRecord& record = tick.count_contacts();
     ReproductionTick row;
     row.t = t;
     row.tool = record.tool.position;
@@ -249,7 +249,7 @@ ReproductionRun reproduce(const ReproductionScene& scene, const Tool& tool, cons
     measure_depth(scene, scene_from_world, radius, row);
     run.ticks.push_back(row);
     run.held_ticks += static_cast<std::size_t>(held.held());
-    run.port_energy = std::max(run.port_energy, record.put_out);
+    run.port_energy = std::max(run.port_energy, record.port_energy);
     const bool broken = held.device().status() == DeviceStatus::kFault;
     if (broken) note(run.faults, held.device().status_text());
     if (record.fault != Fault::kNone && !broken) note(run.faults, traits(record.fault).name);

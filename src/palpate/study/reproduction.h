@@ -81,7 +81,7 @@ struct ReproductionRun {
   double stall = 0.0;  ///< Unit: [s].
   std::vector<ReproductionTick> ticks;
   std::vector<ReproductionContact> contacts;  ///< one per touch
-  double port_energy = 0.0;                   ///< PassivityController::put_out(). Unit: [J].
+  double port_energy = 0.0;                   ///< PassivityController::port_energy(). Unit: [J].
   std::vector<std::string> faults;            ///< names, once each
   std::size_t held_ticks = 0;                 ///< ticks in which a limit of the device held its motion
 };

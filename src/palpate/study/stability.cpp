@@ -120,7 +120,7 @@ StabilityOutcome hold_on(const StabilityTrial& trial, const PressPlace& place, b
     worker.run_until(t);
     const TickRecord& now = loop.run(t);
     const double force = now.sent.force.norm();
-    outcome.port_energy = now.put_out;
+    outcome.port_energy = now.port_energy;
     outcome.contact_changes += (force > 0.0) != pushes ? 1 : 0;
     pushes = force > 0.0;
     if (outcome.fault == Fault::kNone) outcome.fault = now.fault;

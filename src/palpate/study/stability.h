@@ -57,7 +57,7 @@ struct StabilityTick {
 /// Result of a trial.
 struct StabilityOutcome {
   double limit_cycle = 0.0;    ///< peak to peak of the handle in the last second of the rest. Unit: [m].
-  double port_energy = 0.0;    ///< PassivityController::put_out(). Unit: [J].
+  double port_energy = 0.0;    ///< PassivityController::port_energy(). Unit: [J].
   int contact_changes = 0;     ///< number of times that the force begins or ends
   double rest_force = 0.0;     ///< mean, in that second. Unit: [N].
   Fault fault = Fault::kNone;  ///< the first

@@ -319,7 +319,7 @@ export class MockGateway {
     return {
       state, fault, advice, rate_hz: 1000, tick_us: 21 + 5 * Math.sin(Date.now() / 900), tick_mean_us: 22, tick_p50_us: 20, tick_p99_us: 41, age_us: 12, overruns: 0,
       contacts: this.contacts.length, candidates: 2 * this.contacts.length, k_max: 0.5, force_n: Math.hypot(...force), torque_nm: 0,
-      margin: this.margin, energy_mj: 0.1, stored_mj: 0.2, put_out_mj: 0, damping: 0, clients: this.clients,
+      margin: this.margin, energy_mj: 0.1, stored_mj: 0.2, port_energy_mj: 0, damping: 0, clients: this.clients,
     };
   }
 
