@@ -163,7 +163,7 @@ class Contacts(Live):
         inline = self.calm(*self.arguments("--seconds", "3", "--contacts", "inline"))
         for _ in range(5):  # a thread that the machine leaves waiting is late indeed, and that faults
             worker = self.calm(*self.arguments("--seconds", "3", "--contacts", "worker", "--worker-delay", "0.05"))
-            if not worker["faults"]:
+            if not {"late-tick", "late-contacts"}.intersection(worker["faults"]):
                 break
         self.assertEqual((inline["faults"], worker["faults"]), ([], []))
         self.assertAlmostEqual(worker["force_max"], inline["force_max"], delta=0.15 * inline["force_max"])

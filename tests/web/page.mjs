@@ -4,18 +4,10 @@ import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import os from 'node:os';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { chromium } from 'playwright-core';
 
-const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
-const quiet = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-  '--disable-component-update', '--disable-sync'];
-// Only WebGL is drawn by SwiftShader: it takes half as long again to draw the rest of the page, too.
-const softwareGl = ['--disable-gpu-compositing', '--enable-unsafe-swiftshader', '--use-gl=angle', '--use-angle=swiftshader'];
-const noGl = ['--disable-gpu', '--disable-3d-apis'];
+export { launch } from './chromium.mjs';
+
 const patience = 120000; // software rendering on a small machine is slow. Unit: [ms].
-
-export const launch = ({ webgl = true } = {}) =>
-  chromium.launch({ executablePath: browserPath, args: [...quiet, ...(webgl ? softwareGl : noGl)] });
 
 const escapeHtml = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;');
 

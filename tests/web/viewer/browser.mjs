@@ -3,16 +3,10 @@
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import path from 'node:path';
-import { chromium } from 'playwright-core';
 
-const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
-const quiet = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-  '--disable-component-update', '--disable-sync'];
-// Only WebGL is drawn by SwiftShader: it takes half as long again to draw the rest of the page, too.
-const softwareGl = ['--disable-gpu-compositing', '--enable-unsafe-swiftshader', '--use-gl=angle', '--use-angle=swiftshader'];
+export { launch } from './chromium.mjs';
+
 const patience = Number(process.env.PATIENCE ?? 60000); // software rendering on a small machine is slow. Unit: [ms].
-
-export const launch = () => chromium.launch({ executablePath: browserPath, args: [...quiet, ...softwareGl] });
 
 const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall|status of 422/; // a server that is gone is part of some tests
 
