@@ -48,12 +48,16 @@ export class Program {
   }
 
   /// `waitingAt` is where the simulated hand keeps the tool, in the world.
-  async start(waitingAt, options = []) {
-    const trajectory = path.join(this.folder, 'waiting.csv');
-    await writeFile(trajectory, `t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`);
+  start(waitingAt, options = []) {
     const size = options.includes('--scale') ? [] : ['--scale', '1']; // else the page would look for one
-    this.process = spawn(binary, ['run', this.scene, '--port', String(this.port), '--trajectory', trajectory, ...size, '--frame', 'as-is', ...options],
-      { stdio: ['ignore', 'ignore', 'pipe'] });
+    return this.startWith(`t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`, [this.scene, ...size, '--frame', 'as-is', ...options]);
+  }
+
+  /// `trajectory` is the text of the file that the simulated hand follows. Without a scene it is the built-in one.
+  async startWith(trajectory, options = []) {
+    const file = path.join(this.folder, 'trajectory.csv');
+    await writeFile(file, trajectory);
+    this.process = spawn(binary, ['run', '--port', String(this.port), '--trajectory', file, ...options], { stdio: ['ignore', 'ignore', 'pipe'] });
     let said = '';
     this.process.stderr.on('data', (data) => { said += data; });
     this.ended = new Promise((done) => { this.process.on('exit', done); });
