@@ -156,6 +156,7 @@ const PalpateDevicePlugin& load(const std::string& path) {
     throw Error("{}: there is no such file; give the path of a device plug-in", printable(path));
   // By path, not by the loader's search for a bare name.
   void* library = ::dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+  // glibc keeps the message per thread. NOLINTNEXTLINE(concurrency-mt-unsafe)
   if (library == nullptr) throw Error("{}: cannot be loaded: {}", printable(path), ::dlerror());
   const auto entry =
       reinterpret_cast<decltype(&palpate_device_plugin)>(::dlsym(library, PALPATE_DEVICE_PLUGIN_SYMBOL));

@@ -213,8 +213,9 @@ void add_haze(const AnalyticSurface& surface, const Eigen::AlignedBox3d& box, Ra
   // With n Gaussians per volume, a ray loses n opacity 2 pi a b of -ln(light) per length, on average.
   const double size = (kHazeLarge - kHazeSmall) / std::log(kHazeLarge / kHazeSmall);
   const double each = 0.5 * (kHazeFaint + kHazeOpaque) * 2.0 * pi * size * size;
-  const double wanted = -std::log(1.0 - kHazeTakes) / kHazeOver / each * box.volume();
-  for (double tried = 0.0; tried < wanted; tried += 1.0) {
+  const auto wanted =
+      static_cast<std::size_t>(std::ceil(-std::log(1.0 - kHazeTakes) / kHazeOver / each * box.volume()));
+  for (std::size_t tried = 0; tried < wanted; ++tried) {
     const Vector3d p = place_in(box, random);
     if (!is_air(surface, p)) continue;
     const auto sigma = [&] { return log_uniform(kHazeSmall, kHazeLarge, random); };

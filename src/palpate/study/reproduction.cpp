@@ -63,7 +63,7 @@ class TimedForce final : public ForceModel {
       query(*contacts_, tool_, input.tool, found_);
       input.contacts = &found_;
     }
-    const ForceOutput output = model_.evaluate(input);
+    ForceOutput output = model_.evaluate(input);
     cpu_us_ = kMicro * (thread_time() - cpu);
     wall_us_ = kMicro * (monotonic_now() - wall);
     return output;
@@ -175,7 +175,10 @@ ReproductionContact contact_of(const std::vector<ReproductionTick>& ticks, const
     if (tick.t <= touch.slides - kHoldEnd) {
       // A contact that is lost while the tool moves further in, as behind a thin layer, is no bounce.
       contact.bounces += static_cast<int>(!now && in_contact > way + kBack);
-      in_contact = now ? std::max(in_contact, way) : kNoDepth;
+      if (now)
+        in_contact = std::max(in_contact, way);
+      else
+        in_contact = kNoDepth;
       continue;
     }
     resting.push_back(way);

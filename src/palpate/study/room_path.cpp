@@ -120,9 +120,9 @@ class Route {
     const double length = (to - from).norm();
     const Vector3d way = (to - from) / length;
     if (touching(from) != 0) return std::nullopt;
-    for (double s = 0.0; s < length; s += kFine) {
-      if (touching(from + s * way) >= kSolid) return Vector3d(from + s * way);
-    }
+    double s = 0.0;
+    while (s < length && touching(from + s * way) < kSolid) s += kFine;
+    if (s < length) return Vector3d(from + s * way);
     return std::nullopt;
   }
 

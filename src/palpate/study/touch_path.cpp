@@ -134,9 +134,9 @@ class Prober {
 
   /// True if the tool touches no Gaussian anywhere on the line, between `from` and `to`.
   bool is_clear(const Approach& line, double from, double to) {
-    for (double s = from; s < to; s += kMarchStep * unit_)
-      if (!contacts(line.at(s)).empty()) return false;
-    return contacts(line.at(to)).empty();
+    double s = from;
+    while (s < to && contacts(line.at(s)).empty()) s += kMarchStep * unit_;
+    return s >= to && contacts(line.at(to)).empty();
   }
 
   /// First contact on the line, between `from` and `to`; nothing if there is none. `from` itself if

@@ -94,10 +94,10 @@ std::optional<double> true_touch(const Scene& scene, const TrialAim& aim, const 
   const auto touches = [&](double s) {
     return deepest(scene.place.surface(), aim.tool, upright(way.at(s))) > 0.0;
   };
-  for (double s = kStep; s <= longest; s += kStep) {
-    if (touches(s)) return where_begins(s - kStep, s, touches);
-  }
-  return {};
+  double s = kStep;
+  while (s <= longest && !touches(s)) s += kStep;
+  if (s > longest) return {};
+  return where_begins(s - kStep, s, touches);
 }
 
 /// Distance at which the tool meets the seen surface: by the rays of its whole cross-section, and by denser
@@ -130,10 +130,18 @@ std::optional<double> seen_touch(const Scene& scene, const TrialAim& aim, const 
 /// ticks before the way back
 std::vector<double> ticks_of(double length, double speed, std::size_t& in) {
   std::vector<double> ticks;
-  for (double s = 0.0; s < length; s += speed * kTick) ticks.push_back(s);
+  double s = 0.0;
+  while (s < length) {
+    ticks.push_back(s);
+    s += speed * kTick;
+  }
   ticks.insert(ticks.end(), kRestTicks + 1, length);
   in = ticks.size();
-  for (double s = length - speed * kTick; s > 0.0; s -= speed * kTick) ticks.push_back(s);
+  s = length - speed * kTick;
+  while (s > 0.0) {
+    ticks.push_back(s);
+    s -= speed * kTick;
+  }
   ticks.insert(ticks.end(), kRestTicks + 1, 0.0);
   return ticks;
 }
