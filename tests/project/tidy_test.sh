@@ -17,5 +17,7 @@ if [[ ${1:?$usage} == --joined ]]; then
   done
 else
   cmake --preset release -B "$build" -DCMAKE_UNITY_BUILD=OFF >/dev/null
+  # Headers that are generated.
+  ninja -C "$build" -t targets rule CUSTOM_COMMAND | sed -n '/\.h$/p' | xargs -r ninja -C "$build" >/dev/null
   find "$@" -name '*.cpp' -print0 | xargs -0 -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet
 fi
