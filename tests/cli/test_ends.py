@@ -90,22 +90,30 @@ class Ends(Falls, Live):
                 self.assert_falls(rows, begin, 0.1)
                 self.assertEqual(force(rows[-1]), 0.0)
 
+    def stopped_for(self, gap):
+        """The rows of a run that stood still so long, and which is the first after it."""
+        if os.path.exists(self.path("run.csv")):
+            os.remove(self.path("run.csv"))
+        process = self.start("--json")
+        before = len(self.until_it_leans(process))
+        stop(process)
+        time.sleep(gap)
+        process.send_signal(signal.SIGCONT)
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        self.end(process)
+        rows = self.rows()
+        times = [float(row["t"]) for row in rows]
+        return rows, max(range(before, len(rows)), key=lambda k: times[k] - times[k - 1])
+
     def test_who_was_stopped_goes_through_the_gate(self):
         for gap in (0.06, 0.3, 1.0):
             with self.subTest(gap=gap):
-                if os.path.exists(self.path("run.csv")):
-                    os.remove(self.path("run.csv"))
-                process = self.start("--json")
-                before = len(self.until_it_leans(process))
-                stop(process)
-                time.sleep(gap)
-                process.send_signal(signal.SIGCONT)
-                time.sleep(0.5)
-                process.send_signal(signal.SIGINT)
-                self.end(process)
-                rows = self.rows()
+                for _ in range(3):  # a slow machine may be late just before, too
+                    rows, k = self.stopped_for(gap)
+                    if rows[k - 1]["state"] not in (FALLING, STOPPED):
+                        break
                 times = [float(row["t"]) for row in rows]
-                k = max(range(before, len(rows)), key=lambda k: times[k] - times[k - 1])
                 self.assertGreaterEqual(times[k] - times[k - 1], 0.9 * gap)
                 self.assertEqual(rows[k]["state"], FALLING)
                 self.assertEqual(rows[k]["fault"], LATE_TICK)
