@@ -25,7 +25,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
-from support import PALPATE, ply, wall_rows  # noqa: E402
+from support import PALPATE, ply, threads_of, wall_rows  # noqa: E402
 
 NODE = os.environ["PALPATE_ROS1"]
 PACKAGES = os.environ["PALPATE_ROS1_PACKAGES"]
@@ -437,10 +437,8 @@ class Node(unittest.TestCase):
 
     def test_8_poses_pass_through_real_time_threads_only(self):
         threads = {}  # name: {(policy, priority)}
-        for thread in os.listdir(f"/proc/{self.run_.pid}/task"):
-            with open(f"/proc/{self.run_.pid}/task/{thread}/comm", encoding="utf-8") as name:
-                of_name = threads.setdefault(name.read().strip(), set())
-            of_name.add((os.sched_getscheduler(int(thread)), os.sched_getparam(int(thread)).sched_priority))
+        for thread, name in threads_of(self.run_.pid).items():
+            threads.setdefault(name, set()).add((os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority))
         [(policy, priority)] = threads["palpate-servo"]
         if policy != os.SCHED_FIFO:
             self.skipTest("real-time priority is not permitted here")
