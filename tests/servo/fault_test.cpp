@@ -14,6 +14,7 @@ struct Said {
   std::string_view name;
   double zero_within;  ///< Unit: [s].
   bool until_resume;
+  bool on_request = false;
 };
 
 constexpr Said kSaid[] = {
@@ -27,7 +28,7 @@ constexpr Said kSaid[] = {
     {Fault::kOverEnergy, "over-energy", 0.03, true},
     {Fault::kSlowDevice, "slow-device", 0.1, false},
     {Fault::kChanging, "changing", 0.1, false},
-    {Fault::kPaused, "paused", 0.1, true},
+    {Fault::kPaused, "paused", 0.1, true, true},
     {Fault::kRecorder, "recorder", 0.1, true},
     {Fault::kEmergencyStop, "emergency-stop", 0.03, true},
     {Fault::kLateTick, "late-tick", 0.03, false},
@@ -35,7 +36,7 @@ constexpr Said kSaid[] = {
     {Fault::kStalled, "stalled", 0.0, false},
     {Fault::kForceSensor, "force-sensor", 0.03, false},
     {Fault::kNotFollowing, "not-following", 0.03, true},
-    {Fault::kEnded, "ended", 0.1, true},
+    {Fault::kEnded, "ended", 0.1, true, true},
 };
 
 TEST(Faults, AreAsTheSafetyPageSays) {
@@ -45,6 +46,7 @@ TEST(Faults, AreAsTheSafetyPageSays) {
     EXPECT_EQ(found.name, said.name);
     EXPECT_EQ(found.fall_time, said.zero_within) << said.name;
     EXPECT_EQ(found.latched, said.until_resume) << said.name;
+    EXPECT_EQ(found.requested, said.on_request) << said.name;
     EXPECT_FALSE(found.advice.empty()) << said.name;
     told.insert(said.fault);
   }

@@ -263,7 +263,7 @@ void LiveSystem::stop() {
 
 void LiveSystem::stop_force(Fault why) {
   tick_->governor().stop(why);
-  if (admittance_ != nullptr && traits(why).latched && why != Fault::kPaused && why != Fault::kEnded)
+  if (admittance_ != nullptr && traits(why).latched && !traits(why).requested)
     admittance_->governor().stop(why);
 }
 

@@ -23,7 +23,7 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
      true},
     {"slow-device", "the device responds at less than half its rate; check its connection", kGently, false},
     {"changing", "lift the tool; the force then returns", kGently, false},
-    {"paused", "resume when ready", kGently, true},
+    {"paused", "resume when ready", kGently, true, true},
     {"recorder", "the recording failed; free some disk space and start again", kGently, true},
     {"emergency-stop", "resume when it is safe", kSoon, true},
     {"late-tick", "a tick was late; permit real-time priority, or close other programs", kSoon, false},
@@ -36,7 +36,7 @@ constexpr std::array<FaultTraits, kFaultCount> kTraits{{
      false},
     {"not-following", "the device does not follow its setpoint; remove what blocks it, and check its drives",
      kSoon, true},
-    {"ended", "start again when ready", kGently, true},
+    {"ended", "start again when ready", kGently, true, true},
 }};
 
 }  // namespace

@@ -42,6 +42,8 @@ struct FaultTraits {
   /// True if the force stays off until SafetyGovernor::resume(); otherwise it returns by itself, through the
   /// start gate, once the cause has been absent for SafetyLimits::recover_after.
   bool latched;
+  /// True if the force was stopped on request and nothing has failed.
+  bool requested = false;
 };
 
 const FaultTraits& traits(Fault fault);

@@ -47,7 +47,7 @@ bool is_zero(const Wrench& w) { return w.force.isZero(0.0) && w.torque.isZero(0.
 /// Rank that decides which of two faults is reported.
 int gravity(Fault fault) {
   if (!traits(fault).latched) return 0;
-  if (fault == Fault::kPaused || fault == Fault::kEnded) return 1;
+  if (traits(fault).requested) return 1;
   return fault == Fault::kEmergencyStop ? 3 : 2;
 }
 
