@@ -3,20 +3,25 @@
 import base64
 import json
 import os
+import pathlib
 import re
 import resource
 import signal
 import socket
 import struct
 import subprocess
+import threading
 import time
 import unittest
 
 from support import PALPATE, SANITIZED, Case, path_csv, ply, stood_still, table_of, threads_of, wall_rows
+from test_run import press_path
 
 PATIENCE = 60 if SANITIZED else 20
 KEY = base64.b64encode(b"0123456789abcdef").decode()
 TOKEN = "s3cret_s3cret_s3cret"
+EVERY_TOPIC = ("measured_cp", "measured_cv", "spatial/servo_cf", "body/servo_cf", "proxy_cp", "contacts", "tool", "diagnostics",
+               "parameters", "client/servo_cf")
 SLOW_DISK = os.environ.get("SLOW_DISK_LIBRARY")
 
 
@@ -307,6 +312,41 @@ class Recorded(Gateway):
         self.assertTrue(call("/palpate/record", data=True)["success"], "another may begin")
         self.assertNotIn("the recording", self.parameters(call)["message"])
         self.assertNotIn("recorder", self.end()["faults"])
+
+    @unittest.skipUnless("PALPATE_LONG" in os.environ, "takes five minutes")
+    def test_five_minutes_with_clients_lose_no_row_and_take_no_more_memory(self):
+        self.write("hand.csv", press_path(seconds=400))
+        self.start("--record", "run.csv", "--hand", "0.1,30,1000")
+        for k in range(8):
+            send, receive = self.socket()
+            for topic in EVERY_TOPIC:
+                send({"op": "subscribe", "topic": f"/palpate/{topic}", "compression": ("none", "cbor")[k % 2]})
+            if k:  # the first never reads
+                threading.Thread(target=self.read_all, args=(receive,), daemon=True).start()
+        call = self.client()
+        resident = []  # KiB
+        for _ in range(60):
+            time.sleep(5)
+            call("/palpate/set_parameters", json=json.dumps({"stiffness": 400 + len(resident)}))
+            status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+            resident.append(int(re.search(r"VmRSS:\s+(\d+)", status)[1]))
+        summary = self.end()
+        lines = table_of(self.read("run.csv")).split("\n")
+        self.assertTrue(lines[0].startswith("t,"))
+        times = [float(line.split(",", 1)[0]) for line in lines[1:-1]]
+        self.assertEqual(times, sorted(set(times)))
+        self.assertGreater(summary["ticks"], 250_000)
+        self.assertGreater(summary["contact_ticks"], 100_000)
+        self.assertGreaterEqual(len(times), summary["ticks"])
+        if not SANITIZED:
+            self.assertLess(max(resident) - resident[5], 4096, resident)
+
+    def read_all(self, receive):
+        try:
+            while receive()[0] != 8:
+                pass
+        except (OSError, ValueError):
+            pass  # the run has ended
 
 
 class Silent(Gateway):
