@@ -56,9 +56,9 @@ def memory_of(process):
     return [value / 1024 for value in (kb["Rss"], kb["Pss"], shared, private)]
 
 
-def row(name, groups):
+def measure(name, groups, processes):
+    """One row of the table, of processes that were started for these groups of hands; it ends them."""
     count = sum(len(hands) for hands in groups)
-    processes = [start(hands) for hands in groups]
     until = time.monotonic() + PATIENCE
     while sum(map(loops_of, processes)) < count:
         assert time.monotonic() < until, "they do not start"
@@ -77,8 +77,17 @@ def row(name, groups):
     p50 = statistics.median(hand["tick_us"]["p50"] for hand in hands)
     p99 = statistics.median(hand["tick_us"]["p99"] for hand in hands)
     late = statistics.median(hand["late_us"]["p99"] for hand in hands)
-    print(f"| {count} | {name} | {100 * cores:.0f} | {count / cores:.0f} | {resident:.0f} | {proportional:.0f} | {shared / len(groups):.0f} | "
-          f"{private / len(groups):.1f} | {p50:.1f} | {p99:.1f} | {late:.0f} | {100 * overruns / (ticks + overruns):.2f} |", flush=True)
+    return (f"| {count} | {name} | {100 * cores:.0f} | {count / cores:.0f} | {resident:.0f} | {proportional:.0f} | {shared / len(groups):.0f} | "
+            f"{private / len(groups):.1f} | {p50:.1f} | {p99:.1f} | {late:.0f} | {100 * overruns / (ticks + overruns):.2f} |")
+
+
+def row(name, groups):
+    processes = [start(hands) for hands in groups]
+    try:
+        print(measure(name, groups, processes), flush=True)
+    finally:
+        for process in processes:
+            process.kill()  # those that are left after an error
 
 
 prepare()
