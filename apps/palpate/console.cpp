@@ -50,16 +50,23 @@ void Console::wait_for_no_force() {
 void Console::tell_transitions() {
   for (std::size_t k = 0; k < views_.size(); ++k) {
     const auto transitions = views_[k]->transitions();
-    const LiveHands::Hand& hand = hands_.all()[k];
-    for (; told_[k] < transitions.size(); ++told_[k]) {
-      const GovernorTransition& change = transitions[told_[k]];
-      if (change.fault == Fault::kNone || change.to != GovernorState::kFalling) continue;
-      const std::string_view device = hand.system->device_fault();
-      tell(fmt::format("{:.3f} s: {}no force: {}: {}{}{}", change.t, said_of(hand.name),
-                       traits(change.fault).name, traits(change.fault).advice,
-                       device.empty() ? "" : "; the device reports: ", device));
+    for (; told_[k].transitions < transitions.size(); ++told_[k].transitions) {
+      const GovernorTransition& change = transitions[told_[k].transitions];
+      if (change.fault == Fault::kStalled && std::exchange(told_[k].stall, false)) continue;  // told below
+      if (change.to == GovernorState::kFalling) tell_fault(k, change.t, change.fault);
     }
+    const bool stalled = views_[k]->has_stalled();
+    if (stalled && !told_[k].stall) tell_fault(k, views_[k]->newest().t, Fault::kStalled);
+    told_[k].stall = stalled;
   }
+}
+
+void Console::tell_fault(std::size_t hand, double t, Fault fault) {
+  if (fault == Fault::kNone) return;
+  const auto& [name, system] = hands_.all()[hand];
+  const std::string_view device = system->device_fault();
+  tell(fmt::format("{:.3f} s: {}no force: {}: {}{}{}", t, said_of(name), traits(fault).name,
+                   traits(fault).advice, device.empty() ? "" : "; the device reports: ", device));
 }
 
 void Console::tell(const std::string& message) {

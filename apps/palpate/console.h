@@ -46,6 +46,7 @@ class Console {
   void clear();
   void draw();
   std::string line_of(std::size_t hand) const;
+  void tell_fault(std::size_t hand, double t, Fault fault);
   bool act(char key);
   void pause_or_go_on();
   void make_stiffer(double times);
@@ -60,7 +61,11 @@ class Console {
   std::size_t drawn_ = 0;  ///< number of lines currently on the terminal
   NonblockingStderr stderr_;
   Keyboard keyboard_;
-  std::vector<std::size_t> told_;  ///< number of transitions reported, per hand
+  struct Told {
+    std::size_t transitions = 0;  ///< number of transitions reported
+    bool stall = false;           ///< that the loop has stalled since its last tick
+  };
+  std::vector<Told> told_;  ///< per hand
 };
 
 }  // namespace palpate::cli

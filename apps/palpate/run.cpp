@@ -256,12 +256,20 @@ void run(const RunOptions& options) {
   for (LiveSystem* system : systems) system->begin_to_stop();  // they ramp down while the gateway stops
   if (gateway) gateway->stop();
   hands.stop();
+  std::string left;  // devices whose drivers hang
+  for (const LiveHands::Hand& hand : hands.all()) {
+    if (hand.system->has_left_device())
+      left += fmt::format(
+          "{}{}the driver of {} does not return; its motors were told to stop, and it is not closed",
+          left.empty() ? "" : "; ", said_of(hand.name), hand.system->device().name);
+  }
   signals.reset();  // no force is left: from here, a signal may end the program
   recordings.close();
   failure = recordings.failure();
   if (talks || options.common.json) tell_outcomes(outcomes, hands, options.common.json);
   if (talks && !options.common.json && !failure) recordings.print();
   if (failure) throw Error("{}", *failure);
+  if (!left.empty()) throw Error("{}", left);
 }
 
 }  // namespace

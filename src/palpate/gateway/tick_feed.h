@@ -23,16 +23,24 @@ class TickFeed final : public TickObserver {
 
   /// The servo thread.
   void see(const TickRecord& record, const TickTimes& times) override {
+    stall_.clear();
     const std::uint64_t answers = hand_.seen();
     ticks_.back() = {record, times, answers};
     ticks_.publish();
     if (hand_.is_held()) wake_.set();
   }
+  void stall() override {
+    stall_.set();
+    if (hand_.is_held()) wake_.set();
+  }
 
   /// \name One other thread
   /// @{
-  /// Returns whether there was a tick since the last call, and moves newest() to it.
-  bool update() { return ticks_.update(); }
+  /// Returns whether there was a tick since the last call, or the loop has stalled, and moves newest() to it.
+  bool update() {
+    const bool ticked = ticks_.update();
+    return stall_.apply(ticks_.front().record) || ticked;
+  }
   const Tick& newest() const { return ticks_.front(); }
   Wake& wake() { return wake_; }
   /// @}
@@ -40,6 +48,7 @@ class TickFeed final : public TickObserver {
  private:
   const ClientHand& hand_;
   TripleBuffer<Tick> ticks_;
+  StallFlag stall_;
   Wake wake_;
 };
 

@@ -30,6 +30,8 @@ namespace {
 constexpr double kTares = 1.5;
 /// Time for a simulated hand to reach another scene. Unit: [s].
 constexpr double kMoves = 1.5;
+/// Longest time without a tick after which a loop that is to end is taken to hang in its driver. Unit: [s].
+constexpr double kEnds = 1.0;
 constexpr const char* kFollows = "the first hand owns the scene; change it there";
 /// Number of Gaussians across a tool above which a search is slow enough for a thread of its own.
 constexpr double kManyContacts = 200.0;
@@ -104,7 +106,10 @@ LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene* scene,
   open(std::move(device));
 }
 
-LiveSystem::~LiveSystem() { stop(); }
+LiveSystem::~LiveSystem() {
+  stop();
+  if (device_hangs_) static_cast<void>(device_.release());
+}
 
 void LiveSystem::read_motion() {
   const DeviceConfig& device = settings_.device;
@@ -256,8 +261,15 @@ void LiveSystem::stop() {
   }
   wanted_.notify_all();
   // The force is stopped first: the changer thread may need a while to finish.
-  if (loop_) loop_->stop();
-  device_->close();
+  if (loop_ && !loop_->stop(kEnds)) {
+    if (guarded_->abandon()) {
+      loop_->abandon();
+      device_hangs_ = true;
+    } else {
+      loop_->stop();
+    }
+  }
+  device_hangs_ ? device_->stop() : device_->close();
   if (changer_.joinable()) changer_.join();
 }
 

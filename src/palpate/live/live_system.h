@@ -71,8 +71,11 @@ class LiveSystem {
   /// Starts ramping the force down. Owner's thread, before stop(), which then waits less: when several
   /// systems stop, their forces fall together.
   void begin_to_stop();
-  /// Ramps the force down, closes the device and stops the loop. Owner's thread; further calls do nothing.
+  /// Ramps the force down, closes the device and stops the loop. Owner's thread; further calls do nothing. A
+  /// device whose driver does not return is stopped and not closed; it and its thread are then left behind.
   void stop();
+  /// Returns whether stop() had to leave the device behind. Owner's thread.
+  bool has_left_device() const { return device_hangs_; }
 
   /// Called with every newly active scene, on a separate thread. Must be set before start().
   std::function<void(const SharedScene& scene)> on_scene;
@@ -200,6 +203,7 @@ class LiveSystem {
   std::unique_ptr<HapticDevice> device_;
   std::optional<GuardedDevice> guarded_;  ///< device_ as the loop sees it
   AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
+  bool device_hangs_ = false;
   std::unique_ptr<ServoTick> tick_;
   std::unique_ptr<ServoLoop> loop_;
 

@@ -21,11 +21,13 @@ OrderedJson times_json(const TimeHistogram& times) {
 
 std::vector<std::string> faults_of(const LiveView& view) {
   std::vector<std::string> names;
-  for (const GovernorTransition& change : view.transitions()) {
-    const std::string name(traits(change.fault).name);
-    if (change.fault != Fault::kNone && std::find(names.begin(), names.end(), name) == names.end())
+  const auto add = [&names](Fault fault) {
+    const std::string name(traits(fault).name);
+    if (fault != Fault::kNone && std::find(names.begin(), names.end(), name) == names.end())
       names.push_back(name);
-  }
+  };
+  for (const GovernorTransition& change : view.transitions()) add(change.fault);
+  if (view.has_stalled()) add(Fault::kStalled);
   return names;
 }
 

@@ -1,51 +1,96 @@
 #include <palpate/servo/guarded_device.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
+
+#include <unistd.h>
 
 namespace palpate {
 namespace {
 
 constexpr std::string_view kUnknown = "its driver failed";
 
+/// Where the loop's thread is.
+enum class Where : std::uint8_t { kOutside, kInside, kAbandoned };
+
 }  // namespace
 
-/// \returns false if the driver throws or has thrown.
-template <class Call>
-bool GuardedDevice::guard(const Call& call) {
+/// What a call of the driver uses.
+struct GuardedDevice::Call {
+  std::atomic<Where> where = Where::kOutside;
+  DeviceReading reading;
+  Wrench wrench;
+  LoopClock clock;
+
+  void enter() { where.store(Where::kInside, std::memory_order_release); }
+  /// Does not return if the call was abandoned.
+  void leave() {
+    Where inside = Where::kInside;
+    if (where.compare_exchange_strong(inside, Where::kOutside, std::memory_order_acq_rel)) return;
+    for (;;) ::pause();
+  }
+};
+
+GuardedDevice::GuardedDevice(HapticDevice& device) : device_(device), call_(std::make_unique<Call>()) {}
+GuardedDevice::~GuardedDevice() = default;
+
+bool GuardedDevice::abandon() noexcept {
+  Where inside = Where::kInside;
+  if (!call_->where.compare_exchange_strong(inside, Where::kAbandoned, std::memory_order_acq_rel))
+    return false;
+  static_cast<void>(call_.release());  // used if the driver ever returns
+  return true;
+}
+
+/// \param work calls the driver, and uses nothing of this object but its parameters \returns false if the
+/// driver throws or has thrown.
+template <class Work>
+bool GuardedDevice::guard(const Work& work) {
   if (!thrown().empty()) return false;
+  Call& call = *call_;
   std::string_view why = kUnknown;
   const auto keep = [&] {
     const std::size_t length = why.copy(text_.data(), text_.size());
     device_.stop();
     length_.store(length, std::memory_order_release);
   };
+  call.enter();
   try {
-    return call();
+    const bool done = work(device_, call);
+    call.leave();
+    return done;
   } catch (const std::exception& error) {
+    call.leave();
     if (*error.what() != '\0') why = error.what();
     keep();
   } catch (...) {
+    call.leave();
     keep();
   }
   return false;
 }
 
 bool GuardedDevice::read(double t, DeviceReading& reading) {
-  return guard([&] { return device_.read(t, reading); });
+  call_->reading = reading;
+  if (!guard([t](HapticDevice& device, Call& call) { return device.read(t, call.reading); })) return false;
+  reading = call_->reading;
+  return true;
 }
 
 void GuardedDevice::wait(const LoopClock& clock, double until) {
-  const bool waited = guard([&] {
-    device_.wait(clock, until);
+  call_->clock = clock;
+  const bool waited = guard([until](HapticDevice& device, Call& call) {
+    device.wait(call.clock, until);
     return true;
   });
   if (!waited) clock.sleep_until(until);  // the schedule continues, and with it the ramp-down of the force
 }
 
 void GuardedDevice::write(const Wrench& wrench) {
-  guard([&] {
-    device_.write(wrench);
+  call_->wrench = wrench;
+  guard([](HapticDevice& device, Call& call) {
+    device.write(call.wrench);
     return true;
   });
 }

@@ -24,7 +24,16 @@ void LiveView::remember(const TickRecord& record) {
   fault_ = record.fault;
 }
 
+bool LiveView::update() {
+  const bool ticked = newest_.update();
+  auto& [record, times, totals] = newest_.front();
+  if (!stall_.apply(record)) return ticked;
+  totals.state = record.state;
+  return true;
+}
+
 void LiveView::see(const TickRecord& record, const TickTimes& times) {
+  stall_.clear();
   add(record);
   ends_ = ends_ || record.fault == Fault::kEnded;
   if (!ends_) remember(record);

@@ -28,12 +28,15 @@ struct LiveTotals {
 class LiveView final : public TickObserver {
  public:
   void see(const TickRecord& record, const TickTimes& times) override;
+  void stall() override { stall_.set(); }
 
-  /// Returns true if there was a tick since the last call, which newest() then returns.
-  bool update() { return newest_.update(); }
+  /// Returns true if there was a tick since the last call, or the loop has stalled; newest() then says so.
+  bool update();
   const TickRecord& newest() const { return newest_.front().record; }
   const TickTimes& times() const { return newest_.front().times; }
   LiveTotals totals() const { return newest_.front().totals; }
+  /// Returns whether the loop has stalled since its last tick, which is in no transition yet. Any thread.
+  bool has_stalled() const { return stall_.is_set(); }
 
   /// State transitions, oldest first; only the first kRemembered are kept. Any thread.
   std::span<const GovernorTransition> transitions() const {
@@ -52,6 +55,7 @@ class LiveView final : public TickObserver {
   void remember(const TickRecord& record);
 
   TripleBuffer<Snapshot> newest_;
+  StallFlag stall_;
   std::array<GovernorTransition, kRemembered> transitions_;
   std::atomic<std::size_t> remembered_ = 0;
   // Of the servo thread.

@@ -11,20 +11,53 @@ constexpr double kAgeShare = 0.05;
 
 }  // namespace
 
+bool StallFlag::apply(TickRecord& record) const {
+  if (!is_set() || record.fault == Fault::kStalled) return false;
+  record.state = GovernorState::kStopped;
+  record.fault = Fault::kStalled;
+  record.sent = record.sent_world = {};
+  record.force_scale = 0.0;
+  return true;
+}
+
 ServoLoop::ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickObserver*> observers,
                      const Options& options)
     : tick_(tick),
       clock_(clock),
       observers_(std::move(observers)),
-      thread_([this, options] { run(options); }),
+      thread_([this, options] {
+        run(options);
+        ended_.store(true, std::memory_order_release);
+      }),
       watchdog_([this, options] { watch(options); }) {}
 
 ServoLoop::~ServoLoop() { stop(); }
 
-void ServoLoop::stop() {
-  if (!thread_.joinable()) return;
+bool ServoLoop::stop(double patience) {
+  if (!thread_.joinable()) return true;
   ends_.store(true, std::memory_order_relaxed);
+  constexpr double kLook = 1e-3;  // s
+  std::uint64_t seen = 0;
+  // Counts its own waits: a program that was stopped meanwhile has not waited.
+  for (double waited = 0.0; !ended_.load(std::memory_order_acquire); waited += kLook) {
+    if (waited >= patience) return false;
+    sleep_until(monotonic_now() + kLook);
+    if (const std::uint64_t now = statistics_.ticks.load(std::memory_order_relaxed); now != seen) {
+      seen = now;
+      waited = 0.0;
+    }
+  }
   thread_.join();
+  end_watchdog();
+  return true;
+}
+
+void ServoLoop::abandon() {
+  thread_.detach();
+  end_watchdog();
+}
+
+void ServoLoop::end_watchdog() {
   over_.store(true, std::memory_order_relaxed);
   watchdog_.join();
 }
@@ -46,6 +79,7 @@ void ServoLoop::watch(const Options& options) {
       since = clock_.now();
     } else if (clock_.now() - since > patience) {
       tick_.stall();
+      for (TickObserver* observer : observers_) observer->stall();
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +32,24 @@ class TickObserver {
  public:
   virtual ~TickObserver() = default;
   virtual void see(const TickRecord& record, const TickTimes& times) = 0;
+  /// The loop has stalled since the last see(), and its device was stopped. Called by the watchdog, on a
+  /// thread of its own, again and again until the loop ticks; it must not block.
+  virtual void stall() {}
+};
+
+/// Passes on that a loop has stalled, from the thread of TickObserver::stall() to the one that shows the last
+/// tick.
+class StallFlag {
+ public:
+  void set() { stalled_.store(true, std::memory_order_relaxed); }
+  void clear() { stalled_.store(false, std::memory_order_relaxed); }
+  bool is_set() const { return stalled_.load(std::memory_order_relaxed); }
+  /// If the loop has stalled since the tick of `record`, changes it to what holds now: the motors are off.
+  /// \returns true if it was changed.
+  bool apply(TickRecord& record) const;
+
+ private:
+  std::atomic<bool> stalled_ = false;
 };
 
 /// Statistics of a loop since its start. Any thread may read them while it runs.
@@ -60,8 +79,12 @@ class ServoLoop {
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
-  /// Pauses the force, waits until it has fallen to zero, and ends the thread.
-  void stop();
+  /// Pauses the force, waits until it has fallen to zero, and ends the thread. \param patience longest wait
+  /// without a tick. Unit: [s]. \returns false if the thread has not ended then; stop() may be called again.
+  bool stop(double patience = std::numeric_limits<double>::infinity());
+  /// After stop() has returned false: leaves the thread behind. \pre it never returns from the device, see
+  /// GuardedDevice::abandon()
+  void abandon();
 
   const LoopStatistics& statistics() const { return statistics_; }
   /// Timeout of the watchdog; three periods if they are longer. Unit: [s].
@@ -74,6 +97,7 @@ class ServoLoop {
   void run(const Options& options);
   void tick(double due);
   void watch(const Options& options);
+  void end_watchdog();
 
   ServoTick& tick_;
   LoopClock clock_;
@@ -81,7 +105,7 @@ class ServoLoop {
   LoopStatistics statistics_;
   double mean_age_ = 0.0;             ///< TickTimes::age, filtered. Unit: [s].
   std::vector<std::string> refused_;  ///< written before begun_ is set
-  std::atomic<bool> begun_ = false, ends_ = false, over_ = false;
+  std::atomic<bool> begun_ = false, ends_ = false, ended_ = false, over_ = false;
   std::thread thread_, watchdog_;
 };
 
