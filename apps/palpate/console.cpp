@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <palpate/live/run_signals.h>
+#include <palpate/scene/material_properties.h>
 
 #include "output.h"
 
@@ -16,9 +17,10 @@ namespace {
 constexpr double kMicro = 1e6;
 /// Interval between updates of the display. Unit: [s].
 constexpr double kLook = 0.05;
-/// Factor on the stiffness per press of + (- divides by it), and its limits relative to the initial
+/// Factor on the stiffness per press of + (- divides by it), and how far they go, relative to the initial
 /// stiffness.
 constexpr double kStiffer = 1.25, kLeastGain = 0.05, kMostGain = 20.0;
+constexpr double kMostStiffness = kMaterialProperties[kMaterialStiffness].most;
 /// Largest number of status lines, which fits on any terminal.
 constexpr std::size_t kMostLines = 20;
 
@@ -132,10 +134,7 @@ bool Console::act(char key) {
       break;
     case '+': make_stiffer(kStiffer); break;
     case '-': make_stiffer(1.0 / kStiffer); break;
-    case 'c':
-      clutched_ = !clutched_;
-      first.tick().press_clutch(clutched_);
-      break;
+    case 'c': first.tick().press_clutch(!first.tick().is_clutch_pressed()); break;
     case 'q': return false;
     default: break;
   }
@@ -144,17 +143,20 @@ bool Console::act(char key) {
 
 /// Pauses or resumes all hands, depending on the state of the first.
 void Console::pause_or_go_on() {
-  const bool paused = views_.front()->newest().fault == Fault::kPaused;
+  const bool paused = views_.front()->newest().paused;
   for (const LiveHands::Hand& hand : hands_.all()) {
     SafetyGovernor& governor = hand.system->tick().governor();
     paused ? governor.unpause() : governor.stop(Fault::kPaused);
   }
 }
 
+/// A stiffness that was set beyond the limits elsewhere stays until a key leads back.
 void Console::make_stiffer(double times) {
   hands_.first().change([&](LiveConfig& settings) {
     double& stiffness = settings.force.proxy.stiffness;
-    stiffness = std::clamp(times * stiffness, kLeastGain * stiffness_, kMostGain * stiffness_);
+    stiffness = times > 1.0 ? std::max(stiffness,
+                                       std::min({times * stiffness, kMostGain * stiffness_, kMostStiffness}))
+                            : std::min(stiffness, std::max(times * stiffness, kLeastGain * stiffness_));
   });
 }
 

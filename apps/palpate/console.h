@@ -57,7 +57,6 @@ class Console {
   bool quiet_;
   double stiffness_;  ///< initial stiffness of the first hand. Unit: [N/m].
   bool draws_;
-  bool clutched_ = false;
   std::size_t drawn_ = 0;  ///< number of lines currently on the terminal
   NonblockingStderr stderr_;
   Keyboard keyboard_;

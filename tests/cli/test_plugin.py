@@ -1,12 +1,13 @@
 """palpate run --device plugin:PATH.so, and what it refuses."""
 
+import json
 import os
 import signal
 import subprocess
 import time
 import unittest
 
-from support import PALPATE, Case, faults_but_late, ply, wall_rows
+from support import PALPATE, Case, faults_but_late, ply, rows_of, wall_rows
 
 PLUGINS = os.environ.get("PALPATE_PLUGINS", os.path.join(os.path.dirname(__file__), "../../build/release/plugins"))
 
@@ -65,6 +66,21 @@ class Plugin(Case):
                 process.communicate(timeout=60)
                 self.assertEqual(process.returncode, -deadly)
                 self.assertEqual(self.read("motors"), left)
+
+    def test_a_driver_that_hangs_is_shown_and_left_behind(self):
+        process = subprocess.Popen([PALPATE, "run", *self.common, "--device", plugin("bad_hangs"), "--record", "run.csv", "--json"],
+                                   cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        while b"no force: stalled" not in (line := process.stderr.readline()):
+            self.assertTrue(line, "it never said so")
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, err)
+        self.assertIn(b"does not return; its motors were told to stop", err)
+        summary = json.loads(out)
+        self.assertIn("stalled", summary["faults"])
+        self.assertEqual(summary["state"], "stopped")
+        self.assertGreaterEqual(len(rows_of(self.read("run.csv"))), summary["ticks"])
 
     def test_what_is_no_name_is_bad_usage(self):
         self.refuse(2, "--device", "run", *self.common, "--device", "arm.so", "--seconds", "1")

@@ -212,6 +212,58 @@ INSTANTIATE_TEST_SUITE_P(
         Mishap{"SaysNaN", [] { return scripted(DeviceFault::kNan); }, ""}),
     [](const auto& mishap) { return mishap.param.name; });
 
+/// Its driver never returns from the read() after `steps`.
+class Hung final : public HapticDevice {
+ public:
+  explicit Hung(int steps) : steps_(steps) {}
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double t, DeviceReading& reading) override {
+    while (++step_ > steps_) sleep_until(monotonic_now() + 10.0);
+    reading = {t, DevicePose(pose_at(step_)), {}, 0};
+    return true;
+  }
+  void write(const Wrench&) override {}
+
+ private:
+  int steps_;
+  DeviceCapabilities capabilities_ = test::capabilities();
+  int step_ = 0;
+};
+
+TEST(LiveHands, EndWithoutTheOneWhoseDriverHangs) {
+  bool closed = false;
+  struct Closes final : HapticDevice {
+    explicit Closes(bool& closed) : closed_(closed) {}
+    const DeviceCapabilities& capabilities() const override { return stepper_.capabilities(); }
+    bool read(double t, DeviceReading& reading) override { return stepper_.read(t, reading); }
+    void write(const Wrench& wrench) override { stepper_.write(wrench); }
+    void close() noexcept override {
+      closed_ = true;
+      HapticDevice::close();
+    }
+    bool& closed_;
+    Stepper stepper_;
+  };
+  LiveView first, last;
+  {
+    LiveHands hands(setups(hand("", field_config(), std::make_unique<Hung>(300)),
+                           hand("last", field_config(), std::make_unique<Closes>(closed))));
+    hands.start({{&first}, {&last}});
+    EXPECT_TRUE(comes_true([&] {
+      first.update();
+      return first.newest().fault == Fault::kStalled &&
+             hands.all()[1].system->loop().statistics().ticks > 600;
+    }));
+    hands.stop();
+    EXPECT_TRUE(hands.first().has_left_device());
+    EXPECT_FALSE(hands.all()[1].system->has_left_device());
+    EXPECT_TRUE(closed);
+    EXPECT_FALSE(hands.first().provenance("run").made.empty());
+  }
+  last.update();
+  EXPECT_EQ(last.newest().state, GovernorState::kStopped);
+}
+
 TEST(LiveHands, StopsAllOrOne) {
   LiveHands hands(setups(hand("", field_config(), std::make_unique<Stepper>()),
                          hand("left", field_config(), std::make_unique<Stepper>())));

@@ -1,6 +1,9 @@
 // The live system as an application embeds it: with a device of its own.
 #include <palpate/live/live_system.h>
 
+#include <atomic>
+#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -141,6 +144,111 @@ TEST(LiveSystem, KeepsItsSettingsWhereAnEditFails) {
                Error);
   EXPECT_EQ(system.settings(), plane_config());
   system.stop();
+}
+
+/// A system of which a change that leaves nothing to touch is held up while it is made.
+class HeldUp {
+ public:
+  explicit HeldUp(const LiveConfig& config = plane_config(),
+                  std::unique_ptr<HapticDevice> device = own_device())
+      : system(config, std::move(device), [this](const std::string&) {
+          if (!holds) return;
+          is_held = true;
+          while (holds) sleep_until(monotonic_now() + 1e-3);
+        }) {
+    system.start({&view});
+  }
+  ~HeldUp() { holds = false; }
+  HeldUp(const HeldUp&) = delete;
+  HeldUp& operator=(const HeldUp&) = delete;
+  double force() {
+    view.update();
+    return view.newest().sent.force.norm();
+  }
+
+  std::atomic<bool> holds = false, is_held = false;
+  LiveView view;
+  LiveSystem system;
+};
+
+void set_stiffness(LiveSystem& system, double stiffness) {
+  system.change([=](LiveConfig& c) { c.force.proxy.stiffness = stiffness; });
+}
+
+TEST(LiveSystem, TheStiffnessTakesEffectWhileASceneLoadsAndStaysIfThatFails) {
+  HeldUp held;
+  const TemporaryFile other(ply_bytes(make_scene(*make_surface("sphere"), {}), "ball"), "ball.ply");
+  const auto before = held.system.felt();
+  held.system.change([](LiveConfig& c) { c.scene.filter.opacity_min = 1.0; });
+  EXPECT_TRUE(comes_true([&] { return held.system.felt() != before && held.system.busy().empty(); }));
+  held.holds = true;
+  held.system.open_scene(other.path());
+  EXPECT_TRUE(comes_true([&] { return held.is_held.load(); }));
+  set_stiffness(held.system, 100.0);
+  EXPECT_EQ(held.system.tick().wanted_gain(), 100.0 / 500.0);
+  EXPECT_EQ(held.system.settings().scene.path, other.path());
+  held.holds = false;
+  EXPECT_TRUE(comes_true([&] { return held.system.settings().scene.path == plane(); }));
+  EXPECT_THAT(held.system.message(), testing::HasSubstr("no Gaussian passes"));
+  EXPECT_EQ(held.system.settings().force.proxy.stiffness, 100.0);
+  EXPECT_TRUE(comes_true([&] { return held.system.busy().empty(); }));
+  EXPECT_EQ(held.system.tick().wanted_gain(), 100.0 / 500.0);
+  EXPECT_THAT(held.system.message(), testing::HasSubstr("no Gaussian passes"))
+      << "of the stiffness, which is fine";
+  held.system.stop();
+}
+
+TEST(LiveSystem, SaysHowARecordingIsMadeByWhatIsFeltAndNotByWhatIsWanted) {
+  HeldUp held;
+  held.holds = true;
+  const auto made = [&] { return to_toml(held.system.provenance("run")); };
+  held.system.change([](LiveConfig& c) { c.scene.filter.opacity_min = 1.0; });
+  EXPECT_TRUE(comes_true([&] { return held.is_held.load(); }));
+  EXPECT_THAT(made(), testing::HasSubstr("opacity-min = 0.1"));
+  held.holds = false;
+  EXPECT_TRUE(comes_true([&] { return testing::Value(made(), testing::HasSubstr("opacity-min = 1")); }))
+      << made();
+  held.system.stop();
+}
+
+TEST(LiveSystem, ASceneWhoseFileWasReplacedIsNotFilteredAnew) {
+  const TemporaryFile file(ply_bytes(make_scene(*make_surface("plane"), {}), "plane"), "scene.ply");
+  LiveConfig config = plane_config();
+  config.scene.path = file.path();
+  LiveSystem system(config, own_device());
+  LiveView view;
+  system.start({&view});
+  const auto before = system.felt();
+  {
+    const TemporaryFile other(ply_bytes(make_scene(*make_surface("sphere"), {}), "ball"), "ball.ply");
+    std::filesystem::rename(other.path(), file.path());
+  }
+  system.change([](LiveConfig& c) { c.scene.filter.opacity_min = 0.2; });
+  EXPECT_TRUE(comes_true([&] { return !system.message().empty(); }));
+  EXPECT_THAT(system.message(), testing::HasSubstr("has changed since it was opened"));
+  EXPECT_EQ(system.felt(), before);
+  EXPECT_EQ(system.settings(), config);
+  system.stop();
+}
+
+TEST(LiveSystem, AStiffnessOfZeroCanBeRaised) {
+  LiveConfig config = plane_config();
+  config.force.proxy.stiffness = 0.0;
+  // A spring that grows under load takes nothing that the hand has not put in: the hand must let go once.
+  const auto to_and_fro = [](double t) {
+    Pose pose;
+    pose.position.z() = 0.05 - 0.012 * std::abs(std::sin(2.0 * t));
+    return pose;
+  };
+  HeldUp held(config, std::make_unique<ScriptedDevice>(own_device()->capabilities(), to_and_fro));
+  EXPECT_TRUE(comes_true([&] {
+    held.view.update();
+    return held.view.newest().contacts > 0 && held.view.newest().state == GovernorState::kActive;
+  }));
+  EXPECT_EQ(held.force(), 0.0);
+  set_stiffness(held.system, 500.0);
+  EXPECT_TRUE(comes_true([&] { return held.force() > 0.3; }));
+  held.system.stop();
 }
 
 TEST(LiveSystem, SaysWhatIsMissing) {

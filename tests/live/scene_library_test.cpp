@@ -2,6 +2,7 @@
 #include <palpate/live/scene_library.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -91,14 +92,14 @@ TEST_F(SceneLibraryTest, KeepsWhatIsHandedOverInAFolderOfItsOwnUntilItEnds) {
               fs::perms::none);
     EXPECT_THAT(names(library), testing::ElementsAre("The built-in still life")) << "it is not there yet";
     std::ofstream(place) << "ply";
-    library.have(place, "");
+    library.have(place, {});
     EXPECT_EQ(library.path_of("handed-over/my_scene__1_.ply"), place);
     const std::string second = library.place_for("second.ply", 100);
     std::ofstream(second) << "ply";
-    library.have(second, place);  // the first is still felt
+    library.have(second, std::array{place});  // the first is still felt
     EXPECT_TRUE(fs::exists(place));
     const std::string third = library.place_for("third.ply", 100);
-    library.have(third, second);
+    library.have(third, std::array{second});
     EXPECT_FALSE(fs::exists(place));
     EXPECT_TRUE(fs::exists(second));
     library.drop(third);

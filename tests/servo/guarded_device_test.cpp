@@ -1,7 +1,10 @@
 #include <palpate/servo/guarded_device.h>
 
+#include <atomic>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -66,6 +69,45 @@ TEST_P(GuardedDeviceTest, AsksADriverThatThrewNoMore) {
 
 INSTANTIATE_TEST_SUITE_P(Calls, GuardedDeviceTest,
                          testing::Values(Thrower::At::kRead, Thrower::At::kWait, Thrower::At::kWrite));
+
+/// Does not return from read() until it is let.
+class Hanger final : public HapticDevice {
+ public:
+  std::atomic<bool> is_in = false, may_return = false, has_returned = false;
+
+  const DeviceCapabilities& capabilities() const override { return capabilities_; }
+  bool read(double t, DeviceReading& reading) override {
+    is_in = true;
+    while (!may_return) sleep_until(monotonic_now() + 1e-3);
+    reading.t = t;
+    has_returned = true;
+    return true;
+  }
+  void write(const Wrench&) override {}
+
+ private:
+  DeviceCapabilities capabilities_;
+};
+
+TEST(GuardedDevice, LeavesTheThreadOfACallThatHangsBehind) {
+  static Hanger driver;  // the thread may use it for as long as the program runs
+  static std::atomic<bool> came_back = false;
+  static DeviceReading reading;
+  auto device = std::make_unique<GuardedDevice>(driver);
+  EXPECT_FALSE(device->abandon()) << "nothing hangs";
+  std::thread([&device = *device] {
+    device.read(7.0, reading);
+    came_back = true;
+  }).detach();
+  while (!driver.is_in) sleep_until(monotonic_now() + 1e-3);
+  EXPECT_TRUE(device->abandon());
+  device.reset();
+  driver.may_return = true;
+  while (!driver.has_returned) sleep_until(monotonic_now() + 1e-3);
+  sleep_until(monotonic_now() + 0.05);
+  EXPECT_FALSE(came_back);
+  EXPECT_EQ(reading.t, 0.0);
+}
 
 /// Throws what says nothing.
 class Silent final : public HapticDevice {

@@ -45,6 +45,34 @@ TEST(LiveView, TheEndOfTheLoopIsNoChangeOfTheRun) {
   EXPECT_EQ(view.newest().state, GovernorState::kStopped);
 }
 
+TEST(LiveView, ShowsALoopThatHasStalledWithoutForce) {
+  LiveView view;
+  TickRecord active = record_of(1.0, GovernorState::kActive, Fault::kNone);
+  active.sent.force.x() = active.sent_world.force.x() = 2.0;
+  active.force_scale = 1.0;
+  view.see(active, {});
+  EXPECT_TRUE(view.update());
+  EXPECT_FALSE(view.update());
+  EXPECT_FALSE(view.has_stalled());
+  view.stall();
+  EXPECT_TRUE(view.has_stalled());
+  EXPECT_TRUE(view.update());
+  EXPECT_FALSE(view.update()) << "it was told";
+  EXPECT_EQ(view.newest().t, 1.0);
+  EXPECT_EQ(view.newest().state, GovernorState::kStopped);
+  EXPECT_EQ(view.newest().fault, Fault::kStalled);
+  EXPECT_TRUE(view.newest().sent.force.isZero(0.0));
+  EXPECT_TRUE(view.newest().sent_world.force.isZero(0.0));
+  EXPECT_EQ(view.newest().force_scale, 0.0);
+  EXPECT_EQ(view.totals().state, GovernorState::kStopped);
+  active.t = 2.0;
+  view.see(active, {});
+  EXPECT_TRUE(view.update());
+  EXPECT_FALSE(view.has_stalled());
+  EXPECT_EQ(view.newest().sent.force.x(), 2.0);
+  EXPECT_EQ(view.totals().state, GovernorState::kActive);
+}
+
 TEST(LiveView, OfTooManyChangesTheFirstAreTold) {
   LiveView view;
   for (std::size_t k = 0; k < LiveView::kRemembered + 10; ++k)

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <palpate/device/device_plugin.h>
 
@@ -46,6 +47,13 @@ static void capabilities(void* device, PalpateDeviceCapabilities* can) {
 }
 static int read_pose(void* device, double t, PalpateDeviceReading* reading) {
   (void)device, (void)t, (void)reading;
+#ifdef HANGS
+  while (t > 1.0) pause();
+  reading->t = t;
+  reading->position[2] = 0.1;
+  reading->orientation[0] = 1.0;
+  return 1;
+#endif
   return 0;
 }
 static void write_wrench(void* device, const PalpateDeviceWrench* wrench) { (void)device, (void)wrench; }

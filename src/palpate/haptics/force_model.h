@@ -21,6 +21,8 @@ struct ForceInput {
   double force_max = std::numeric_limits<double>::infinity();
   /// Largest damping that the device can render: a model must not exceed it. Unit: [N s/m].
   double damping_max = std::numeric_limits<double>::infinity();
+  /// Fraction of the force that the device renders: 0 while the start gate is shut. In [0, 1].
+  double force_scale = 1.0;
 };
 
 /// Output of a force model.

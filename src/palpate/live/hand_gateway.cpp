@@ -19,6 +19,8 @@ bool flag_of(const Json& arguments) {
   return data.get<bool>();
 }
 
+constexpr const char* kOpening = "another scene is being opened; start recording when it is active";
+
 /// Returns which registration parameters are assumed because nobody specified them.
 Json assumed(const SceneConfig& scene) {
   Json names = Json::array();
@@ -82,7 +84,6 @@ void HandGateway::beat(std::uint64_t shared) {
   tick_for_pages_.back() = feed_.newest();
   tick_for_pages_.publish();
   look_at_recording();
-  records_ = recording_.is_on();
   const Shown shown{
       system_.version(), recording_.recorded().version, shared, around_.notices.version(), recording_.is_on(),
       is_paused(),       system_.moves_itself()};
@@ -170,24 +171,29 @@ void HandGateway::add_switches() {
 
 /// Adds the recording service. It responds once the file has been created or completed.
 void HandGateway::add_recording() {
-  around_.hub.add_slow_service(
-      named("/record"), "std_srvs/SetBool", [this](const Json& arguments, const Reply& reply) {
-        const RecordingSwitch::Done done = [reply](const std::string& failure) {
-          reply.give({{"success", failure.empty()}, {"message", failure}});
-        };
-        const Json begun = answer_of([&] {
-          if (flag_of(arguments)) {
-            if (around_.is_opening_scene())
-              throw Refusal("another scene is being opened; start recording when it is active");
-            recording_.begin([this] { return to_toml(system_.provenance("run")); }, done);
-            around_.notices.tell(recording_notice_, "");
-          } else {
-            end_recording(done);
-          }
-          return std::string();
-        });
-        if (!begun["success"].get<bool>()) reply.give(begun);
-      });
+  around_.hub.add_slow_service(named("/record"), "std_srvs/SetBool",
+                               [this](const Json& arguments, const Reply& reply) {
+                                 const RecordingSwitch::Done done = [reply](const std::string& failure) {
+                                   reply.give({{"success", failure.empty()}, {"message", failure}});
+                                 };
+                                 const Json begun = answer_of([&] {
+                                   if (flag_of(arguments)) {
+                                     if (around_.is_opening_scene()) throw Refusal(kOpening);
+                                     recording_.begin([this] { return made_now(); }, done);
+                                     around_.notices.tell(recording_notice_, "");
+                                   } else {
+                                     end_recording(done);
+                                   }
+                                   return std::string();
+                                 });
+                                 if (!begun["success"].get<bool>()) reply.give(begun);
+                               });
+}
+
+/// Returns how a recording that begins now is made. Called on the Elsewhere thread, as scenes are opened.
+std::string HandGateway::made_now() const {
+  if (around_.is_opening_scene()) throw Error("{}", kOpening);
+  return to_toml(system_.provenance("run"));
 }
 
 void HandGateway::add_settings() {

@@ -59,7 +59,7 @@ class HandGateway {
 
   /// \name Any thread
   /// @{
-  bool is_recording() const { return records_; }
+  bool is_recording() const { return recording_.is_under_way(); }
   RecordingSwitch::Recorded recorded() const { return recording_.recorded(); }
   /// @}
 
@@ -82,9 +82,10 @@ class HandGateway {
   void add_switches();
   void add_recording();
   void add_settings();
+  std::string made_now() const;
   void look_at_recording();
   void end_recording(RecordingSwitch::Done done);
-  bool is_paused() const { return feed_.newest().record.fault == Fault::kPaused; }
+  bool is_paused() const { return feed_.newest().record.paused; }
   std::string message() const;
 
   std::string name_, prefix_;
@@ -96,7 +97,6 @@ class HandGateway {
   RecordingSwitch recording_;
   Topic& parameters_topic_;
   std::unique_ptr<LiveTopics> topics_;
-  std::atomic<bool> records_ = false;    ///< recording_.is_on(), for other threads
   std::optional<Shown> told_;            ///< last sent to clients
   std::weak_ptr<const FeltScene> felt_;  ///< scene of the topics; not kept alive here
   std::string recording_notice_;

@@ -383,8 +383,15 @@ WebUploads LiveGateway::Implementation::uploads() {
     return library_.place_for(std::string_view(path).substr(from), bytes);
   };
   uploads.have = [this](const std::string& file) {
+    // Uploads in use: the one being drawn, and the one that is felt or being opened.
+    const std::vector<std::string> used{served()->path, live_.first().settings().scene.path};
+    if (is_recording()) {
+      library_.have(file, used);
+      return text_page(
+          409, "upload complete; a recording has begun meanwhile: open the scene from the list after it");
+    }
     live_.open_scene(file);
-    library_.have(file, served()->path);
+    library_.have(file, used);
     return text_page(200, "upload complete; opening the scene");
   };
   uploads.drop = [this](const std::string& file) { library_.drop(file); };

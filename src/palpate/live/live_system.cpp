@@ -85,7 +85,8 @@ LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene* scene,
         if (notify) notify(line);
       }),
       contacts_(config.loop.contacts),
-      stiffness_(config.force.proxy.stiffness),
+      stiffness_(config.force.proxy.stiffness > 0.0 ? config.force.proxy.stiffness
+                                                    : ProxyParameters().stiffness),
       owns_device_(device == nullptr && config.device.driver.empty()),
       device_kind_(owns_device_ ? to_string(config.device.kind) : "external"),
       follows_(scene != nullptr),
@@ -237,6 +238,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   ServoTickOptions ticks;
   ticks.period = 1.0 / settings_.loop.rate;
   ticks.map = settings_.device.map;
+  ticks.gain = settings_.force.proxy.stiffness / stiffness_;
   if (dynamic_cast<const SimulatedDevice*>(device_.get()) != nullptr || home_) {
     // A simulated reading never freezes, but a client that leads the hand may hold it perfectly still.
     ticks.limits = SafetyLimits::of(device_->capabilities(), ticks.period);
@@ -247,6 +249,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   options.rate = settings_.loop.rate;
   if (settings_.loop.cpu >= 0) options.priority.cpu = settings_.loop.cpu;
   loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
+  active_ = fallback_ = settings_;
   changer_ = std::thread([this, begin = settings_] { change_until_stopped(begin); });
 }
 
@@ -295,8 +298,8 @@ Provenance LiveSystem::provenance(std::string_view command) const {
   SceneOrigin scene;
   {
     const std::scoped_lock lock(mutex_);
-    config = settings_;
-    if (felt_) config.scene.path = felt_->path();  // the scene in settings_ may still be loading
+    config = felt_ ? active_ : settings_;  // those of settings_ may be in progress yet
+    config.force.proxy.stiffness = settings_.force.proxy.stiffness;
     scene = scene_.origin;
   }
   Provenance known = palpate::provenance(command, scene, config, {kScene, kTool, kForce, kDevice, kLoop});
@@ -353,25 +356,35 @@ void LiveSystem::open_scene(const std::string& path) {
       &path);
 }
 
+/// Returns `settings` with an edit, which cannot change all of them. \param path another scene; null: the
+/// same
+LiveConfig LiveSystem::edited(const LiveConfig& settings, const std::function<void(LiveConfig&)>& edit,
+                              const std::string* path) const {
+  LiveConfig next = settings;
+  edit(next);
+  if (follows_ && next.scene != settings.scene) throw Error("{}", kFollows);
+  next.scene.path = settings.scene.path;
+  next.scene.no_index_file = settings.scene.no_index_file;
+  next.force.materials = settings.force.materials;
+  if (path != nullptr) {
+    next.scene.path = *path;
+    next.scene.scale_known = next.scene.frame_known = path->empty();
+    next.force.materials.clear();
+  }
+  next.device = settings.device;
+  next.loop = settings.loop;
+  next.gateway = settings.gateway;
+  return next;
+}
+
 /// \param path another scene; null: the same
 void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std::string* path) {
   {
     const std::scoped_lock lock(mutex_);
-    LiveConfig next = settings_;
-    edit(next);
-    if (follows_ && next.scene != settings_.scene) throw Error("{}", kFollows);
-    next.scene.path = settings_.scene.path;
-    next.scene.no_index_file = settings_.scene.no_index_file;
-    next.force.materials = settings_.force.materials;
-    if (path != nullptr) {
-      next.scene.path = *path;
-      next.scene.scale_known = next.scene.frame_known = path->empty();
-      next.force.materials.clear();
-    }
-    next.device = settings_.device;
-    next.loop = settings_.loop;
-    next.gateway = settings_.gateway;
+    LiveConfig next = edited(settings_, edit, path), back = edited(fallback_, edit, path);
     settings_ = std::move(next);
+    fallback_ = std::move(back);
+    set_gain();
     message_.clear();
     ++settings_version_;
     ++version_;
@@ -387,6 +400,9 @@ void LiveSystem::follow(const SharedScene& scene) {
       settings_.room = {};
     }
     settings_.scene = scene.config;
+    fallback_.scene = settings_.scene;
+    fallback_.force.materials = settings_.force.materials;
+    fallback_.room = settings_.room;
     followed_ = scene;
     message_.clear();
     ++settings_version_;
@@ -421,10 +437,11 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     const LiveConfig wanted = settings_;
     const SharedScene followed = followed_;
     seen = settings_version_;
+    fallback_ = done;
     lock.unlock();
     std::string failure;
     try {
-      set_stiffness(wanted);
+      change_admittance(wanted);
       apply(wanted, done, follows_ ? taken_over(wanted, followed) : read_again(wanted, done));
       done = wanted;
     } catch (const Error& error) {
@@ -434,22 +451,29 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     }
     if (!failure.empty()) next_.reset();
     lock.lock();
-    // Settings requested meanwhile are kept and applied next.
-    if (!failure.empty() && settings_version_ == seen) settings_ = done;
-    if (!failure.empty()) set_stiffness(done);
-    message_ = failure;
+    if (failure.empty()) {
+      active_ = done;
+    } else {  // settings requested meanwhile are kept, and applied next; the stiffness is in effect
+      const double stiffness = settings_.force.proxy.stiffness;
+      settings_ = fallback_;
+      settings_.force.proxy.stiffness = stiffness;
+      change_admittance(settings_);
+    }
+    if (!failure.empty()) message_ = failure;  // become() clears it
     busy_.clear();
     ++version_;
   }
 }
 
-void LiveSystem::set_stiffness(const LiveConfig& settings) {
+/// Applies the stiffness of settings_, at once, whatever is being built. \pre mutex_ is locked
+void LiveSystem::set_gain() { tick_->set_gain(settings_.force.proxy.stiffness / stiffness_); }
+
+/// Adapts the virtual mass of a giant to the stiffness.
+void LiveSystem::change_admittance(const LiveConfig& settings) {
+  if (!home_) return;
   const double stiffness = settings.force.proxy.stiffness;
-  if (home_) {
-    const GiantSetup setup = giant_setup(settings.device, settings.loop.rate, stiffness);
-    admittance_->change(admittance_of(setup), stiffness);
-  }
-  if (stiffness_ > 0.0) tick_->set_gain(stiffness / stiffness_);
+  const GiantSetup setup = giant_setup(settings.device, settings.loop.rate, stiffness);
+  admittance_->change(admittance_of(setup), stiffness);
 }
 
 /// Makes the simulated hand explore another scene, or the scene with another tool. A scene of another size
@@ -505,6 +529,13 @@ SharedScene LiveSystem::read_again(const LiveConfig& wanted, const LiveConfig& n
   } else if (other_gaussians) {
     say("filtering the scene");
     next.index = std::make_shared<SceneIndex>(open_or_make_index(wanted.scene, IndexFiles::kNone, notify_));
+    // Another file may have that name by now. It is opened by open_scene() only, not with settings of the old
+    // one.
+    if (scene_origin(wanted.scene).checksum != scene_.origin.checksum)
+      throw Error(
+          "{}: the file has changed since it was opened, and the filter needs the old one; restart to "
+          "load the new one",
+          wanted.scene.name());
   } else if (other_place) {
     next.index = std::make_shared<SceneIndex>(scene_.index->registered(wanted.scene.world_from_scene()));
   }
@@ -545,6 +576,7 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const Sh
     const std::scoped_lock lock(mutex_);
     felt_.swap(next_);
     scene_ = scene;
+    active_ = wanted;
   }
   next_.reset();  // the previous scene, with its worker
   if (other_scene && on_scene) on_scene(scene);

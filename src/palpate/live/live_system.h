@@ -94,9 +94,9 @@ class LiveSystem {
   LiveConfig settings() const;
   /// Applies `edit` to scene (except its file), tool, force (except materials) and room; other edits are
   /// reverted. Returns immediately: the new scene and models are built on another thread and take effect once
-  /// they are ready and the force has ramped to zero. If building fails, the settings revert and message()
-  /// says why. Exceptions of `edit` propagate and nothing is changed. \throws Error if `edit` changes a scene
-  /// that another system owns.
+  /// they are ready and the force has ramped to zero. The stiffness takes effect at once. If building fails,
+  /// the other settings revert and message() says why. Exceptions of `edit` propagate and nothing is changed.
+  /// \throws Error if `edit` changes a scene that another system owns.
   void change(const std::function<void(LiveConfig&)>& edit);
   /// Opens another scene in place of the active one; asynchronous as change(). Placement, crop and the
   /// materials file are reset, since they belong to the old scene. \param path empty: the built-in scene
@@ -178,15 +178,18 @@ class LiveSystem {
   void apply(const LiveConfig& wanted, const LiveConfig& now, const SharedScene& scene);
   void lead_hand(const SceneIndex& index, const LiveConfig& wanted);
   void let_hand_move();
-  void set_stiffness(const LiveConfig& settings);
+  void set_gain();
+  void change_admittance(const LiveConfig& settings);
   void say(const std::string& busy);
   Progress progress_of(const std::string& name);
+  LiveConfig edited(const LiveConfig& settings, const std::function<void(LiveConfig&)>& edit,
+                    const std::string* path) const;
   void become(const std::function<void(LiveConfig&)>& edit, const std::string* path);
 
   Notify notify_;
   LoopClock clock_;
   ContactSearch contacts_;
-  double stiffness_;  ///< stiffness at gain 1. Unit: [N/m].
+  double stiffness_;  ///< stiffness at gain 1. Unit: [N/m]. > 0
   bool explores_ = false;
   Trajectory path_;  ///< in the world frame; of a playback, in the device frame
   /// Path of the simulated hand, world frame; written by one thread at a time.
@@ -210,6 +213,8 @@ class LiveSystem {
   mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable wanted_;
   LiveConfig settings_;   ///< device, loop and gateway never change
+  LiveConfig active_;     ///< settings in effect
+  LiveConfig fallback_;   ///< what settings_ return to if the change in progress fails
   SharedScene scene_;     ///< active scene; changed by the changer thread only
   SharedScene followed_;  ///< scene to switch to, if it follows another system
   std::string busy_, message_;

@@ -33,7 +33,12 @@ class MutualTouch::Touching final : public ForceModel {
   }
   ForceOutput evaluate(const ForceInput& input) override {
     ForceOutput felt = model_.evaluate(input);
+    if (input.force_scale == 0.0) {
+      all_.leave(hand_);
+      return felt;
+    }
     own_.pose = input.tool;
+    own_.force_scale = input.force_scale;
     all_.enter(hand_, own_);
     all_.push(hand_, own_, felt);
     return felt;
@@ -106,7 +111,9 @@ void MutualTouch::push(std::size_t hand, const Place& own, ForceOutput& felt) {
 bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bool pushes, const Pose& handle,
                             ForceOutput& felt) {
   if (!may_meet(low.pose.position, low.radius, high.pose.position, high.radius)) return false;
-  const double stiffness = in_series(low.stiffness, high.stiffness);
+  // Its own fraction is applied by each hand's governor.
+  const double share = sign > 0.0 ? high.force_scale : low.force_scale;
+  const double stiffness = share * in_series(low.stiffness, high.stiffness);
   bool meet = false;
   for (const ToolPart& a : low.tool->parts()) {
     const Ellipsoid one = a.at(low.pose);

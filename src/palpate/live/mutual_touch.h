@@ -26,7 +26,8 @@ namespace palpate {
 /// force acts at Contact::point, is zero at first touch, and is equal and opposite except for the delay of
 /// one tick with which each hand knows the other's pose.
 ///
-/// A hand whose force is off (stopped, paused, in a fault) neither exerts nor receives forces. Tools that
+/// A hand whose force is off (stopped, paused, in a fault, waiting at the start gate) neither exerts nor
+/// receives forces, and while its force rises, both get that fraction. Tools that
 /// overlap when a hand starts or returns do not push until they have been apart once: the sudden overlap
 /// would otherwise release energy that nobody has put in. A hand whose loop hangs is felt at its last pose.
 ///
@@ -50,6 +51,7 @@ class MutualTouch {
     const Tool* tool = nullptr;  ///< from kept_
     double radius = 0.0;         ///< Tool::radius() of it. Unit: [m].
     double stiffness = 0.0;      ///< Unit: [N/m].
+    double force_scale = 1.0;    ///< ForceInput::force_scale
     std::uint64_t presence = 0;  ///< from 1, changes whenever the hand returns; 0: absent
   };
   /// Channel from one hand to another.

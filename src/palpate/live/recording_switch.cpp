@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -29,15 +30,23 @@ void RecordingSwitch::see(const TickRecord& record, const TickTimes& times) {
 void RecordingSwitch::begin(std::function<std::string()> made, Done done) {
   if (state_ != State::kOff)
     throw Error("a recording is {}", state_ == State::kEnding ? "being ended" : "under way");
-  state_ = State::kBeginning;
+  set(State::kBeginning);
   job_ = std::make_shared<Job>();
   job_->made = std::move(made);
   elsewhere_([this, job = job_] { make(*job); },
              [this, job = job_, done = std::move(done)] {
-               state_ = job->failure.empty() ? State::kOn : State::kOff;
+               set(job->failure.empty() ? State::kOn : State::kOff);
                used_.store(job->recorder.get(), std::memory_order_release);
                done(job->failure);
+               if (!ends_) return;
+               const Done ended = *std::exchange(ends_, std::nullopt);
+               is_on() ? end_now(ended) : ended(job->failure);
              });
+}
+
+void RecordingSwitch::set(State state) {
+  state_ = state;
+  under_way_.store(state != State::kOff, std::memory_order_release);
 }
 
 /// Called on the Elsewhere thread.
@@ -70,12 +79,17 @@ std::optional<std::string> RecordingSwitch::failure() const {
 }
 
 void RecordingSwitch::end(Done done) {
-  if (!is_on()) throw Error("nothing is being recorded");
-  state_ = State::kEnding;
+  if (is_on()) return end_now(std::move(done));
+  if (state_ != State::kBeginning || ends_) throw Error("nothing is being recorded");
+  ends_ = std::move(done);
+}
+
+void RecordingSwitch::end_now(Done done) {
+  set(State::kEnding);
   used_.store(nullptr, std::memory_order_release);
   elsewhere_([this, job = job_] { finish(*job); },
              [this, job = job_, done = std::move(done)] {
-               state_ = State::kOff;
+               set(State::kOff);
                done(job->failure);
              });
 }

@@ -51,10 +51,13 @@ class RecordingSwitch final : public TickObserver {
   /// Starts a recording. \param made returns RecorderOptions::made, on the Elsewhere thread; may throw Error
   /// \throws Error if a recording is running, starting or ending.
   void begin(std::function<std::string()> made, Done done);
-  /// Ends the recording; no further rows are added. The file then holds everything recorded, after an earlier
-  /// failure up to the last row written. \throws Error if nothing is being recorded.
+  /// Ends the recording, as soon as it has started; no further rows are added. The file then holds everything
+  /// recorded, after an earlier failure up to the last row written. \throws Error if nothing is being
+  /// recorded.
   void end(Done done);
   bool is_on() const { return state_ == State::kOn; }
+  /// Returns whether a recording runs, is starting or ending. Any thread.
+  bool is_under_way() const { return under_way_.load(std::memory_order_acquire); }
   /// Returns the file of the recording that was started last; empty before the first.
   std::string path() const { return job_ ? job_->path : std::string(); }
   /// Returns why the running recording has failed; nothing if it is fine.
@@ -87,7 +90,12 @@ class RecordingSwitch final : public TickObserver {
   PageMaker page_;
   RecorderOptions rows_;
   Place place_;
+  void set(State state);
+  void end_now(Done done);
+
   State state_ = State::kOff;
+  std::atomic<bool> under_way_ = false;    ///< state_ is another than kOff
+  std::optional<Done> ends_;               ///< end() was called while kBeginning
   std::shared_ptr<Job> job_;               ///< of the current recording
   std::atomic<Recorder*> used_ = nullptr;  ///< used by the servo thread from its next tick on
   std::atomic<std::uint64_t> ticks_ = 0;

@@ -160,10 +160,10 @@ std::string SceneLibrary::place_for(std::string_view name, std::uint64_t bytes) 
   return (folder / tame(name)).string();
 }
 
-void SceneLibrary::have(const std::string& path, const std::string& kept) {
+void SceneLibrary::have(const std::string& path, std::span<const std::string> used) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(handed_, [&](const std::string& other) {
-    if (other == kept) return false;
+    if (std::find(used.begin(), used.end(), other) != used.end()) return false;
     std::error_code ignored;
     fs::remove_all(fs::path(other).parent_path(), ignored);
     return true;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,9 +41,9 @@ class SceneLibrary {
   /// Returns a new path for an uploaded file `name` of `bytes` bytes, in a private folder that no other user
   /// can read. \throws Error if its format cannot be read, or the disk has no room for it.
   std::string place_for(std::string_view name, std::uint64_t bytes);
-  /// Adds a completely uploaded file to the list, and deletes earlier uploads except `kept`. \param kept a
-  /// path
-  void have(const std::string& path, const std::string& kept);
+  /// Adds a completely uploaded file to the list, and deletes earlier uploads except those in use. \param
+  /// used paths
+  void have(const std::string& path, std::span<const std::string> used);
   /// Deletes an incomplete upload.
   void drop(const std::string& path);
 

@@ -145,6 +145,9 @@ class SafetyGovernor {
   /// fall. In [0, 1].
   double force_scale() const { return force_scale_; }
 
+  /// Whether it was paused and not resumed since, also if another fault is reported.
+  bool is_paused() const { return (held_ & fault_bit(Fault::kPaused)) != 0U; }
+
   GovernorState state() const { return state_; }
   /// Reason for withholding force; kNone if there is none.
   Fault fault() const { return fault_; }

@@ -85,7 +85,8 @@ void ServoTick::feel() {
   const double least = std::max(gain_, kLeastGain);
   const double force_max = device_.capabilities().force_max * map_.scale / least;
   const double damping_max = device_.capabilities().damping_max / least;
-  const ForceInput input{record_.tool, record_.velocity, passed, &found_, force_max, damping_max};
+  const ForceInput input{record_.tool, record_.velocity,       passed, &found_, force_max,
+                         damping_max,  governor_.force_scale()};
   if (used_.model->wants_contacts()) {
     used_.contacts->query(record_.tool, found_, ToolTracker::kMost);
     if (!found_.complete) governor_.stop(Fault::kCrowded);
@@ -158,6 +159,7 @@ void ServoTick::tell() {
   record_.energy = governor_.energy();
   record_.port_energy = passivity_.port_energy();
   record_.force_scale = governor_.force_scale();
+  record_.paused = governor_.is_paused();
   record_.added_damping = passivity_.added_damping();
 }
 

@@ -42,6 +42,7 @@ struct TickRecord {
   /// spring is softened by this factor.
   double margin = 0.0;
   double force_scale = 0.0;  ///< SafetyGovernor::force_scale()
+  bool paused = false;       ///< SafetyGovernor::is_paused()
 };
 
 /// A force model and its contact search.
@@ -105,6 +106,7 @@ class ServoTick {
   /// Presses or releases the clutch. While it is pressed, the tool keeps its pose and there is no force, so
   /// that the hand can be moved and turned within its workspace. Release changes TickRecord::map.
   void press_clutch(bool pressed);
+  bool is_clutch_pressed() const { return clutch_pressed_.load(std::memory_order_relaxed); }
   /// Moves the tool to `place` after the force has ramped to zero, with the hand where it is, as if by the
   /// clutch; does nothing if the tool is within `reach` of it. Changes TickRecord::map. One thread at a time.
   /// \param place X_WT \param reach Unit: [m].
