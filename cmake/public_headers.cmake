@@ -6,7 +6,7 @@ set(palpate_public_headers
   scene/lint.h scene/load_scene.h scene/ply_writer.h scene/scene_filter.h scene/scene_setup.h
   collision/batch_query.h collision/contact_columns.h collision/contact_tracker.h collision/ellipsoid_lookup.h collision/index_file.h collision/lookahead.h
   collision/open_index.h collision/paper_pipeline.h collision/scene_index.h
-  haptics/density_force.h haptics/field_force.h haptics/zero_order_hold.h haptics/material_file.h haptics/proxy_force.h haptics/tool_file.h
+  haptics/density_force.h haptics/field_force.h haptics/zero_order_hold.h haptics/material_file.h haptics/proxy_force.h haptics/settled_force.h haptics/tool_file.h
   haptics/tool_query.h
   servo/admittance_loop.h servo/haptic_device.h servo/live_view.h servo/safety_governor.h servo/servo_loop.h servo/servo_tick.h
   record/playback.h record/recorder.h record/run_log.h record/trajectory.h

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <palpate/haptics/confidence.h>
+#include <palpate/haptics/settled_force.h>
 #include <palpate/haptics/tool_query.h>
 #include <palpate/report/pose_table.h>
 
@@ -33,7 +34,7 @@ PoseReport ask(const QueryCommandOptions& options, const Pipeline& pipeline, For
   std::vector<double> confidences(set.contacts.size(), std::numeric_limits<double>::quiet_NaN());
   if (pipeline.index)
     confidences = confidence(*pipeline.index, tool, options.pose, options.live.force.proxy, set.contacts);
-  PoseReport answer{set.candidates, set.filtered, {}, model.evaluate({options.pose, {}, 0.0, &set})};
+  PoseReport answer{set.candidates, set.filtered, {}, settled_force(model, options.pose, set)};
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& contact = set.contacts[i];
     answer.rows.push_back({contact, &tool.parts()[contact.part].name, confidences[i]});
@@ -62,7 +63,8 @@ void run(const QueryCommandOptions& options) {
 }  // namespace
 
 Command declare_query(CLI::App& parent) {
-  CLI::App& app = add_command(parent, "query", "Contacts and wrench at one pose");
+  CLI::App& app = add_command(
+      parent, "query", "Contacts and wrench at one pose, where the tool rests until the force has settled");
   auto options = std::make_shared<QueryCommandOptions>();
   declare_common(app, options->common, "print contacts and wrench as JSON");
   declare_scene(app, options->live, SceneArgument::kPositional);

@@ -5,6 +5,7 @@
 #include <palpate/base/error.h>
 #include <palpate/collision/open_index.h>
 #include <palpate/haptics/proxy_force.h>
+#include <palpate/haptics/settled_force.h>
 #include <palpate/haptics/tool_query.h>
 
 int main(int argc, char** argv) {
@@ -23,7 +24,7 @@ int main(int argc, char** argv) {
     const palpate::Tool tool;  // an ellipsoid of 20 x 20 x 40 mm
     palpate::query(opened.index, tool, pose, contacts);
     palpate::ProxyForce force(opened.index, tool);
-    const palpate::Wrench wrench = force.evaluate({pose, {}, 0.0, &contacts}).wrench;
+    const palpate::Wrench wrench = palpate::settled_force(force, pose, contacts).wrench;
     std::cout << opened.report.kept << " Gaussians, " << contacts.contacts.size() << " in contact, force "
               << wrench.force.transpose() << " N\n";
   } catch (const palpate::Error& error) {

@@ -93,8 +93,10 @@ const Names kQuery{
     {"contacts[].depth", "m", "penetration depth along the normal"},
     {"contacts[].part", "", "name of the tool part in contact"},
     {"contacts[].confidence", "1", "confidence that a surface exists, in [0, 1]; null with --pipeline paper"},
-    {"force", "N", "force on the tool, world frame"},
-    {"torque", "N m", "torque about the tool centre, world frame"},
+    {"force", "N",
+     "force on the tool, world frame, after it has rested at the pose until the force settled, 0.3 s at "
+     "most"},
+    {"torque", "N m", "torque about the tool centre, world frame, at the same time"},
     {"confidence", "1", "confidence of the force"},
     {"made", "", "provenance (see `made`)"},
 };
