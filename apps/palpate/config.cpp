@@ -58,15 +58,32 @@ bool known_anywhere(const CLI::App& app, const std::string& name) {
                      [&](const CLI::App* sub) { return find_option(*sub, name) != nullptr; });
 }
 
-/// Returns whether `arguments` give an option that excludes `option`.
-bool excluded(const CLI::Option& option, const std::vector<std::string>& arguments) {
-  const auto& others = option.get_excludes();
-  return std::any_of(others.begin(), others.end(),
-                     [&](const CLI::Option* other) { return gives(arguments, other->get_name()); });
+/// Returns whether `arguments` give an option that excludes `option`, or that it excludes.
+bool excluded(const CLI::App& command, const CLI::Option& option, const std::vector<std::string>& arguments) {
+  const auto excludes = [](const CLI::Option& a, const CLI::Option& b) {
+    const auto others = a.get_excludes();
+    return std::any_of(others.begin(), others.end(), [&](const CLI::Option* other) { return other == &b; });
+  };
+  const auto options = command.get_options();
+  return std::any_of(options.begin(), options.end(), [&](const CLI::Option* other) {
+    return (excludes(option, *other) || excludes(*other, option)) && gives(arguments, other->get_name());
+  });
 }
 
-/// Appends the entries that `command` has an option for and that the given arguments neither set nor exclude.
-/// A flag that is false is omitted.
+/// Returns whether `option` needs one that neither `arguments` nor `entries` give.
+bool lacks_needed(const CLI::App& command, const CLI::Option& option,
+                  const std::vector<std::string>& arguments, const std::vector<ConfigEntry>& entries) {
+  const auto needed = option.get_needs();
+  return std::any_of(needed.begin(), needed.end(), [&](const CLI::Option* one) {
+    const auto gives_it = [&](const ConfigEntry& entry) { return "--" + entry.key == one->get_name(); };
+    const bool in_file =
+        std::any_of(entries.begin(), entries.end(), gives_it) && !excluded(command, *one, arguments);
+    return !in_file && !gives(arguments, one->get_name());
+  });
+}
+
+/// Appends the entries that `command` has an option for and that the given arguments neither set nor exclude,
+/// and that have what they need: one file may serve several commands. A flag that is false is omitted.
 void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
          const std::vector<ConfigEntry>& entries) {
   const std::vector<std::string> given = arguments.all;
@@ -78,7 +95,9 @@ void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
                   entry.line, entry.key);
     }
     const CLI::Option* option = find_option(command, name);
-    if (option == nullptr || gives(given, name) || excluded(*option, given)) continue;
+    if (option == nullptr || gives(given, name) || excluded(command, *option, given) ||
+        lacks_needed(command, *option, given, entries))
+      continue;
     const bool flag = option->get_expected_max() == 0;
     if (flag && entry.value != "true" && entry.value != "false") {
       throw Error("{}: line {}: '{}' must be true or false", entry.file, entry.line, entry.key);
@@ -86,7 +105,7 @@ void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
     if (flag && entry.value == "false") continue;
     arguments.all.push_back(flag ? name : name + "=" + entry.value);
     for (const ConfigEntry& other : added) {
-      if (excluded(*option, {"--" + other.key})) {
+      if (excluded(command, *option, {"--" + other.key})) {
         throw Error("{}: line {}: '{}' cannot go with '{}'; keep one of them", entry.file, entry.line,
                     entry.key, other.key);
       }

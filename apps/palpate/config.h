@@ -37,7 +37,8 @@ struct Arguments {
 
 /// Adds to `arguments` (without the program name) the entries of its --config FILE, then the settings of the
 /// run of `replay --from RUN` or of the first run of `report RUN --scene SCENE` (see run_origin.h). Only
-/// entries that the command has an option for and that the arguments neither set nor exclude are added.
+/// entries that the command has an option for, that the arguments neither set nor exclude, and that need no
+/// option that is not given are added.
 /// \throws Error for a broken file, a key that is no option of any command, or two that exclude each other.
 Arguments with_config(const CLI::App& app, const std::vector<std::string>& arguments);
 

@@ -192,6 +192,19 @@ void need_one(CLI::App& app, const std::string& a, const std::string& b) {
   });
 }
 
+void need(CLI::App& app, const std::vector<std::string>& options, const std::string& needed) {
+  for (const std::string& option : options) app.get_option(option)->needs(app.get_option(needed));
+}
+
+void exclude(CLI::App& app, const std::vector<std::string>& options, const std::string& other) {
+  CLI::Option* const excluded = app.get_option(other);
+  for (const std::string& option : options) {
+    app.get_option(option)->excludes(excluded);
+    // --help of `other` would list all of them.
+    excluded->remove_excludes(app.get_option(option));
+  }
+}
+
 std::string command_name(const CLI::App& app) { return app.get_name(); }
 
 std::vector<std::pair<std::string, std::string>> other_options(const CLI::App& app) {

@@ -74,6 +74,12 @@ DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std
 /// Requires at least one of the two options.
 void need_one(CLI::App& app, const std::string& a, const std::string& b);
 
+/// Requires `needed` where one of `options` is given. Entries of a configuration file are ignored instead.
+void need(CLI::App& app, const std::vector<std::string>& options, const std::string& needed);
+
+/// Permits none of `options` beside `other`.
+void exclude(CLI::App& app, const std::vector<std::string>& options, const std::string& other);
+
 std::string command_name(const CLI::App& app);
 
 /// Returns the options that affect results but are not fields of a LiveConfig: long name without dashes, and

@@ -148,6 +148,18 @@ void declare_how_much(CLI::App& app, EvaluateOptions& options) {
   add_seed(app, options.seed, "random seed of the first scene and of the places");
 }
 
+/// Refuses options that the other kinds of evaluation would ignore.
+void declare_what_excludes(CLI::App& app) {
+  const std::vector<std::string> surfaces{"--shapes", "--spacings", "--noise",
+                                          "--tilt",   "--scenes",   "--places"};
+  exclude(app, surfaces, "--scene");
+  exclude(app, surfaces, "--trials");
+  exclude(app,
+          {"--scene", "--models", "--pushes", "--html", "--svg", "--tool", "--k-base", "--damping", "--f-max",
+           "--tau-direction", "--tau-opacity", "--tau-velocity"},
+          "--trials");
+}
+
 }  // namespace
 
 Command declare_evaluate(CLI::App& parent) {
@@ -167,6 +179,7 @@ Command declare_evaluate(CLI::App& parent) {
   declare_field(app, options->live, "tool");
   options->live.force.proxy.friction = 0.3;  // measured in separate slides and rests
   declare_force_parameters(app, options->live);
+  declare_what_excludes(app);
   return {&app, [=, &app] {
             // Captures and trials use the default model, without friction.
             const bool rubs = options->capture.live.scene.path.empty() && options->trials.strokes == 0;

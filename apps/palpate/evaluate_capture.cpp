@@ -148,6 +148,7 @@ void CaptureOptions::declare(CLI::App& app) {
             "with --scene: rays over the tool's cross-section that locate the visible surface");
   add_count(app, "--slides", slides, 0, kMost,
             "with --scene: number of slides, at the places of the first pushes");
+  need(app, {"--against", "--worst", "--rays", "--slides"}, "--scene");
 }
 
 void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {

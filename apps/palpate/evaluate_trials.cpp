@@ -132,6 +132,7 @@ void TrialOptions::declare(CLI::App& app) {
               "with --trials: defects of the captures, named as in make-scene; even = none");
   add_count(app, "--stroke", stroke, 0, kMost,
             "with --trials of one row: run only the stroke with this number, and write its ticks to --csv");
+  need(app, {"--trial-tools", "--trial-places", "--like", "--stroke"}, "--trials");
 }
 
 void evaluate_trials(const TrialOptions& options, const TrialTask& task) {

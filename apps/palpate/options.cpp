@@ -79,6 +79,11 @@ void declare_scene(CLI::App& app, LiveConfig& config, SceneArgument as) {
       add_text(app, positional ? "SCENE" : "--scene", config.scene.path, "", "3DGS scene, .ply or .splat");
   if (as == SceneArgument::kPositional) scene.required();
   declare_group(app, config, ConfigGroup::kScene);
+  if (as != SceneArgument::kOption) return;
+  for (const ConfigField& field : config_fields()) {
+    if (field.group == ConfigGroup::kScene && !field.name.empty() && field.name != kNoIndexFile)
+      need(app, {"--" + std::string(field.name)}, "--scene");
+  }
 }
 
 void declare_force_parameters(CLI::App& app, LiveConfig& config) {

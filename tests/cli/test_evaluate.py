@@ -323,6 +323,30 @@ class BadInput(Evaluate):
                           ["--pushes", "1e9"], ["--friction", "-0.1"], ["--tool", "0.02,0.02"]):
             self.refuse(2, arguments[0], "evaluate", *arguments)
 
+    def test_what_would_do_nothing_is_refused(self):
+        for option, value in (("--against", "a.ply"), ("--worst", "."), ("--rays", "7"), ("--slides", "3"),
+                              ("--opacity-min", "0.2"), ("--frame", "y-up"), ("--crop-sphere", "0,0,0,1")):
+            self.refuse(2, [option, "requires --scene"], "evaluate", option, value)
+        self.refuse(2, ["--mirror", "requires --scene"], "evaluate", "--mirror")
+        for option, value in (("--trial-tools", "ball5"), ("--trial-places", "face"), ("--like", "holes"), ("--stroke", "0")):
+            self.refuse(2, [option, "requires --trials"], "evaluate", option, value)
+        trials = ("evaluate", "--trials", "3")
+        self.refuse(2, ["--scene", "excludes --trials"], *trials, "--scene", "a.ply")
+        for option, value in (("--html", "p.html"), ("--svg", "."), ("--models", "proxy"), ("--shapes", "box"), ("--tool", "1,1,1"),
+                              ("--spacings", "0.01"), ("--noise", "0"), ("--places", "1"), ("--pushes", "1"), ("--f-max", "3")):
+            self.refuse(2, [option, "excludes --trials"], *trials, option, value)
+        for option, value in (("--shapes", "box"), ("--tilt", "3"), ("--scenes", "3"), ("--places", "1")):
+            self.refuse(2, [option, "excludes --scene"], "evaluate", "--scene", "a.ply", option, value)
+
+    def test_a_file_of_settings_may_have_those_of_other_commands(self):
+        self.write("c.toml", 'opacity-min = 0.2\nrays = 7\nlike = "holes"\n')
+        box = ("--shapes", "box", "--models", "field", "--config", "c.toml")
+        self.assertEqual(self.rows(*box, places=1, pushes=0)[0]["shape"], "box")
+        self.write("c.toml", 'scene = "none.ply"\nopacity-min = 0.2\ntool = [0.02, 0.02, 0.02]\n')
+        self.assertEqual(self.rows(*box, places=1, pushes=0)[0]["shape"], "box")
+        self.succeed("evaluate", "-q", "--trials", "1", "--trial-tools", "ball10", "--trial-places", "face", "--config", "c.toml")
+        self.refuse(1, "none.ply", "evaluate", "-q", "--config", "c.toml")
+
     def test_a_tool_that_fits_nowhere(self):
         self.refuse(1, "torus", "evaluate", *small(), "--shapes", "torus", "--tool", "2,2,2")
 
