@@ -15,8 +15,11 @@
 namespace palpate::cli {
 namespace {
 
-/// Makes an option a list: values separated by commas, or the option repeated.
-CLI::Option* listed(CLI::Option* option) { return option->delimiter(',')->capture_default_str(); }
+/// Makes an option a list: values separated by commas, or the option repeated. An argument after the list is
+/// not part of it.
+CLI::Option* listed(CLI::Option* option) {
+  return option->delimiter(',')->allow_extra_args(false)->capture_default_str();
+}
 
 /// Returns whether `name` is a field of a LiveConfig.
 bool is_field(const std::string& name) {

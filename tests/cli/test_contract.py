@@ -65,6 +65,18 @@ class Usage(Case):
         self.refuse(2, "dodecahedron", "make-scene", "dodecahedron", "--out", "s.ply")
         self.refuse(2, "tcsh", "completion", "tcsh")
 
+    def test_a_list_ends_with_its_argument(self):
+        self.succeed("make-scene", "--like", "tails", "plane", "--out", "x.ply", "--spacing", "0.02", "-q")
+        self.succeed("make-scene", "--like", "tails,holes", "plane", "--out", "y.ply", "--spacing", "0.02", "-q")
+        self.succeed("make-scene", "--like", "tails", "--like", "holes", "plane", "--out", "z.ply", "--spacing", "0.02", "-q")
+        body = [self.read(name).split(b"end_header\n")[1] for name in ("x.ply", "y.ply", "z.ply")]
+        self.assertNotEqual(body[0], body[1])
+        self.assertEqual(body[1], body[2])
+        self.refuse(1, "missing.ply", "stability", "--profiles", "omega", "missing.ply")
+        self.refuse(1, "missing.ply", "run", "--hands", "left", "missing.ply", "--seconds", "0.1")
+        self.refuse(1, "missing.ply", "run", "--scenes", ".", "missing.ply", "--seconds", "0.1")
+        self.refuse(2, ["not expected", "field"], "stability", "--models", "proxy", "a.ply", "field")
+
     def test_an_error_is_one(self):
         self.refuse(1, "missing.ply", "info", "missing.ply")
 
