@@ -109,6 +109,27 @@ TEST(Csv, NamesLineAndColumnOfWhatIsNoNumber) {
   }
 }
 
+TEST(Csv, AnIgnoredColumnMayHoldAnything) {
+  const TemporaryFile file("a,b,c\n1,two,3\n4,,6\n7,nan,8\n", "t.csv");
+  CsvReader reader(file.path());
+  const std::vector<std::string_view> wanted{"a", "c", "d"};
+  reader.ignore_all_but(wanted);
+  const CsvTable table = read_csv(reader);
+  EXPECT_EQ(table.values, (std::vector<double>{1, 0, 3, 4, 0, 6, 7, 0, 8}));
+  CsvReader strict(file.path());
+  strict.ignore(0);
+  EXPECT_THAT(message_of<Error>([&] { read_csv(strict); }), AllOf(HasSubstr("line 2"), HasSubstr("'b'")));
+}
+
+TEST(Csv, SaysWhatAFileOfAnotherKindIs) {
+  EXPECT_THAT(message_for("ply\nformat ascii 1.0\n"), HasSubstr(".ply file"));
+  EXPECT_THAT(message_for("a;b\n1;2\n"), AllOf(HasSubstr("line 1"), HasSubstr("semicolons")));
+  EXPECT_THAT(message_for("# one\na\tb\n1\t2\n"), AllOf(HasSubstr("line 2"), HasSubstr("tabs")));
+  EXPECT_THAT(message_for("0,1,2\n3,4,5\n"), AllOf(HasSubstr("line 1"), HasSubstr("no column names")));
+  EXPECT_THAT(message_for(std::string("\0\0,b\n", 5)), AllOf(HasSubstr("line 1"), HasSubstr("binary")));
+  EXPECT_THAT(table_of("0,b\n1,2\n").columns, ElementsAre("0", "b"));
+}
+
 TEST(Csv, AMessageIsOneLineWhateverTheFileHolds) {
   const std::string message = message_for("a\n\x1b[31m\x01\n");
   EXPECT_THAT(message, AllOf(HasSubstr("line 2"), Not(HasSubstr("\x1b")), Not(HasSubstr("\n"))));

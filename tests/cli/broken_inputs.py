@@ -181,7 +181,7 @@ GOOD_RUN = RUN_HEADER.encode() + b"\n" + b",".join([b"0"] * 4 + [b"1"] + [b"0"] 
 def tables(command, good, width):
     table("empty", b"", "empty", command)
     table("header only", good.split(b"\n")[0] + b"\n", "row", command)
-    table("no header", good.split(b"\n", 1)[1] * 2, "line 1", command)
+    table("no header", good.split(b"\n", 1)[1] * 2, ["line 1", "no column names"], command)
     table("two columns of a name", good.replace(b"x,y", b"x,x", 1), ["line 1", "'x'"], command)
     table("a column without a name", good.replace(b"x,y", b"x,", 1), "line 1", command)
     table("a missing column", good.replace(b"x,y", b"x,yy", 1), "'y'", command)
@@ -199,9 +199,11 @@ def tables(command, good, width):
     table("a header of 1 MB", b"c" * 1_000_000 + b"\n", "line 1", command)
     table("100,000 columns", b",".join(b"c%d" % k for k in range(100_000)) + b"\n", "line 1", command)
     table("the same name for 1 MB", (b"c" * 500_000 + b",") * 2 + b"\n", "line 1", command)
-    table("escape sequences", b"\x1b[31mt,x\n" + good, "line 2", command)
+    table("escape sequences", b"\x1b[31mt,x\n" + good, ["line 1", "binary"], command)
     table("C1 in a cell", good + "1,\u009b31m".encode() + b",0" * (width - 2) + b"\n", "line 3", command)
-    table("a .ply", GOOD, "line 2", command)
+    table("a .ply", GOOD, "is a .ply file", command)
+    table("semicolons", good.replace(b",", b";"), ["line 1", "semicolons", "by commas"], command)
+    table("tabs", good.replace(b",", b"\t"), ["line 1", "tabs", "by commas"], command)
 
 
 GOOD_PATH = path_csv([(0, 0, 0, 1, 1, 0, 0, 0)], "t,x,y,z,qw,qx,qy,qz").encode()
@@ -225,6 +227,9 @@ for args, words in ((["--from", "1"], ["from 1 s on", "last is at 0 s"]), (["--t
 for args in (["--from", "x"], ["--to", "nan"], ["--from", "2", "--to", "1"]):
     option(args, args[-2], ("report", "run.csv", "--out", "out.html"))
 table("zero quaternion", GOOD_PATH + b"1,0,0,0,0,0,0,0\n", ["line 3", "quaternion"])
+table("a table of evaluate", b"shape,spacing_m,model,x\nbox,0.01,proxy,1\n", ["no trajectory", "'t', 'y', 'z' are missing"])
+row("replay: scene and trajectory swapped", ["replay", "path.csv", "--trajectory", "a.ply", "--out", "out.csv"],
+    ["a.ply", "is a .ply file"])
 table("half a quaternion", b"t,x,y,z,qw,qx\n0,0,0,0,1,0\n", "'qy'")
 table("half a user force", b"t,x,y,z,ufx\n0,0,0,0,1\n", "'ufy'")
 table("counts that are none", GOOD_RUN.replace(b"0,0,0,1,0,0,0,0", b"0,0,0,1,0,0,0,1.5"), "count", "report")

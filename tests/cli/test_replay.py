@@ -31,6 +31,16 @@ class Determinism(Case):
         for threads in (None, 1, 2, 4):
             self.assertEqual(first, self.replay(*(["--threads", str(threads)] if threads else [])))
 
+    def test_further_columns_may_hold_anything(self):
+        first = self.replay()
+        lines = self.read("path.csv").decode().splitlines()
+        cells = ["one", "", "nan", "-", "2"]
+        others = [f"{cells[k % 5]},{line},{cells[(k + 1) % 5]}" for k, line in enumerate(lines[1:])]
+        self.write("path.csv", "\n".join(["note," + lines[0] + ",by", *others]))
+        self.assertEqual(first, self.replay())
+        self.write("path.csv", "t,x,y,z,qw,qx,qy,qz,by\n0,0,0,1,1,0,0,0,me\n1,0,nan,1,1,0,0,0,me\n")
+        self.refuse(1, ["line 3", "'y'", "nan"], "replay", "a.ply", "--trajectory", "path.csv", "--out", "run.csv")
+
     def test_so_is_the_papers_pipeline(self):
         args = ["--pipeline", "paper", "--search-radius", "0.2"]
         first = self.replay(*args)

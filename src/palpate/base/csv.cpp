@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -44,6 +45,32 @@ void read_names(CsvHeader& header, std::string_view line) {
     if (header.has(name)) throw Error("{}: two columns are named '{}'", where, name);
     header.columns.emplace_back(name);
   });
+}
+
+bool is_number(std::string_view cell) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(cell.begin(), cell.end(), value);
+  return error == std::errc{} && end == cell.end();
+}
+
+/// Refuses files of another kind by their first line, of which reading cells would only say that they are
+/// bad.
+void refuse_other_kinds(const CsvHeader& header, std::string_view line) {
+  const std::string where = fmt::format("{}: line {}", header.source, header.line);
+  if (line == "ply") throw Error("{}: is a .ply file; a table (.csv) is needed", header.source);
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; };
+  if (std::any_of(line.begin(), line.end(), is_control))
+    throw Error("{}: is binary; a table (.csv) is needed", where);
+  if (line.find(',') == std::string_view::npos) {
+    for (const auto& [separator, name] : {std::pair(';', "semicolons"), std::pair('\t', "tabs")}) {
+      if (line.find(separator) != std::string_view::npos)
+        throw Error("{}: columns are separated by {}; separate them by commas", where, name);
+    }
+  }
+  bool all_numbers = true;
+  for_each_cell(line, [&](std::string_view cell, bool) { all_numbers = all_numbers && is_number(cell); });
+  if (all_numbers)
+    throw Error("{}: has numbers and no column names; add a header line, such as t,x,y,z", where);
 }
 
 /// Returns true if `cell` may be the start of a number or of one of `words`.
@@ -89,9 +116,17 @@ CsvReader::CsvReader(const std::string& path, LastLine last_line) : file_(path),
     if (!line->starts_with('#')) break;
     add_to_comment(header_, *line);
   }
+  refuse_other_kinds(header_, *line);
   read_names(header_, *line);
   words_.resize(header_.columns.size());
+  ignored_.resize(header_.columns.size());
   row_.reserve(header_.columns.size());
+}
+
+void CsvReader::ignore_all_but(std::span<const std::string_view> names) {
+  for (std::size_t k = 0; k < header_.columns.size(); ++k) {
+    if (std::find(names.begin(), names.end(), header_.columns[k]) == names.end()) ignore(k);
+  }
 }
 
 std::optional<std::span<const double>> CsvReader::next() {
@@ -115,6 +150,10 @@ std::optional<std::span<const double>> CsvReader::next() {
 bool CsvReader::read_cell(std::string_view cell, bool last) {
   const std::size_t width = header_.columns.size();
   if (row_.size() == width) throw Error("{}: {}: more than {} values", header_.source, where(), width);
+  if (ignored_[row_.size()] != 0) {
+    row_.push_back(0.0);
+    return true;
+  }
   const std::span<const std::string_view> words = words_[row_.size()];
   if (const auto word = std::find(words.begin(), words.end(), cell); word != words.end()) {
     row_.push_back(static_cast<double>(word - words.begin()));

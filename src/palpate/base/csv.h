@@ -29,8 +29,8 @@ struct CsvHeader {
 };
 
 /// Reads a CSV file of finite numbers row by row, in bounded memory. Format: optional comment lines that
-/// begin with '#'; one header line of distinct names; then rows with one number per column. Lines end in LF
-/// or CR LF; blank lines are skipped. One thread at a time.
+/// begin with '#'; one header line of distinct names, of which at least one is no number; then rows with one
+/// number per column. Lines end in LF or CR LF; blank lines are skipped. One thread at a time.
 class CsvReader {
  public:
   /// How to treat a last line that has no terminator and too few values or a truncated number.
@@ -52,6 +52,11 @@ class CsvReader {
   /// Lets cells of this column also be one of `words`, which reads as its index among them. \param words must
   /// outlive this object
   void take_words(std::size_t column, std::span<const std::string_view> words) { words_[column] = words; }
+
+  /// Lets cells of this column hold anything but a comma; they read as 0.
+  void ignore(std::size_t column) { ignored_[column] = 1; }
+  /// Ignores all columns but those of these names.
+  void ignore_all_but(std::span<const std::string_view> names);
 
   /// The next row, valid until the next call; nothing at the end. \throws Error naming the place of the first
   /// row that is not made of finite numbers.
@@ -80,6 +85,7 @@ class CsvReader {
   std::optional<LineReader> lines_;
   CsvHeader header_;
   std::vector<std::span<const std::string_view>> words_;  ///< by column; empty for numbers alone
+  std::vector<char> ignored_;                             ///< by column: nobody wants it
   std::vector<double> row_;
   bool sought_ = false;
   bool cut_ = false;

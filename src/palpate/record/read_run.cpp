@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
@@ -37,6 +39,7 @@ class RunReader {
  public:
   explicit RunReader(const std::string& path) : csv_(path, CsvReader::LastLine::kMaybeCut) {
     take_run_words(csv_);
+    ignore_unknown();
     next();  // reports a file that is not a table by its first row rather than by a missing column
     const RunGroups groups = groups_of(csv_.header());
     live_ = groups.live;
@@ -58,6 +61,7 @@ class RunReader {
     drop_if_cut();
   }
   void drop_if_cut();
+  void ignore_unknown();
   void find(double from);
   RunRow row() const;
   void make_room(std::vector<RunRow>& rows, std::uint64_t start, std::size_t most) const;
@@ -76,6 +80,13 @@ class RunReader {
 void RunReader::drop_if_cut() {
   cut_ = csv_.cut() || (values_ && live_ && !csv_.terminated());
   if (cut_) values_.reset();
+}
+
+/// Ignores the columns that no run has.
+void RunReader::ignore_unknown() {
+  std::vector<std::string_view> known;
+  for (const RunColumn& column : run_columns()) known.push_back(column.name);
+  csv_.ignore_all_but(known);
 }
 
 /// Moves by bisection to a row shortly before the first one at `from` or later. \pre the next row is before

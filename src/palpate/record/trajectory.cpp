@@ -4,11 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <fmt/ranges.h>
 
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
 #include <palpate/geometry/unit_quaternion.h>
-#include <palpate/record/run_columns.h>
 #include <palpate/scene/gaussian_scene.h>
 
 namespace palpate {
@@ -18,6 +22,23 @@ namespace {
 constexpr double kMaxTime = 1e12;      // s
 constexpr double kMinTimeStep = 1e-9;  // s
 constexpr double kMaxDeviation = 0.1;  // of a quaternion's norm from 1; more is no rounding error
+
+constexpr std::array<std::string_view, 11> kColumns{"t",  "x",  "y",   "z",   "qw", "qx",
+                                                    "qy", "qz", "ufx", "ufy", "ufz"};
+
+/// Refuses a table of something else.
+void require_poses(const CsvHeader& header) {
+  std::vector<std::string_view> missing;
+  for (const std::string_view name : std::span(kColumns).first(4)) {
+    if (!header.has(name)) missing.push_back(name);
+  }
+  if (missing.empty()) return;
+  throw Error(
+      "{}: line {}: is no trajectory: column{} '{}' {} missing; t,x,y,z in s and m are needed, and may "
+      "be followed by qw,qx,qy,qz",
+      header.source, header.line, missing.size() > 1 ? "s" : "", fmt::join(missing, "', '"),
+      missing.size() > 1 ? "are" : "is");
+}
 
 Eigen::Quaterniond orientation_of(const CsvTable& table, std::size_t row,
                                   const std::array<std::size_t, 4>& columns) {
@@ -46,7 +67,8 @@ Pose pose_at(const Trajectory& trajectory, double t) {
 
 Trajectory read_trajectory(const std::string& path) {
   CsvReader reader(path);
-  take_run_words(reader);  // a recording has words in further columns, which are ignored
+  require_poses(reader.header());
+  reader.ignore_all_but(kColumns);
   const CsvTable table = read_csv(reader);
   const std::array<std::size_t, 4> txyz{table.column("t"), table.column("x"), table.column("y"),
                                         table.column("z")};
