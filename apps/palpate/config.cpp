@@ -13,6 +13,8 @@
 namespace palpate::cli {
 namespace {
 
+constexpr const char* kSceneKey = "scene";  // an option of some commands, an argument of others
+
 /// Returns whether `arguments` give option `name` ("--name", "--name=value").
 bool gives(const std::vector<std::string>& arguments, const std::string& name) {
   return std::any_of(arguments.begin(), arguments.end(), [&](const std::string& argument) {
@@ -51,6 +53,9 @@ std::string run_taken_from(const CLI::App& command, const std::vector<std::strin
 const CLI::Option* find_option(const CLI::App& app, const std::string& name) {
   return app.get_option_no_throw(name);
 }
+
+/// Returns whether the scene is an argument of `command` rather than an option.
+bool takes_scene(const CLI::App& command) { return find_option(command, "SCENE") != nullptr; }
 
 bool known_anywhere(const CLI::App& app, const std::string& name) {
   const auto subcommands = app.get_subcommands([](const CLI::App*) { return true; });
@@ -93,6 +98,12 @@ void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
     if (!known_anywhere(app, name) || name == "--config" || name == "--help") {
       throw Error("{}: line {}: '{}' is not an option of any command; see palpate --help", entry.file,
                   entry.line, entry.key);
+    }
+    if (entry.key == kSceneKey && takes_scene(command)) {
+      if (!first_positional(command, given).empty()) continue;
+      arguments.all.push_back(entry.value);
+      added.push_back(entry);
+      continue;
     }
     const CLI::Option* option = find_option(command, name);
     if (option == nullptr || gives(given, name) || excluded(command, *option, given) ||

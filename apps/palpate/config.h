@@ -38,7 +38,7 @@ struct Arguments {
 /// Adds to `arguments` (without the program name) the entries of its --config FILE, then the settings of the
 /// run of `replay --from RUN` or of the first run of `report RUN --scene SCENE` (see run_origin.h). Only
 /// entries that the command has an option for, that the arguments neither set nor exclude, and that need no
-/// option that is not given are added.
+/// option that is not given are added. `scene` is the argument SCENE where the command has one.
 /// \throws Error for a broken file, a key that is no option of any command, or two that exclude each other.
 Arguments with_config(const CLI::App& app, const std::vector<std::string>& arguments);
 

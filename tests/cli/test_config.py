@@ -95,6 +95,13 @@ class Config(Case):
         self.refuse(2, ["--sigma", "--iso"], "query", "a.ply", "--pose", "0,0,0", "--sigma", "2", "--iso", "0.2")
         self.refuse_config("sigma = 2\niso = 0.2", ["line", "iso", "sigma"])
 
+    def test_the_scene_may_be_in_the_file(self):
+        self.write("c.toml", 'scene = "a.ply"\n')
+        self.assertEqual(self.succeed("query", "--pose", "0.01,0,0", "--json", "--config", "c.toml").figures, self.query())
+        self.write("c.toml", 'scene = "missing.ply"\n')
+        self.assertEqual(self.with_config('scene = "missing.ply"'), self.query(), "the argument has precedence")
+        self.refuse(1, "missing.ply", "info", "--config", "c.toml")
+
     def test_what_is_not_toml_names_the_line(self):
         for text in ("sigma = ", "= 1", "sigma 1", "sigma = 1\nsigma = 2", "sigma = 1 2", 'frame = "y-up', "\x00",
                      "sigma = 0x", "[[", "a = '''", "sigma = 1__0", "\xff\xfe"):

@@ -65,6 +65,14 @@ class Usage(Case):
         self.refuse(2, "dodecahedron", "make-scene", "dodecahedron", "--out", "s.ply")
         self.refuse(2, "tcsh", "completion", "tcsh")
 
+    def test_what_is_not_expected_is_told_in_order_and_before_what_is_missing(self):
+        extra = ("info", "a.ply", "one", "two", "three")
+        self.refuse(2, "not expected: one two three", *extra)
+        self.refuse(2, ["--profile;", "did you mean --profiles?"], "stability", "--profile", "omega")
+        self.refuse(2, ["--opacity_min;", "did you mean --opacity-min?"], "info", "a.ply", "--opacity_min", "0.2")
+        self.refuse(2, ["--trajectry;", "did you mean --trajectory?"], "replay", "a.ply", "--trajectry", "p.csv", "--out", "r.csv")
+        self.assertNotIn(b"did you mean", self.refuse(2, "--frobnicate", "info", "a.ply", "--frobnicate").err)
+
     def test_a_list_ends_with_its_argument(self):
         self.succeed("make-scene", "--like", "tails", "plane", "--out", "x.ply", "--spacing", "0.02", "-q")
         self.succeed("make-scene", "--like", "tails,holes", "plane", "--out", "y.ply", "--spacing", "0.02", "-q")
