@@ -159,6 +159,7 @@ void run(BenchOptions& options) {
       options.histogram,
       {options.live.scene.path, options.trajectory, options.live.force.materials, options.common.config},
       "--histogram");
+  check_ending(options.histogram, ".svg", "--histogram");
   if (options.simd.empty()) options.simd = simd_targets().front();
   use_simd_target(options.simd);
   const BenchFigures figures = measure(options, terminal_progress(options.common.quiet));

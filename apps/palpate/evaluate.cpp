@@ -107,6 +107,7 @@ void run(const EvaluateOptions& options) {
   }
   check_output(options.csv, {options.common.config}, "--csv");
   check_output(options.html, {options.common.config, options.csv}, "--html");
+  check_ending(options.html, ".html", "--html");
   check_figure_folder(options.svg);
   ResultFile csv(options.csv), html(options.html);
   const std::vector<EvaluationRow> rows = measure_all(options);

@@ -156,6 +156,7 @@ void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
     throw Error("--stiffness must be positive: forces are compared with it");
   check_output(task.csv, {options.live.scene.path, options.against, task.common.config}, "--csv");
   check_output(task.html, {options.live.scene.path, options.against, task.common.config, task.csv}, "--html");
+  check_ending(task.html, ".html", "--html");
   check_figure_folder(task.svg);
   if (!options.worst.empty() && !std::filesystem::is_directory(options.worst))
     throw Error("--worst {}: is not a folder; make it first", options.worst);

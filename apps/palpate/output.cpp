@@ -1,6 +1,7 @@
 #include "output.h"
 
 #include <cstdio>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -31,6 +32,12 @@ void check_output(const std::string& out, std::initializer_list<std::string> inp
       throw Error("{}: {} is also an input; give it another name", out, option);
     }
   }
+}
+
+void check_ending(const std::string& out, std::string_view ending, std::string_view option) {
+  const std::string found = std::filesystem::path(out).extension().string();
+  if (!found.empty() && found != ending)
+    throw Error("{}: {} writes {}; end the name in {}", out, option, ending.substr(1), ending);
 }
 
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json) {

@@ -34,6 +34,10 @@ std::string tool_in_words(const Tool& tool);
 void check_output(const std::string& out, std::initializer_list<std::string> inputs,
                   std::string_view option = "--out");
 
+/// \throws Error if `out`, the value of `option`, is given with another ending than `ending`, such as
+/// ".html": the content would not be what its name says. A name without an ending is permitted.
+void check_ending(const std::string& out, std::string_view ending, std::string_view option = "--out");
+
 /// Adds `search_radius` and `can_miss`, the number of Gaussians out of reach of the paper's pipeline with
 /// `tool`.
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json);

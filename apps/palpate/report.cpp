@@ -69,6 +69,7 @@ std::vector<Run> read_all(const ReportOptions& options, const Progress& progress
 void run(const ReportOptions& options) {
   check_output(options.out, {options.live.scene.path, options.common.config});
   for (const std::string& path : options.runs) check_output(options.out, {path});
+  check_ending(options.out, ".html");
   check_figure_folder(options.svg);
   const Progress progress = terminal_progress(options.common.quiet);
   const std::vector<Run> runs = read_all(options, progress);

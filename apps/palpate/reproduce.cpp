@@ -114,6 +114,7 @@ void run(ReproduceOptions options) {
       options.html,
       {given.scene.path, given.device.chain, given.force.materials, options.common.config, options.csv},
       "--html");
+  check_ending(options.html, ".html", "--html");
   ResultFile csv(options.csv), html(options.html);
   check_figure_folder(options.svg);
   const Progress progress = terminal_progress(options.common.quiet);

@@ -131,6 +131,7 @@ Provenance provenance_of(const StabilityOptions& options, const TrialGround& gro
 void run(const StabilityOptions& options) {
   check_output(options.csv, {options.common.config, options.live.scene.path}, "--csv");
   check_output(options.html, {options.common.config, options.live.scene.path, options.csv}, "--html");
+  check_ending(options.html, ".html", "--html");
   check_figure_folder(options.svg);
   ResultFile csv(options.csv), html(options.html);
   const Progress progress = terminal_progress(options.common.quiet);

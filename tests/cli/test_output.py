@@ -57,8 +57,10 @@ class Output(Case):
         self.refuse(1, "bad.csv", "replay", "a.ply", "--trajectory", "bad.csv", "--out", "run.csv")
         self.refuse(1, "missing.ply", "replay", "missing.ply", "--trajectory", "path.csv", "--out", "run.csv")
         self.refuse(2, "--sigma", *self.replay("run.csv", "--sigma", "-1"))
-        self.refuse(1, "bad.csv", "report", "bad.csv", "--out", "run.csv")
-        self.assertEqual(self.read("run.csv"), b"precious")
+        self.write("run.html", "precious")
+        self.refuse(1, "bad.csv", "report", "bad.csv", "--out", "run.html")
+        for name in ("run.csv", "run.html"):
+            self.assertEqual(self.read(name), b"precious")
 
     def test_an_earlier_output_is_replaced_whole(self):
         self.write("run.csv", "x" * 1_000_000)
@@ -114,6 +116,21 @@ class Output(Case):
     def test_a_read_only_folder(self):
         os.mkdir(self.path("locked"), 0o500)
         self.refuse(1, ["locked/run.csv", "Permission denied"], *self.replay("locked/run.csv"))
+
+    def test_a_dash_is_no_file(self):
+        self.refuse(1, ["-: ", "/dev/stdout"], *self.replay("-"))
+        self.refuse(1, ["-: ", "/dev/stdout"], "make-scene", "sphere", "--out", "-", "-q")
+        self.refuse(1, ["-: ", "/dev/stdout"], "run", "a.ply", "--record", "-", "--seconds", "0.1", "-q", "--port", "0")
+        self.assert_inputs_only()
+        self.succeed(*self.replay("./-"))
+
+    def test_a_page_or_picture_ends_in_its_format(self):
+        self.succeed(*self.replay("run.csv"))
+        for name in ("r.pdf", "r.svg", "r.HTM"):
+            self.refuse(1, [name, ".html"], "report", "run.csv", "--out", name)
+        self.refuse(1, ["h.png", ".svg"], "bench", "a.ply", "--histogram", "h.png")
+        self.refuse(1, ["p.pdf", ".html"], "evaluate", "--html", "p.pdf")
+        self.assertNotIn("h.png", self.files())
 
     def test_a_full_disk(self):
         self.refuse(1, ["/dev/full", "No space left"], *self.replay("/dev/full"))

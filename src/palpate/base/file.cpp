@@ -120,8 +120,13 @@ std::string read_text_file(const std::string& path, std::uint64_t max_bytes) {
   return text;
 }
 
+void refuse_dash(const std::string& path) {
+  if (path == "-") throw Error("-: is no file name; use /dev/stdout, or ./- for a file of that name");
+}
+
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   namespace fs = std::filesystem;
+  refuse_dash(path_);
   std::error_code ignored;
   const fs::file_status status = fs::status(path_, ignored);
   if (fs::is_directory(status)) throw Error("{}: cannot write: is a folder; give a file name", path_);

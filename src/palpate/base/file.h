@@ -41,6 +41,9 @@ class InputFile {
 /// \param error_number errno
 [[noreturn]] void throw_file_error(const std::string& path, std::string_view action, int error_number);
 
+/// \throws Error if the name of an output file is "-", which other programs take for standard output.
+void refuse_dash(const std::string& path);
+
 /// The contents of a text file of at most `max_bytes`. \throws Error if it is larger or unreadable.
 std::string read_text_file(const std::string& path, std::uint64_t max_bytes);
 

@@ -12,6 +12,7 @@
 namespace palpate {
 
 GrowingFile::GrowingFile(std::string path, std::string_view lines) : path_(std::move(path)) {
+  refuse_dash(path_);
   constexpr mode_t kPermissions = 0666;  // less the user's umask, as any program's output
   do descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, kPermissions);
   while (descriptor_ < 0 && errno == EINTR);
