@@ -11,10 +11,21 @@
 #include <unistd.h>
 
 namespace palpate::cli {
+namespace {
 
-// A newly opened description has its own flags. A socket cannot be opened anew; see write().
-NonblockingStderr::NonblockingStderr()
-    : descriptor_(::open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | O_APPEND)) {}
+/// Returns a descriptor for stderr that does not block. A newly opened description has its own flags, but
+/// also its own offset: in a regular file, which blocks nobody, what stdout writes to the same file
+/// (`> log 2>&1`) would overwrite its lines. There the description is shared instead.
+int nonblocking_stderr() {
+  struct stat status {};
+  if (::fstat(STDERR_FILENO, &status) == 0 && S_ISREG(status.st_mode))
+    return ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  return ::open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | O_APPEND);
+}
+
+}  // namespace
+
+NonblockingStderr::NonblockingStderr() : descriptor_(nonblocking_stderr()) {}
 
 NonblockingStderr::~NonblockingStderr() {
   if (descriptor_ >= 0) ::close(descriptor_);

@@ -9,7 +9,8 @@
 namespace palpate::cli {
 
 /// Non-blocking stderr: output that does not fit, on a stopped terminal (Ctrl-S) or a pipe without a reader,
-/// is discarded. The flags of the original descriptor, which other processes share, are not changed.
+/// is discarded. The flags of the original descriptor, which other processes share, are not changed. A
+/// regular file is written at the offset that stdout may share.
 class NonblockingStderr {
  public:
   NonblockingStderr();

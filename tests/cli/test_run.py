@@ -273,6 +273,25 @@ class Hands(Live):
         rows = self.rows("run.csv")
         self.assertEqual({float(row["sfz"]) for row in rows[-200:]}, {0.0})
 
+    def test_one_file_for_both_streams_keeps_every_line(self):
+        for mode in ("wb", "ab"):  # > log 2>&1, and >> log 2>&1
+            with self.subTest(mode=mode):
+                with open(self.path("log"), mode) as log:
+                    log.write(b"before\n")
+                    log.flush()
+                    process = self.start("--seconds", "2", "--record", f"{mode}.csv", "--no-gateway", stdout=log, stderr=log)
+                while not os.path.exists(self.path(f"{mode}.csv")):
+                    time.sleep(0.01)
+                time.sleep(0.5)
+                process.send_signal(signal.SIGUSR1)
+                self.assertEqual(process.wait(timeout=60), 0)
+                text = self.read("log").decode()
+                os.remove(self.path("log"))
+                self.assertTrue(text.startswith("before\n"), text)
+                self.assertRegex(text, r"(?m)^palpate: \d+\.\d+ s: no force: emergency-stop: .+$")
+                self.assertRegex(text, rf"(?m)^wrote {mode}\.csv: ")
+                self.assertNotIn("\0", text)
+
     def test_the_status_line_does_not_wrap(self):
         master, process = self.on_a_terminal("--seconds", "1", "--no-gateway")
         drawn = b""
