@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -46,8 +47,10 @@ std::string run_name(const ReproductionRun& run) {
 /// Summary of a run: the worst of its contacts.
 struct RunFigures {
   int felt = 0, bounces = 0;
-  double force = 0.0, user_off = 0.0, swing = 0.0, overshoot = 0.0, off = 0.0, per_depth_low = 1e300,
+  double force = 0.0, user_off = 0.0, swing = 0.0, overshoot = 0.0, per_depth_low = 1e300,
          per_depth_high = 0.0;
+  /// NaN without a contact whose true normal and force are known. Unit: [deg].
+  double off = std::numeric_limits<double>::quiet_NaN();
 };
 
 RunFigures figures_of(const ReproductionRun& run) {
@@ -70,6 +73,8 @@ RunFigures figures_of(const ReproductionRun& run) {
 std::string per_depth_text(const RunFigures& f) {
   return f.per_depth_high > 0.0 ? fmt::format("{:.0f} to {:.0f}", f.per_depth_low, f.per_depth_high) : "-";
 }
+
+std::string angle_text(const RunFigures& f) { return std::isnan(f.off) ? "-" : fmt::format("{:.1f}", f.off); }
 
 std::string faults_text(const ReproductionRun& run) {
   return run.faults.empty() ? "none" : fmt::format("{}", fmt::join(run.faults, ", "));
@@ -174,17 +179,17 @@ std::string runs_table(const ReproductionResult& result) {
   std::string html =
       "<div class='table' tabindex='0'><table>\n<tr><th>run</th><th>contacts</th><th>force at rest N</th>"
       "<th>user force deviation</th><th>oscillation mm</th><th>overshoot mm</th><th>bounces</th>"
-      "<th>angle to true normal</th><th>N per metre of true depth</th><th>net energy mJ</th>"
+      "<th>angle to true normal, degrees</th><th>N per metre of true depth</th><th>net energy mJ</th>"
       "<th>ticks at a device limit</th><th>faults</th></tr>\n";
   for (const ReproductionRun& run : result.runs) {
     const RunFigures f = figures_of(run);
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.1f} "
-        "%</td><td>{:.3f}</td><td>{:.2f}</td><td>{}</td><td>{:.1f} deg</td>"
+        "%</td><td>{:.3f}</td><td>{:.2f}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td>{:.3f}</td><td>{}</td><td>{}</td></tr>\n",
         markup_escaped(run_name(run)), f.felt, f.force, 100.0 * f.user_off, kMilli * f.swing,
-        kMilli * f.overshoot, f.bounces, f.off, per_depth_text(f), kMilli * run.port_energy, run.held_ticks,
-        faults_text(run));
+        kMilli * f.overshoot, f.bounces, angle_text(f), per_depth_text(f), kMilli * run.port_energy,
+        run.held_ticks, faults_text(run));
   }
   return html + "</table></div>\n";
 }
@@ -221,9 +226,9 @@ std::string reproduction_text(const ReproductionResult& result) {
   for (const ReproductionRun& run : result.runs) {
     const RunFigures f = figures_of(run);
     fmt::format_to(std::back_inserter(text),
-                   "{:<32} {:>8} {:>7.2f} {:>8.1f}% {:>9.3f} {:>12.2f} {:>8} {:>9.1f} {:>12} {:>10.3f}  {}\n",
+                   "{:<32} {:>8} {:>7.2f} {:>8.1f}% {:>9.3f} {:>12.2f} {:>8} {:>9} {:>12} {:>10.3f}  {}\n",
                    run_name(run), f.felt, f.force, 100.0 * f.user_off, kMilli * f.swing, kMilli * f.overshoot,
-                   f.bounces, f.off, per_depth_text(f), kMilli * run.port_energy, faults_text(run));
+                   f.bounces, angle_text(f), per_depth_text(f), kMilli * run.port_energy, faults_text(run));
   }
   return text;
 }
