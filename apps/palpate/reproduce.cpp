@@ -182,7 +182,7 @@ Command declare_reproduce(CLI::App& parent) {
   declare_scene(app, live, SceneArgument::kOptionalPositional);
   add_choice(app, "--plant", options->plant, {"own", "mujoco"},
              "mechanics of the device: the project's own or MuJoCo");
-  add_count(app, "--touches", options->touches, 2, 26, "number of places to touch");
+  add_count(app, "--touches", options->touches, 2, 26, "number of places to touch; 7 in the paper");
   add_number(app, "--press", options->press, 0.001, 0.2, "m",
              "commanded depth of the hand beyond first contact");
   add_number(app, "--stall", options->stall, 0.0, 1.0, "s",

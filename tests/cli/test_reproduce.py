@@ -26,6 +26,8 @@ class Reproduce(Case):
             self.assertAlmostEqual(contact["user_force"], contact["force"], delta=0.05 * contact["force"])
             self.assertIsNone(contact["true_depth_mm"])  # nobody knows the surface of a file
         self.assertEqual(len(result["claims"]), 15)
+        seven = next(claim for claim in result["claims"] if "Seven" in claim["paper"])
+        self.assertEqual((seven["figure"], seven["bound"], seven["default"], seven["met"]), ("7", ">= 7", 2, False))
         page = self.read("page.html").decode()
         self.assertNotIn("http://", page.replace("http://www.w3.org", ""))
         for part in ("TCP path from above", "Repulsive force", "User force", "Computation time", ">tb<"):
@@ -33,6 +35,15 @@ class Reproduce(Case):
         rows = table_of(self.read("ticks.csv")).splitlines()
         self.assertEqual(rows[0].split(",")[:3], ["run", "t", "x"])
         self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"density", "proxy"})
+
+    def test_angles_to_a_normal_that_nobody_knows_are_not_figures(self):
+        text = self.succeed("reproduce", "box.ply", *QUICK).out.decode()
+        header, *rows = text[text.index("\nrun  "):].strip().split("\n")
+        end = header.index("angle deg") + len("angle deg")
+        self.assertEqual(len(rows), 4)
+        for row in rows:
+            self.assertEqual(row[:end].split()[-1], "-", row)
+            self.assertEqual(row[end:].split()[0], "-", row)
 
     def test_says_what_cannot_be_done(self):
         for arguments, words in (

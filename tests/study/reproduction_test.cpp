@@ -1,6 +1,7 @@
 // The paper's evaluation, on a sphere of which depth and direction are known.
 #include <palpate/study/reproduction_claims.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -197,6 +198,25 @@ TEST(Claims, AreMeasuredAsTheySay) {
   EXPECT_DOUBLE_EQ(value("oscillatory"), 0.0);
   EXPECT_DOUBLE_EQ(value("up to 50 ms"), 2.0);
   EXPECT_DOUBLE_EQ(value("first contact points"), 0.01);
+}
+
+/// The statement says seven, however many places the path has.
+TEST(Claims, AreSevenContactsOnAnyPath) {
+  for (const std::size_t places : {2U, 7U, 9U}) {
+    for (const std::size_t felt : {std::size_t{2}, places - 1, places}) {
+      RoomPath path;
+      path.touches.resize(places);
+      ReproductionRun run = seven_ticks();
+      run.contacts.assign(places, ReproductionContact());
+      for (std::size_t k = 0; k < places; ++k)
+        run.contacts[k].begins = k < felt ? 1.0 : std::numeric_limits<double>::quiet_NaN();
+      const std::vector<Claim> all = claims(1, 1, path, run, run);
+      const auto seven = std::find_if(all.begin(), all.end(), [](const Claim& c) { return c.figure == "7"; });
+      ASSERT_NE(seven, all.end());
+      EXPECT_EQ(seven->own, static_cast<double>(felt));
+      EXPECT_EQ(seven->holds(seven->own), felt >= 7) << felt << " of " << places;
+    }
+  }
 }
 
 TEST(GiantReach, CanBeReachedAtEveryCorner) {

@@ -189,8 +189,8 @@ std::vector<Claim> claims(std::size_t gaussians, std::size_t kept, const RoomPat
       Bound::kAtLeast, 1.0, [&](const auto&) { return millions(kept); });
   add("In the area of 2.0 m times 3.0 m", "6 m^2", "bounding area of the path, m^2", Bound::kAtLeast, 6.0,
       area);
-  add("Seven contact points are created", "7", "contacts with a force", Bound::kAtLeast,
-      static_cast<double>(path.touches.size()), felt_contacts);
+  // Of any path: one with fewer places does not show what the statement says.
+  add("Seven contact points are created", "7", "contacts with a force", Bound::kAtLeast, 7.0, felt_contacts);
   add("The kd-tree identifies sets of candidates that contain less than 500 ellipsoids", "< 500",
       "largest number of candidates", Bound::kAtMost, 500.0, [](const auto& run) {
         return most(run, [](const auto& t) { return static_cast<double>(t.candidates); });
