@@ -1,6 +1,7 @@
 """Every command as a black box: help, exit codes, what goes where, and the query document."""
 
 import math
+import re
 import unittest
 
 from support import COMMANDS, RUN_HEADER, Case, columns_of, path_csv, ply, random_rows, splat, table_of, tapping_path, wall_rows
@@ -245,6 +246,21 @@ class Info(Case):
         self.assertEqual(kept("--opacity-min", "0.05", "--iso", "0.3")["kept"], kept("--opacity-min", "0.3")["kept"])
         self.assertGreater(kept("--max-scale", "0.01")["over_max_scale"], 0)
         self.assertGreater(kept("--crop-sphere", "0,0,0,0.1")["outside_crop"], 0)
+
+    def test_the_limit_that_drops_giants_is_in_metres(self):
+        for seed in range(5):
+            rows = random_rows(300, seed) + [splat(0.01 * k, 0, 0, scale=(-2.0, -6, -6)) for k in range(7)]
+            self.write("a.ply", ply(rows))
+            for scale in ("1", "0.0123", "170"):
+                options = ("a.ply", "--scale", scale, "--opacity-min", "0")
+                giants = self.succeed("info", *options, "--json").json["lint"]["giant"]
+                self.assertGreaterEqual(giants, 7)
+                text = self.succeed("info", *options).out.decode()
+                said = re.search(r"(\d+) giant \(longest sigma above (\S+) m, .*: drop them with --max-scale ([^\s,]+),", text)
+                self.assertEqual((int(said[1]), said[2]), (giants, said[3]))
+                dropped = self.succeed("info", *options, "--max-scale", said[3], "--json").json["filter"]["over_max_scale"]
+                # Rounded down: a Gaussian just below the limit may go, too.
+                self.assertIn(dropped - giants, (0, 1, 2), (seed, scale))
 
     def test_frames_turn_the_named_axis_up(self):
         self.write("a.ply", ply([splat(1, 2, 3)]))

@@ -1,6 +1,8 @@
 #include <palpate/report/scene_table.h>
 
+#include <cmath>
 #include <cstddef>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -49,6 +51,26 @@ std::string box_text(const char* name, const Eigen::AlignedBox3d& box) {
                      box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
 }
 
+/// Returns `value`, positive, with three significant digits, rounded down: as a limit it excludes whatever
+/// exceeds `value`.
+std::string floor_text(double value) {
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  const double floored = std::floor(value / step) * step;
+  std::string text = fmt::format("{:.3g}", floored);
+  // The nearest decimal of three digits may be above a `value` that is just below it.
+  if (std::stod(text) > value) text = fmt::format("{:.3g}", floored - step);
+  return text;
+}
+
+/// The limit of LintReport::giant, and the option that drops those Gaussians: both in the world's metres.
+std::string giants_text(const SceneReport& report) {
+  const std::size_t count = report.lint.giant;
+  const double limit = report.scale * kGiantShare * report.lint.robust_diagonal;
+  const std::string metres = limit > 0.0 ? floor_text(limit) : "0";
+  return fmt::format("{} giant (longest sigma above {} m, a tenth of the scene){}", count, metres,
+                     count != 0 ? ": drop them with --max-scale " + metres : "");
+}
+
 std::string counts_text(const SceneReport& report) {
   const LintReport& lint = report.lint;
   const FilterReport& f = report.filtered;
@@ -57,11 +79,7 @@ std::string counts_text(const SceneReport& report) {
       "\nlint              {} NaN, {} infinite, {} zero quaternion, {} zero scale: cannot collide, "
       "excluded\n",
       lint.defects[1], lint.defects[2], lint.defects[3], lint.defects[4]);
-  text += fmt::format(
-      "                  {} giant (longest sigma above {:.3g}, a tenth of the scene){}, {} flat (a sigma of "
-      "zero)\n",
-      lint.giant, kGiantShare * lint.robust_diagonal, lint.giant != 0 ? ": drop them with --max-scale" : "",
-      lint.flat);
+  text += fmt::format("                  {}, {} flat (a sigma of zero)\n", giants_text(report), lint.flat);
   text += fmt::format("\nkept              {} of {} ({:.1f} %) at opacity above {}\n", f.kept, f.total,
                       100.0 * static_cast<double>(f.kept) / static_cast<double>(f.total), report.opacity_min);
   text += fmt::format(
