@@ -19,6 +19,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "run_origin.h"
 #include "terminal.h"
 
 extern "C" {
@@ -71,6 +72,9 @@ void run(const ReportOptions& options) {
   for (const std::string& path : options.runs) check_output(options.out, {path});
   check_ending(options.out, ".html");
   check_figure_folder(options.svg);
+  if (const std::string& first = options.runs.front();
+      !options.live.scene.path.empty() && says_how_it_was_made(first))
+    RunOrigin(first).check(options.live.scene);
   const Progress progress = terminal_progress(options.common.quiet);
   const std::vector<Run> runs = read_all(options, progress);
   const Run& recorded = runs.front();

@@ -51,6 +51,14 @@ std::vector<ConfigEntry> RunOrigin::entries() const {
   return all;
 }
 
+void RunOrigin::check(const SceneConfig& scene) const {
+  if (scene_checksum_.empty()) return;
+  const std::string checksum = scene_origin(scene).checksum;
+  if (checksum == scene_checksum_) return;
+  throw Error("{}: was made with another scene than {} ({}, not {}); give that one, or omit --scene", run_,
+              scene.name(), scene_checksum_, checksum);
+}
+
 void RunOrigin::settle(LiveConfig& live) const {
   std::string& scene = live.scene.path;
   const bool found = !scene.empty();

@@ -28,6 +28,10 @@ class RunOrigin {
   /// that says what to do.
   void settle(LiveConfig& live) const;
 
+  /// Compares the checksum of `scene` with the run's, if it has one. \throws Error if they differ, a line
+  /// that says what to do.
+  void check(const SceneConfig& scene) const;
+
   /// Version of the program that made the run.
   const std::string& version() const { return version_; }
 

@@ -143,8 +143,20 @@ class Report(Case):
         self.succeed("report", "run.csv", "run.csv", "--html", "page.html", "--svg", "one", "-q")
         self.refuse(1, "--svg", "report", "run.csv", "--out", "page.html", "--svg", "nowhere")
 
-    def test_another_scene_is_noticed(self):
+    def test_another_scene_is_refused(self):
         self.write("b.ply", ply(random_rows(50, 6)))
+        command = ("report", "run.csv", "--out", "page.html", "-q", "--scene")
+        words = ["run.csv", "another scene than", "xxh3-16MiB:", "omit --scene"]
+        self.refuse(1, words, *command, "b.ply")
+        self.assertFalse(os.path.exists(self.path("page.html")))
+        os.rename(self.path("a.ply"), self.path("kept.ply"))
+        self.succeed(*command, "kept.ply")
+        self.write("a.ply", self.read("b.ply"))  # under the name that the run has recorded
+        self.refuse(1, words, *command, "a.ply")
+
+    def test_another_scene_of_a_run_without_a_checksum_is_noticed(self):
+        self.write("b.ply", ply(random_rows(50, 6)))
+        self.write("run.csv", table_of(self.read("run.csv")))
         result = self.succeed("report", "run.csv", "--scene", "b.ply", "--out", "page.html", "-q")
         self.assertIn(b"have other contacts", result.err)
         self.assertEqual(self.succeed("report", "run.csv", "--scene", "a.ply", "--out", "page.html", "-q").err, b"")
