@@ -19,6 +19,7 @@
 #include <palpate/live/run_signals.h>
 #include <palpate/record/recording_observer.h>
 #include <palpate/report/live_table.h>
+#include <palpate/rosbridge/own_address.h>
 #include <palpate/servo/live_view.h>
 
 #include "command.h"
@@ -105,6 +106,18 @@ void introduce(const LiveHands::Hand& hand, const Notify& tell) {
     tell(fmt::format(
         "note: {}this device declares no watchdog; its motors must turn off within 50 ms without a force",
         of));
+}
+
+/// Prints the URL of the viewer. If it has the name of this machine, which a headset may not be able to
+/// resolve, prints the one with an IP address as well.
+void tell_viewer(const std::string& url, const std::string& listens_on) {
+  notify(fmt::format("viewer: {}", url));
+  const std::string address = is_any_address(listens_on) ? own_address() : std::string();
+  if (address.empty()) return;
+  const std::size_t host = url.find("://") + 3;
+  std::string by_address = url;
+  by_address.replace(host, url.find(':', host) - host, address);
+  notify(fmt::format("where that name is unknown: {}", by_address));
 }
 
 /// The recordings of a run, one per hand.
@@ -223,7 +236,7 @@ void run(const RunOptions& options) {
   std::optional<RunSignals> signals(std::in_place, systems);
   if (talks) {
     for (const LiveHands::Hand& hand : hands.all()) introduce(hand, tell);
-    if (gateway) notify(fmt::format("viewer: {}", gateway->url()));
+    if (gateway) tell_viewer(gateway->url(), options.live.gateway.address);
   }
 
   const double until = end_of(hands, options.seconds);

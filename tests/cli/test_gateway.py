@@ -187,7 +187,21 @@ class Refused(Gateway):
         self.start("--listen", "0.0.0.0")
         self.assertRegex(self.token, r"\A[0-9a-f]{32}\Z")
         self.assertEqual(self.ask()[0], 401)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.connect(("192.0.2.1", 9))  # nobody's: chooses the interface of the default route, sends nothing
+            except OSError:
+                self.skipTest("no network")
+            own = probe.getsockname()[0]
+        self.assertIn(f" http://{own}:{self.port}/?token={self.token}\n", self.process.stderr.readline().decode())
+        self.assertEqual(self.ask(f"/?token={self.token}", host=f"{own}:{self.port}")[0], 303)
         self.end()
+
+    def test_an_address_of_another_machine(self):
+        for port in ((), ("--port", "0"), ("--port", "9090")):
+            result = self.refuse(1, ["cannot listen on 192.0.2.1: ", "--listen", "0.0.0.0"], "run", "wall.ply", "--seconds", "1",
+                                 "--trajectory", "hand.csv", "--listen", "192.0.2.1", *port)
+            self.assertNotIn(b"port", result.err)
 
 
 class Served(Gateway):

@@ -29,6 +29,7 @@
 
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
+#include <palpate/rosbridge/own_address.h>
 #include <support/temporary_file.h>
 
 namespace palpate {
@@ -1211,7 +1212,11 @@ TEST_F(WebServerTest, SaysWhereItCannotListen) {
     EXPECT_THAT(message_of<Error>(listen), HasSubstr("is not an IP address")) << address;
   }
   options.address = "192.0.2.1";  // of nobody (RFC 5737)
-  EXPECT_THAT(message_of<Error>(listen), HasSubstr("cannot listen on 192.0.2.1"));
+  for (const std::uint16_t port : {std::uint16_t{0}, std::uint16_t{9090}}) {
+    options.port = port;
+    EXPECT_THAT(message_of<Error>(listen), AllOf(HasSubstr("cannot listen on 192.0.2.1: this machine has no"),
+                                                 HasSubstr("--listen"), Not(HasSubstr("port"))));
+  }
 }
 
 // What has been sent is let go of while its reader stays.
@@ -1259,6 +1264,21 @@ TEST_F(WebServerTest, OnEveryAddressItIsCalledByItsHostName) {
   std::array<char, 256> name{};
   ASSERT_EQ(::gethostname(name.data(), name.size()), 0);
   EXPECT_EQ(server->url(), "http://" + std::string(name.data()) + ":" + std::to_string(server->port()) + "/");
+}
+
+TEST(OwnAddress, IsOneOfAnInterfaceForOthers) {
+  EXPECT_TRUE(is_any_address("0.0.0.0") && is_any_address("::"));
+  EXPECT_FALSE(is_any_address("127.0.0.1") || is_any_address("::1") || is_any_address(""));
+  const std::string own = own_address();
+  if (own.empty()) GTEST_SKIP() << "no network";
+  EXPECT_THAT(own, Not(testing::StartsWith("127.")));
+  // One can listen only on addresses that the machine has.
+  Hub hub;
+  WebServerOptions options;
+  options.address = own;
+  options.port = 0;
+  EXPECT_NO_THROW(WebServer(
+      hub, [](const std::string&) { return text_page(200, ""); }, options));
 }
 
 TEST_F(WebServerTest, ServersOfPortZeroAreApart) {

@@ -33,6 +33,7 @@
 #include <palpate/base/real_time.h>
 #include <palpate/rosbridge/access.h>
 #include <palpate/rosbridge/lane.h>
+#include <palpate/rosbridge/own_address.h>
 #include <palpate/rosbridge/tls_relay.h>
 
 namespace palpate {
@@ -706,12 +707,26 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
-    if (error) {
-      throw Error("cannot listen on {} port {}: {}; give another --port, or --no-gateway", options.address,
-                  options.port, error.message());
-    }
+    if (error) refuse(options, error);
     protocol_ = endpoint.protocol();
     port_ = acceptor_.local_endpoint().port();
+  }
+
+  /// \throws Error with the reason for which the server cannot listen, and what to change.
+  [[noreturn]] static void refuse(const WebServerOptions& options, const error_code& error) {
+    namespace errc = boost::system::errc;
+    if (error == errc::address_not_available || error == errc::address_family_not_supported) {
+      throw Error(
+          "cannot listen on {}: this machine has no such address; give --listen one of its own, or 0.0.0.0 "
+          "for all of them",
+          options.address);
+    }
+    if (options.port == 0) {
+      throw Error("cannot listen on {}: {}; give another --listen, or --no-gateway", options.address,
+                  error.message());
+    }
+    throw Error("cannot listen on {} port {}: {}; give another --port, or --no-gateway", options.address,
+                options.port, error.message());
   }
 
   void have_done(Lane& lane, std::function<void()> work, std::function<void()> then) {
@@ -837,7 +852,7 @@ std::uint16_t WebServer::port() const { return implementation_->port(); }
 
 std::string WebServer::url() const {
   std::string address = implementation_->address();
-  if (address == "0.0.0.0" || address == "::") address = net::ip::host_name();
+  if (is_any_address(address)) address = net::ip::host_name();
   const bool six = address.find(':') != std::string::npos;
   const std::string& token = implementation_->token();
   return fmt::format("{}://{}:{}/{}", implementation_->scheme(), six ? '[' + address + ']' : address, port(),
