@@ -268,6 +268,30 @@ TEST(Access, TakesBearerInAnyCase) {
   EXPECT_EQ(status(access, head), 0);
 }
 
+// Any web page can send any Origin: what it makes appear on the terminal is bounded in number and in length.
+TEST(Access, NamesAFewRefusedOriginsOnce) {
+  Access local("127.0.0.1", 9090, "", kSession);
+  const auto notice_of = [&](const std::string& origin) {
+    RequestHead head;
+    head.host = "127.0.0.1:9090";
+    head.target = "/";
+    head.origin = origin;
+    const auto refused = local.refusal(head, 0.0);
+    return refused ? refused->notice : "accepted";
+  };
+  EXPECT_EQ(notice_of("http://127.0.0.1:9090"), "accepted");
+  EXPECT_NE(notice_of("http://localhost:5173").find(" http://localhost:5173;"), std::string::npos);
+  EXPECT_EQ(notice_of("http://localhost:5173"), "");
+  EXPECT_EQ(notice_of("HTTP://localhost:5173"), "");
+  const std::string hostile = notice_of("\x1b[31mevil\r\n\xff" + std::string(10000, 'x'));
+  EXPECT_LT(hostile.size(), 400U);
+  for (const char c : hostile) EXPECT_GE(static_cast<unsigned char>(c), 0x20);
+  std::size_t named = 2;
+  for (int k = 0; k < 1000; ++k)
+    named += notice_of("http://" + std::to_string(k) + ".example").empty() ? 0 : 1;
+  EXPECT_EQ(named, Access::kMostNotices);
+}
+
 TEST(Access, ATokenDoesNotHelpAPageOfAnotherOrigin) {
   Access access("0.0.0.0", 9090, "s3cret", kSession);
   RequestHead head{"127.0.0.1:9090", "http://evil.example", {}, "palpate-9090=session", "/"};

@@ -14,6 +14,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -1279,6 +1280,26 @@ TEST(OwnAddress, IsOneOfAnInterfaceForOthers) {
   options.port = 0;
   EXPECT_NO_THROW(WebServer(
       hub, [](const std::string&) { return text_page(200, ""); }, options));
+}
+
+TEST_F(WebServerTest, TellsOnceOfAPageOfAnotherOrigin) {
+  std::mutex mutex;
+  std::vector<std::string> told;
+  WebServerOptions options;
+  options.tell = [&](const std::string& line) {
+    const std::scoped_lock lock(mutex);
+    told.push_back(line);
+  };
+  start(options);
+  EXPECT_EQ(ask("GET /", "Origin: http://" + own_host() + "\r\n").status, 200);
+  EXPECT_EQ(ask("GET /", "Origin: http://localhost:5173\r\n").status, 403);
+  EXPECT_EQ(ask("GET /", "Origin: http://localhost:5173\r\n").status, 403);
+  Connection socket(server->port());
+  socket.send(upgrade("/", "Origin: http://localhost:8000\r\n"));
+  EXPECT_EQ(socket.response().status, 403);
+  server->stop();
+  EXPECT_THAT(told,
+              testing::ElementsAre(HasSubstr("http://localhost:5173"), HasSubstr("http://localhost:8000")));
 }
 
 TEST_F(WebServerTest, ServersOfPortZeroAreApart) {

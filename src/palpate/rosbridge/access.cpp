@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <palpate/base/error.h>
+
 namespace palpate {
 namespace {
 
@@ -104,10 +106,21 @@ std::optional<Access::Refused> Access::refusal(const RequestHead& head, double n
   if (!head.origin.empty()) {
     const std::string origin = lower(head.origin), host = lower(head.host);
     if (origin != "http://" + host && origin != "https://" + host)
-      return Refused{403, "pages of other origins may not use this server"};
+      return Refused{403, "pages of other origins may not use this server", notice_of(origin)};
   }
   if (token_.empty() || same_secret(cookie_value(head.cookie, cookie_name()), session_)) return std::nullopt;
   return refusal_of_token(head, now);
+}
+
+/// Nothing tells the author of such a page: a browser does not show scripts why a WebSocket is refused.
+std::string Access::notice_of(const std::string& origin) {
+  constexpr std::size_t kShown = 100;
+  std::string shown = printable(origin.substr(0, kShown));
+  if (noticed_.size() == kMostNotices || !noticed_.insert(shown).second) return {};
+  return fmt::format(
+      "note: refused a web page of another origin, {}; how a page of your own may use this program: "
+      "docs/gateway.md, A page of your own",
+      shown);
 }
 
 std::optional<Access::Refused> Access::refusal_of_token(const RequestHead& head, double now) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -65,7 +66,10 @@ class Access {
   struct Refused {
     int status;  ///< HTTP status: 401 if a token is required, 429 if the client must retry later
     std::string why;
+    std::string notice = {};  ///< printable line for the person at the terminal; empty: none
   };
+  /// Number of origins, each named once, that notices name: any web page can cause one.
+  static constexpr std::size_t kMostNotices = 8;
   /// Returns why a request is refused; nothing if it is accepted. \param now Unit: [s].
   std::optional<Refused> refusal(const RequestHead& head, double now);
   /// Returns whether an accepted request carries the token in its URL, so that it should get the cookie.
@@ -80,11 +84,13 @@ class Access {
   bool is_own_host(std::string_view host) const;
   std::string cookie_name() const;
   std::optional<Refused> refusal_of_token(const RequestHead& head, double now);
+  std::string notice_of(const std::string& origin);
 
   std::string address_;
   unsigned port_;
   std::string token_, session_;
   GuessLimit guesses_;
+  std::set<std::string, std::less<>> noticed_;  ///< refused origins that a notice has named
 };
 
 /// Returns `target` with parameter `name` removed from its query.

@@ -269,6 +269,7 @@ struct Pages {
   std::function<void(tcp::socket&& socket, const Request& request)> upgrade;
   const std::atomic<std::size_t>& sockets;  ///< number of WebSockets
   WebUploads uploads;
+  std::function<void(const std::string& line)> tell;
   bool secure;  ///< connections use TLS
   Crowd strangers, guests;
   bool receives = false;  ///< an upload is in progress
@@ -346,6 +347,12 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     });
   }
 
+  std::optional<Access::Refused> refusal(const RequestHead& head) {
+    auto refused = pages_.access.refusal(head, monotonic_now());
+    if (refused && pages_.tell && !refused->notice.empty()) pages_.tell(refused->notice);
+    return refused;
+  }
+
   /// \name Upload of a file: nothing of it is read before it is accepted
   /// @{
   void begin_upload() {
@@ -355,8 +362,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     request_ = {};
     request_.version(head_->get().version());
     request_.keep_alive(false);  // the rest of a refused upload is not read
-    if (const auto refused = pages_.access.refusal(head, monotonic_now()))
-      return send(request_, text_page(refused->status, refused->why));
+    if (const auto refused = refusal(head)) return send(request_, text_page(refused->status, refused->why));
     if (is_stranger()) enter(pages_.guests, WebServer::kMostConnections);
     const auto length = head_->content_length();
     const auto path = path_of(head.target);
@@ -415,8 +421,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     RequestHead head = head_of(request);
     head.address = address_;
     head.logged_in = !is_stranger();
-    if (const auto refused = pages_.access.refusal(head, monotonic_now()))
-      return send(request, text_page(refused->status, refused->why));
+    if (const auto refused = refusal(head)) return send(request, text_page(refused->status, refused->why));
     if (websocket::is_upgrade(request)) return upgrade(request);
     if (is_stranger()) enter(pages_.guests, WebServer::kMostConnections);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
@@ -634,6 +639,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
               [this](tcp::socket&& socket, const Request& request) { upgrade(std::move(socket), request); },
               sockets_,
               options.uploads,
+              options.tell,
               tls_.has_value(),
               {},
               {}});

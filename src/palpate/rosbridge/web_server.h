@@ -53,6 +53,9 @@ struct WebServerOptions {
   /// normal.
   std::optional<ThreadPriority> real_time;
   WebUploads uploads;  ///< without `place` uploads are refused
+  /// Called on the page thread with a printable line for the person at the terminal
+  /// (Access::Refused::notice); empty: not called.
+  std::function<void(const std::string& line)> tell = {};
   /// Files for TlsRelay: all connections then use TLS. Both empty: no TLS.
   std::string tls_certificate = {}, tls_key = {};
 };
