@@ -1,9 +1,11 @@
 #include "options.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <palpate/live/factories.h>
 
@@ -14,6 +16,7 @@ namespace {
 
 constexpr const char* kModel = "model";
 constexpr const char* kMaterials = "materials";
+constexpr const char* kPipeline = "pipeline";
 constexpr const char* kNoIndexFile = "no-index-file";
 
 /// Declares the option of a field, type by type.
@@ -35,7 +38,18 @@ struct Declaration {
     return text.problem == nullptr ? add_text(app, name, text.member(config), unit, help) : parsed();
   }
   DeclaredOption operator()(const ChoiceField& choice) const {
-    return add_choice(app, name, {choice.names.begin(), choice.names.end()}, help, setter(), choice.may_be);
+    const std::vector<std::string> names(choice.names.begin(), choice.names.end());
+    if (choice.may_be == nullptr) return add_choice(app, name, names, help, setter());
+    // Only a device may be something else. The refusal names those forms, too.
+    const auto set = [names, may_be = choice.may_be, set = setter()](const std::string& text) {
+      if (std::find(names.begin(), names.end(), text) == names.end() && !may_be(text)) {
+        throw BadValue(
+            fmt::format("{} is not one of {}, nor a driver: plugin:PATH.so, ros1:/NAME or ros2:/NAME", text,
+                        fmt::join(names, ", ")));
+      }
+      set(text);
+    };
+    return add_parsed(app, name, fmt::format("TEXT:{{{}}}", fmt::join(names, ",")), help, set);
   }
   template <class Other>
   DeclaredOption operator()(const Other&) const {
@@ -48,10 +62,20 @@ struct Declaration {
   }
 };
 
+/// Returns whether a command has declared --pipeline: QueryOptions::declare().
+bool has_pipelines(const CLI::App& app) {
+  const auto options = other_options(app);
+  return std::any_of(options.begin(), options.end(),
+                     [](const auto& option) { return option.first == kPipeline; });
+}
+
 DeclaredOption declare(CLI::App& app, LiveConfig& config, const ConfigField& field) {
   DeclaredOption option = std::visit(Declaration{app, config, field}, field.type);
   option.in_group(std::string(title(field.group)));
-  if (const std::string text = default_text(field, config); !text.empty()) option.shows_default(text);
+  std::string text = default_text(field, config);
+  // The field's own text describes the defaults of both pipelines.
+  if (field.name == kModel && !has_pipelines(app)) text = to_string(config.force.model);
+  if (!text.empty()) option.shows_default(text);
   return option;
 }
 
@@ -100,7 +124,7 @@ LoadedScene load(const SceneConfig& config, const Progress& progress) {
 void QueryOptions::declare(CLI::App& app, LiveConfig& config) {
   app_ = &app;
   const std::string group(title(ConfigGroup::kTool));
-  add_choice(app, "--pipeline", pipeline, {"exact", "paper"},
+  add_choice(app, fmt::format("--{}", kPipeline), pipeline, {"exact", "paper"},
              "contact search: exact, or the paper's kd-tree and golden-section search")
       .in_group(group);
   declare_field(app, config, kNoIndexFile).in_group(group);

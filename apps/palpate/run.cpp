@@ -310,7 +310,7 @@ Command declare_run(CLI::App& parent) {
   add_texts(app, "--scenes", options->scenes, "DIR,...", "folders of scenes that the viewer may open")
       .in_group(std::string(title(ConfigGroup::kGateway)));
   declare_field(app, live, "tool");
-  declare_field(app, live, "no-index-file").in_group("RunOptions");
+  declare_field(app, live, "no-index-file");
   declare_group(app, live, ConfigGroup::kForce);
   return {&app, [&app, options] {
             LiveConfig& settings = options->live;

@@ -38,6 +38,17 @@ class Help(Case):
         self.assertIn("0.02,0.02,0.04", text)
         self.assertRegex(text, r"=0\.1 |\[0\.1\] ")  # CLI11 2.3 and 2.4
 
+    def test_help_has_a_title_for_every_group(self):
+        titles = {"Positionals", "Options", "Scene", "Tool", "Force", "Device", "Loop", "Gateway", "Room"}
+        for command in COMMANDS + ["reproduce"]:
+            text = self.succeed(command, "--help").out.decode()
+            self.assertLessEqual(set(re.findall(r"^(\S.*):$", text, re.MULTILINE)), titles, command)
+
+    def test_help_speaks_only_of_options_that_the_command_has(self):
+        for command in COMMANDS + ["reproduce"]:
+            text = self.succeed(command, "--help").out.decode()
+            self.assertEqual("--pipeline paper" in text, bool(re.search(r"^  --pipeline ", text, re.MULTILINE)), command)
+
     def test_version_is_one_line(self):
         out = self.succeed("--version").out.decode()
         self.assertRegex(out, r"\Apalpate \d+\.\d+\.\d+\n\Z")
@@ -85,6 +96,10 @@ class Usage(Case):
         self.refuse(1, "missing.ply", "run", "--hands", "left", "missing.ply", "--seconds", "0.1")
         self.refuse(1, "missing.ply", "run", "--scenes", ".", "missing.ply", "--seconds", "0.1")
         self.refuse(2, ["not expected", "field"], "stability", "--models", "proxy", "a.ply", "field")
+
+    def test_a_device_that_is_none_names_all_forms(self):
+        self.refuse(2, ["--device", "omega", "simulated", "giant-mujoco", "plugin:PATH.so", "ros1:/NAME", "ros2:/NAME"],
+                    "run", "--device", "omega")
 
     def test_an_error_is_one(self):
         self.refuse(1, "missing.ply", "info", "missing.ply")

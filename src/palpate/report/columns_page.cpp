@@ -99,6 +99,9 @@ const Names kQuery{
     {"torque", "N m", "torque about the tool centre, world frame, at the same time"},
     {"confidence", "1", "confidence of the force"},
     {"made", "", "provenance (see `made`)"},
+    {"search_radius", "m", "with --pipeline paper: search radius of the kd-tree"},
+    {"can_miss", "1",
+     "with --pipeline paper: Gaussians that reach beyond the search radius and may be missed"},
 };
 
 const Names kReplay{
@@ -110,6 +113,9 @@ const Names kReplay{
     {"force_max", "N", "largest force"},
     {"compute_us", "us", "computation time of a pose: p50, p99, max"},
     {"made", "", "provenance (see `made`)"},
+    {"search_radius", "m", "with --pipeline paper: search radius of the kd-tree"},
+    {"can_miss", "1",
+     "with --pipeline paper: Gaussians that reach beyond the search radius and may be missed"},
 };
 
 const Names kRun{
