@@ -141,6 +141,19 @@ class Refused(Gateway):
             self.assertIn(self.ask("/", method)[0], (400, 405), method)
         self.end()
 
+    def test_a_page_of_another_origin_is_named_on_the_terminal(self):
+        self.start()
+        send, receive = self.socket()
+        send({"op": "subscribe", "topic": "/palpate/messages"})
+        for _ in range(3):
+            self.assertEqual(self.upgrade(Origin="http://localhost:5173"), 403)
+        lines = []
+        while not any("5173" in line for line in lines):
+            lines = json.loads(json.loads(receive()[1])["msg"]["data"])
+        self.process.terminate()
+        err = self.process.communicate(timeout=PATIENCE)[1].decode()
+        self.assertEqual(err.count("http://localhost:5173;"), 1, err)
+
     def test_without_the_token_when_it_listens_to_others(self):
         self.start("--listen", "127.0.0.1", "--token", TOKEN)
         self.assertEqual(self.token, TOKEN)

@@ -138,6 +138,7 @@ class LiveGateway::Implementation {
   GatewayPages pages_;
   Hub hub_;
   GatewayNotices notices_;
+  std::string refused_origin_;                       ///< the last notice about one
   std::vector<std::unique_ptr<HandGateway>> hands_;  ///< in the order of LiveHands::all()
   FeltListMaker felt_list_;
   Topic &lines_topic_, &hands_topic_;
@@ -194,6 +195,9 @@ void LiveGateway::Implementation::listen(const GatewayConfig& options) {
   server.tls_certificate = options.tls_certificate;
   server.tls_key = options.tls_key;
   server.token = options.token.empty() && !is_loopback(options.address) ? random_text() : options.token;
+  server.tell = [this](const std::string& line) {
+    server_->post([this, line] { notices_.tell(refused_origin_, line); });
+  };
   const auto site = [this](const std::string& path) { return page(path); };
   const auto listen_at = [&](int port) {
     server.port = static_cast<std::uint16_t>(port);
