@@ -127,13 +127,18 @@ class Recordings {
   /// created.
   Recordings(const std::string& path, const LiveHands& hands) {
     if (path.empty()) return;
-    for (const LiveHands::Hand& hand : hands.all()) {
-      std::filesystem::path file(path);
-      if (!hand.name.empty())
-        file.replace_filename(file.stem().string() + "-" + hand.name + file.extension().string());
-      RecorderOptions options = recorder_options(hand.system->device());
-      options.made = to_toml(hand.system->provenance(kCommand));
-      all_.push_back(std::make_unique<Recording>(file.string(), options));
+    try {
+      for (const LiveHands::Hand& hand : hands.all()) {
+        std::filesystem::path file(path);
+        if (!hand.name.empty())
+          file.replace_filename(file.stem().string() + "-" + hand.name + file.extension().string());
+        RecorderOptions options = recorder_options(hand.system->device());
+        options.made = to_toml(hand.system->provenance(kCommand));
+        all_.push_back(std::make_unique<Recording>(file.string(), options));
+      }
+    } catch (const Error&) {  // those of the hands before it have no rows
+      for (const auto& recording : all_) std::filesystem::remove(recording->path);
+      throw;
     }
   }
 

@@ -340,6 +340,33 @@ class Recorded(Gateway):
         self.assertNotIn("the recording", self.parameters(call)["message"])
         self.assertNotIn("recorder", self.end()["faults"])
 
+    def test_what_is_asked_for_at_once_is_done_in_turn(self):
+        os.mkdir(self.path("scenes"))
+        self.write("scenes/other.ply", ply(wall_rows(5)))
+        self.start("--scenes", "scenes")
+        call = self.client()
+        send, receive = self.socket()
+        other = next(scene["id"] for scene in json.loads(call("/palpate/list_scenes")["message"]) if scene["name"] == "other.ply")
+
+        def ask(*requests):
+            """What each of these, sent without waiting, was answered."""
+            for k, (service, data) in enumerate(requests):
+                send({"op": "call_service", "service": f"/palpate/{service}", "args": {"data": data}, "id": str(k)})
+            answers = {}
+            while len(answers) < len(requests):
+                message = json.loads(receive()[1])
+                answers[int(message["id"])] = message["values"]["success"]
+            return [answers[k] for k in range(len(requests))]
+
+        self.assertEqual(ask(("record", True), ("open_scene", other)), [True, False])
+        self.assertTrue(self.parameters(call)["recording"])
+        self.assertEqual(ask(("record", False)), [True])
+        self.assertEqual(ask(("record", True), ("record", False)), [True, True])
+        self.assertFalse(self.parameters(call)["recording"])
+        self.assertEqual(ask(("record", False)), [False])
+        self.assertEqual(self.parameters(call)["scene"]["name"], "wall.ply")
+        self.end()
+
     @unittest.skipUnless("PALPATE_LONG" in os.environ, "takes five minutes")
     def test_five_minutes_with_clients_lose_no_row_and_take_no_more_memory(self):
         self.write("hand.csv", press_path(seconds=400))
@@ -374,6 +401,29 @@ class Recorded(Gateway):
                 pass
         except (OSError, ValueError):
             pass  # the run has ended
+
+
+class Stopped(Gateway):
+    def test_a_pause_shows_beside_an_emergency_stop_and_ends_by_itself(self):
+        self.start()
+        call = self.client()
+
+        def until(**expected):
+            self.until(lambda: {key: self.parameters(call)[key] for key in expected} == expected)
+
+        call("/palpate/pause", data=True)
+        until(paused=True, clutch=False)
+        call("/palpate/emergency_stop")
+        call("/palpate/clutch", data=True)
+        until(paused=True, clutch=True)
+        call("/palpate/pause", data=False)
+        call("/palpate/clutch", data=False)
+        until(paused=False, clutch=False)
+        call("/palpate/pause", data=True)
+        until(paused=True)
+        call("/palpate/resume")
+        until(paused=False)
+        self.end()
 
 
 class Silent(Gateway):

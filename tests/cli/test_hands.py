@@ -192,6 +192,13 @@ class Runs(Hands):
             self.assertIn(f"tool = [{tool}]", head_of(self.read(name)))
             self.assertGreater(len(columns_of(self.read(name))["t"]), 100)
 
+    def test_a_recording_that_exists_leaves_none_of_the_others(self):
+        self.write("run-left.csv", "mine")
+        self.refuse(1, "run-left.csv", "run", "wall.ply", "--trajectory", "hand.csv", "--hands", "left=left.toml",
+                    "--record", "run.csv", "--seconds", "1", "--no-gateway")
+        self.assertFalse(os.path.exists(self.path("run.csv")))
+        self.assertEqual(self.read("run-left.csv"), b"mine")
+
     def test_what_cannot_be(self):
         self.write("bad.toml", "friction = 0.1\nopacity-min = 0.2\n")
         self.write("spoon.toml", 'device = "playback"\n')

@@ -39,13 +39,14 @@ class Hands {
     for (std::size_t k = 0; k < tools.size(); ++k)
       models_.push_back(touch_.around(k, nothing_, tools[k], kStiffness));
   }
-  ForceOutput feel(std::size_t hand, const Pose& pose) {
+  ForceOutput feel(std::size_t hand, const Pose& pose, double force_scale = 1.0) {
     ForceInput input;
     input.tool = pose;
+    input.force_scale = force_scale;
     return models_[hand]->evaluate(input);
   }
-  ForceOutput feel(std::size_t hand, double x) {
-    return feel(hand, Pose{Vector3d(x, 0, 0), Eigen::Quaterniond::Identity()});
+  ForceOutput feel(std::size_t hand, double x, double force_scale = 1.0) {
+    return feel(hand, Pose{Vector3d(x, 0, 0), Eigen::Quaterniond::Identity()}, force_scale);
   }
   void reset(std::size_t hand) { models_[hand]->reset(); }
   ForceModel& model(std::size_t hand) { return *models_[hand]; }
@@ -57,6 +58,31 @@ class Hands {
 };
 
 Tool ball(double radius = 0.01) { return Tool(Vector3d::Constant(radius)); }
+
+TEST(MutualTouch, WhoWaitsAtTheGateIsNotThere) {
+  Hands hands({ball(), ball()});
+  hands.feel(0, 0.0);
+  EXPECT_TRUE(hands.feel(1, 0.019, 0.0).wrench.force.isZero(0.0));
+  EXPECT_TRUE(hands.feel(0, 0.0).wrench.force.isZero(0.0));
+  hands.feel(1, 0.019, 0.3);  // its force begins to rise, in the other tool
+  EXPECT_TRUE(hands.feel(0, 0.0).wrench.force.isZero(0.0));
+  EXPECT_TRUE(hands.feel(1, 0.019, 0.3).wrench.force.isZero(0.0)) << "not before they have been apart";
+}
+
+TEST(MutualTouch, AForceThatRisesIsEqualAndOppositeWithTheFractionOfEither) {
+  Hands hands({ball(), ball()});
+  constexpr double kRises = 0.3, kAll = 0.8;
+  for (int k = 0; k < 2; ++k) {
+    hands.feel(0, 0.0, kAll);
+    hands.feel(1, 0.03, kRises);
+  }
+  hands.feel(1, 0.019, kRises);
+  const double on_first =
+      hands.feel(0, 0.0, kAll).wrench.force.x() * kAll;  // as the governors let it through
+  const double on_other = hands.feel(1, 0.019, kRises).wrench.force.x() * kRises;
+  EXPECT_NEAR(on_other, 0.5 * kStiffness * 0.001 * kRises * kAll, 1e-9);
+  EXPECT_NEAR(on_first, -on_other, 1e-9);
+}
 
 TEST(MutualTouch, BallsRepelByTheirOverlap) {
   Hands hands({ball(), ball()});

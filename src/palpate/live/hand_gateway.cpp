@@ -84,9 +84,14 @@ void HandGateway::beat(std::uint64_t shared) {
   tick_for_pages_.back() = feed_.newest();
   tick_for_pages_.publish();
   look_at_recording();
-  const Shown shown{
-      system_.version(), recording_.recorded().version, shared, around_.notices.version(), recording_.is_on(),
-      is_paused(),       system_.moves_itself()};
+  const Shown shown{system_.version(),
+                    recording_.recorded().version,
+                    shared,
+                    around_.notices.version(),
+                    recording_.is_on(),
+                    is_paused(),
+                    system_.tick().is_clutch_pressed(),
+                    system_.moves_itself()};
   if (shown != told_) parameters_topic_.publish({{"data", encode_json(parameters())}});
   told_ = shown;
 }
@@ -128,6 +133,7 @@ Json HandGateway::parameters() const {
                     {"torque_max", device.torque_max},
                     {"workspace", device.workspace}};
   json["paused"] = is_paused();
+  json["clutch"] = system_.tick().is_clutch_pressed();
   if (system_.has_hand()) json["demo"] = system_.moves_itself();
   json["recording"] = recording_.is_on();
   json["recorded"] = recording_.recorded().page != nullptr;

@@ -74,7 +74,7 @@ class HandGateway {
   /// Versions and states that parameters() depends on.
   struct Shown {
     std::uint64_t system = 0, recorded = 0, shared = 0, notices = 0;  ///< numbers of their versions
-    bool records = false, paused = false, moves_itself = false;
+    bool records = false, paused = false, clutched = false, moves_itself = false;
     bool operator==(const Shown&) const = default;
   };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -37,15 +38,12 @@ bool ServoLoop::stop(double patience) {
   if (!thread_.joinable()) return true;
   ends_.store(true, std::memory_order_relaxed);
   constexpr double kLook = 1e-3;  // s
-  std::uint64_t seen = 0;
-  // Counts its own waits: a program that was stopped meanwhile has not waited.
-  for (double waited = 0.0; !ended_.load(std::memory_order_acquire); waited += kLook) {
+  double waited = 0.0;            // by its own waits: a program that was stopped meanwhile has not waited
+  for (std::uint64_t seen = 0; !ended_.load(std::memory_order_acquire);) {
     if (waited >= patience) return false;
     sleep_until(monotonic_now() + kLook);
-    if (const std::uint64_t now = statistics_.ticks.load(std::memory_order_relaxed); now != seen) {
-      seen = now;
-      waited = 0.0;
-    }
+    const std::uint64_t now = statistics_.ticks.load(std::memory_order_relaxed);
+    waited = now == std::exchange(seen, now) ? waited + kLook : 0.0;
   }
   thread_.join();
   end_watchdog();
