@@ -309,11 +309,16 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   for (int k = 0; k < kFirstViews && (k == 0 || !budget_.is_spent()); ++k) {
     ViewGaps seen;
     if (!view(splats, solid, patch, seen)) break;
-    // Contact occurs where the surface is seen along the motion.
-    patch.gap = meeting.clearance * std::max(kLeastFacing, -meeting.along.dot(patch.normal));
+    // Contact occurs where the surface is seen along the motion; but along a floor that the part lies on, a
+    // ray meets it far inside of the part, however little that is in it.
+    const double facing = -meeting.along.dot(patch.normal);
+    patch.gap = meeting.clearance < 0.0 && facing < kLeastFacing
+                    ? seen.least
+                    : meeting.clearance * std::max(kLeastFacing, facing);
     patch.offset = patch.gap - seen.fitted;
     best = patch;
   }
+  if (best.gap < -kIn * detail_) return false;
   if (only_wall && (best.covered < kWhole || best.confidence < kCertain)) return false;
   best.seen_at = best.foot;
   best.seen_by = best.viewed_from = solid;
