@@ -1113,6 +1113,76 @@ TEST(ProxyForce, ALongRodOnADenseFloorIsFollowedAndLetGo) {
   EXPECT_EQ(left.proxy.position, input.tool.position);
 }
 
+/// A floor at z = 0, splats 3 mm apart.
+const SceneIndex& smooth_floor() {
+  static const SceneIndex index(make_scene(*make_surface("plane"), even(0.003)), SceneFilter{}, Similarity{});
+  return index;
+}
+
+/// Presses a tool that lies flat `depth` into smooth_floor(), and moves it on from there.
+class Lies {
+ public:
+  Lies(const Vector3d& semi_axes, double depth, const Vector3d& begin = Vector3d::Zero())
+      : model_(smooth_floor(), Tool(semi_axes), {.stiffness = kStiffness}) {
+    input_.dt = 1e-3;
+    input_.tool.position = begin;
+    const double flat = semi_axes.z() - depth;
+    for (double z = flat + 0.01; z > flat; z -= 1e-4) {
+      input_.tool.position.z() = z;
+      model_.evaluate(input_);
+    }
+  }
+  ForceOutput go(const Vector3d& by, const Vector3d& turn = Vector3d::Zero()) {
+    input_.tool.position += by;
+    input_.tool.orientation = (rotation_by(turn) * input_.tool.orientation).normalized();
+    return model_.evaluate(input_);
+  }
+
+ private:
+  ProxyForce model_;
+  ForceInput input_;
+};
+
+// Rays along the floor that it lies on meet it far inside of the rod: that is no wall.
+TEST(ProxyForce, AThinRodSlidesAlongItsOwnLength) {
+  constexpr double kDepth = 0.0015;
+  for (const double speed : {0.3, 0.8, 1.0, 1.5}) {
+    for (const Vector3d& rod : {Vector3d(0.1, 0.003, 0.003), Vector3d(0.05, 0.002, 0.002)}) {
+      Lies tool(rod, kDepth, {-0.08, 0.0, 0.0});
+      const double step = 1e-3 * speed;
+      ForceOutput felt;
+      for (int k = 0; k < static_cast<int>(0.15 / step); ++k) {
+        felt = tool.go({step, 0.0, 0.0});
+        // What it may trail by: two ticks.
+        ASSERT_LE(felt.wrench.force.head<2>().norm(), 2.0 * kStiffness * step) << speed << " m/s, tick " << k;
+      }
+      for (int k = 0; k < 50; ++k) felt = tool.go(Vector3d::Zero());
+      EXPECT_NEAR(felt.wrench.force.head<2>().norm(), 0.0, 1e-3) << speed;
+      EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.02 * kStiffness * kDepth) << speed;
+    }
+  }
+}
+
+// Its proxy turns as far as the tool does, also where not every tick has the time to look at all of its rim.
+TEST(ProxyForce, APlateThatSpinsOnAFloorFeelsNoTorque) {
+  const Vector3d plate(0.1, 0.1, 0.01);
+  const double gyration = ProxyForce::kTurning * Tool(plate).gyration();
+  for (const double rate : {2.0, 6.0, 9.0}) {  // rad/s
+    Lies tool(plate, 0.004);
+    ForceOutput felt;
+    double most = 0.0;
+    for (int k = 0; k < 600; ++k) {
+      felt = tool.go(Vector3d::Zero(), {0.0, 0.0, 1e-3 * rate});
+      most = std::max(most, felt.wrench.torque.norm());
+    }
+    constexpr double kTrails = 6e-3;  // s
+    EXPECT_LT(most, kStiffness * gyration * gyration * kTrails * rate) << rate;
+    for (int k = 0; k < 50; ++k) felt = tool.go(Vector3d::Zero());
+    EXPECT_NEAR(felt.wrench.torque.norm(), 0.0, 1e-3) << rate;
+    EXPECT_NEAR(felt.wrench.force.z(), kStiffness * 0.004, 0.02) << rate;
+  }
+}
+
 // Past a floor, a millimetre above it, and then straight down: where it has been going to is not where it
 // goes.
 TEST(ProxyForce, LooksWhereItGoesAfterATurn) {

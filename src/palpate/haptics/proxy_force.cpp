@@ -640,7 +640,9 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // A proxy that was never in contact is at the tool or on its way there; one that has lost contact follows
   // it.
   const double in_contact = of_tool + catch_up() * input.dt;
-  double way = (held_ ? in_contact : std::max(in_contact, 2.0 * of_tool)) + owed_;
+  // In contact, what is owed is paid back by as much as the tool moves.
+  const double paid = held_ ? std::min(owed_, of_tool) : owed_, unpaid = owed_ - paid;
+  double way = (held_ ? in_contact : std::max(in_contact, 2.0 * of_tool)) + paid;
   const bool starts = steps_out_ > 0;
   // Where the tool starts inside an object, the proxy leaves it at once.
   if (!trails_ || replaced_ || starts) way = std::numeric_limits<double>::infinity();
@@ -662,9 +664,10 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     held_steps += held_ ? 1 : 0;
     if (gone < kSettled * step_) break;
   }
-  owed_ = starts                        ? length_of(motion_between(target, input.tool), gyration_)
-          : waits_ && trails_ && !held_ ? std::max(0.0, way)
-                                        : 0.0;
+  const double behind = length_of(motion_between(proxy_, input.tool), gyration_);
+  owed_ = starts    ? length_of(motion_between(target, input.tool), gyration_)
+          : trails_ ? std::min(behind, unpaid + (waits_ ? std::max(0.0, way) : 0.0))
+                    : 0.0;
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);
