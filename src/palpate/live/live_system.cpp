@@ -458,8 +458,8 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
       settings_ = fallback_;
       settings_.force.proxy.stiffness = stiffness;
       change_admittance(settings_);
+      message_ = failure;  // become() clears it
     }
-    if (!failure.empty()) message_ = failure;  // become() clears it
     busy_.clear();
     ++version_;
   }
