@@ -387,14 +387,40 @@ TEST(CrtkDevice, TheOneWayDelayMayBeNoneAndNotTheAgeLimit) {
   }
 }
 
-// Its clock is set back meanwhile, by more than that; the offset that was known is forgotten.
-TEST(CrtkDevice, APublisherThatWasSilentForLongMayStampFromAnew) {
+TEST(CrtkDevice, APublisherWhoseClockWasSetBackIsTakenAfterASecondThroughTheGateAndSaid) {
   CrtkLink link;
-  link.ticks(3, 0.1);
-  sleep_until(monotonic_now() + StampClock::kSeconds + 1.0);
-  link.pose(0.2, 1000.0);
-  EXPECT_TRUE(link.tick());
-  EXPECT_EQ(link.device->dropped(), 0U);
+  link.ticks(5, 0.0);
+  const std::uint32_t hand = link.reading.hand;
+  const double since = monotonic_now();
+  bool read = false;
+  while (!read && monotonic_now() - since < 3.0) {
+    link.pose(0.3, 1000.0);
+    read = link.tick();
+  }
+  EXPECT_TRUE(read);
+  EXPECT_GT(monotonic_now() - since, 0.99 * StampClock::kSettle);
+  EXPECT_NE(link.reading.hand, hand);
+  ASSERT_EQ(link.peer->said.size(), 2U);
+  EXPECT_THAT(link.peer->said[0], HasSubstr("late, repeated or out of order"));
+  EXPECT_THAT(link.peer->said[1],
+              HasSubstr("the clock of '/arm' was set; its latency is taken to be 0.5 ms"));
+}
+
+// Nothing comes for half a second, and then everything half a second late.
+TEST(CrtkDevice, PosesThatComeLateStayDroppedHoweverLong) {
+  CrtkLink link;
+  link.ticks(20, 0.0);
+  sleep_until(monotonic_now() + 0.6);
+  for (int k = 0; k < 3000; ++k) {
+    link.pose(0.1, 0.5);
+    ASSERT_FALSE(link.tick()) << k;
+  }
+  EXPECT_EQ(link.device->status_text(), "poses are late or out of order");
+  ASSERT_EQ(link.peer->said.size(), 1U);
+  EXPECT_THAT(link.peer->said[0],
+              HasSubstr("shorten the latency or, if the driver's clock was set, restart"));
+  link.pose(0.1);
+  EXPECT_TRUE(link.tick()) << "the latency is short again";
 }
 
 // What was carried on looks newer than the pose that comes next, which was measured before.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -38,7 +39,7 @@ CrtkDevice::CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> trans
     : options_(std::move(options)),
       age_limit_(SafetyLimits::of(options_.capabilities, SafetyLimits().tick).stale_after),
       transport_(std::move(transport)),
-      stamps_(options_.one_way),
+      stamps_(options_.one_way, age_limit_),
       reader_(options_.capabilities, hand_) {
   const std::string& name = options_.capabilities.name;
   if (!(options_.extrapolation >= 0.0 && options_.extrapolation <= CrtkOptions::kMostExtrapolation))
@@ -128,24 +129,31 @@ bool CrtkDevice::is_other_source(std::string_view source, double now) {
 }
 
 /// \param anew from another publisher than the last pose, and so on another clock
-CrtkDevice::Problem CrtkDevice::check_stamp(double stamp, bool anew, double now) {
+CrtkDevice::Problem CrtkDevice::check_stamp(const CrtkHeader& header, bool anew, double now) {
   age_ = 0.0;
-  if (stamp == 0.0) return Problem::kNone;  // without a stamp, the pose counts as new
-  const std::scoped_lock lock(mutex_);
-  if (anew || now - refused_since_ > kSilence) stamps_.reset();
-  const std::optional<double> age = stamps_.age(stamp, now);
-  if (!age) return Problem::kFuture;
-  age_ = *age;
-  if (age_ > age_limit_) return Problem::kStale;
-  const bool restarted = now - heard_ >= kSilence;
-  return stamp > stamp_ || restarted || anew ? Problem::kNone : Problem::kStale;
+  if (header.stamp == 0.0) return Problem::kNone;  // without a stamp, the pose counts as new
+  StampClock::Check check;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (anew) stamps_.reset();
+    check = stamps_.check(header.stamp, now);
+  }
+  if (check.clock_set)
+    transport_->say(fmt::format("{}: the clock of '{}' was set; its latency is taken to be {:.1f} ms",
+                                options_.capabilities.name, header.source, 1e3 * options_.one_way));
+  age_ = check.age;
+  switch (check.verdict) {
+    case StampClock::Verdict::kLate: return Problem::kStale;
+    case StampClock::Verdict::kFuture: return Problem::kFuture;
+    default: return Problem::kNone;
+  }
 }
 
 CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
   if (is_other_source(header.source, now)) return Problem::kSecond;
   if (frame_ && header.frame != *frame_) return Problem::kFrame;
   if (!is_finite(pose) || !is_unit(pose.orientation) || !std::isfinite(header.stamp)) return Problem::kBad;
-  return check_stamp(header.stamp, taken_ > 0 && header.source != source_, now);
+  return check_stamp(header, taken_ > 0 && header.source != source_, now);
 }
 
 void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
@@ -168,19 +176,14 @@ void CrtkDevice::accept(const Pose& pose, double stamp, double now) {
   stamp_of_[(taken_ + 1) % stamp_of_.size()].store(stamp, std::memory_order_relaxed);
   ++taken_;
   hand_.put(DevicePose(unit), now - age_);
-  stamp_ = stamp;
   heard_ = now;
-  refused_since_ = std::numeric_limits<double>::infinity();
   reason_.store(Problem::kNone, std::memory_order_relaxed);
 }
 
 void CrtkDevice::refuse(Problem problem, const CrtkHeader& header, double now) {
   ++dropped_;
   if (problem == Problem::kBad) hand_.change_hand();
-  if (problem != Problem::kSecond) {
-    refused_since_ = std::min(refused_since_, now);
-    reason_.store(problem, std::memory_order_relaxed);
-  }
+  if (problem != Problem::kSecond) reason_.store(problem, std::memory_order_relaxed);
   double& told = said_at_[static_cast<std::size_t>(problem)];
   if (now - std::exchange(told, now) >= kSilence) transport_->say(line_of(problem, header));
 }
@@ -196,8 +199,10 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
       return fmt::format("{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id",
                          who, header.frame, *frame_);
     case Problem::kStale:
-      return fmt::format("{} are late, repeated or out of order (age limit {:.0f} ms) and are dropped", who,
-                         1e3 * age_limit_);
+      return fmt::format(
+          "{} are late, repeated or out of order (age limit {:.0f} ms) and are dropped; if this persists, "
+          "shorten the latency or, if the driver's clock was set, restart Palpate",
+          who, 1e3 * age_limit_);
     case Problem::kFuture:
       return who +
              " have stamps in the future and are dropped; if the clock was set, they are accepted after a "

@@ -5,7 +5,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -93,7 +92,8 @@ struct CrtkOptions {
 ///
 /// Without a valid pose for the age limit, the governor's stale-pose fault ramps the force to zero, and the
 /// status then becomes kFault with the reason. Valid poses clear the fault automatically, through the start
-/// gate. A publisher whose clock was set is accepted after kSilence.
+/// gate. Late poses stay dropped however long they are late: nothing but echoes, another publisher, or a
+/// clock that was set (StampClock) makes them valid, and the latter is reported.
 class CrtkDevice final : public HapticDevice, public TickObserver {
  public:
   /// \throws Error if the extrapolation is too long.
@@ -133,7 +133,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
 
   Problem problem_of(const CrtkHeader& header, const Pose& pose, double now);
   bool is_other_source(std::string_view source, double now);
-  Problem check_stamp(double stamp, bool anew, double now);
+  Problem check_stamp(const CrtkHeader& header, bool anew, double now);
   void refuse(Problem problem, const CrtkHeader& header, double now);
   std::string line_of(Problem problem, const CrtkHeader& header) const;
   void accept(const Pose& pose, double stamp, double now);
@@ -154,11 +154,8 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   StampClock stamps_;
   std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted
   std::string source_;
-  double stamp_ = 0.0;        ///< newest accepted, on the publisher's clock. Unit: [s].
   double age_ = 0.0;          ///< of the pose being checked
   double heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].
-  double refused_since_ =
-      std::numeric_limits<double>::infinity();  ///< start of the period without valid poses. Unit: [s].
   std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< last occurrence of each
   std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
   std::array<std::atomic<double>, 256> stamp_of_{};  ///< indexed by the number of the pose, modulo 256
