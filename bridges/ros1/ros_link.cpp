@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -52,10 +53,16 @@ geometry_msgs::Vector3 vector_of(const std::array<double, 3>& v) {
   return out;
 }
 
+/// Returns NaN for a stamp that is invalid, or whose nearest double is beyond the range of stamps.
+double seconds_of(const ros::Time& stamp) {
+  const bool valid = stamp.nsec < 1000000000U && stamp.sec < std::numeric_limits<std::uint32_t>::max();
+  return valid ? stamp.toSec() : std::numeric_limits<double>::quiet_NaN();
+}
+
 template <class Message>
 Header header_of(const ros::MessageEvent<const Message>& event) {
   const auto& head = event.getConstMessage()->header;
-  return {head.stamp.toSec(), head.frame_id, event.getPublisherName()};
+  return {seconds_of(head.stamp), head.frame_id, event.getPublisherName()};
 }
 
 }  // namespace
@@ -144,28 +151,25 @@ class Link::Implementation {
     node_ = std::make_unique<ros::NodeHandle>(prefix_);
     node_->setCallbackQueue(&queue_);
     const auto hints = ros::TransportHints().tcpNoDelay();
-    subscriptions_ = {
-        node_->subscribe<geometry_msgs::PoseStamped>(
-            "measured_cp", kQueue,
-            boost::function<void(const ros::MessageEvent<const geometry_msgs::PoseStamped>&)>(
-                [this](const auto& event) { take_pose(event); }),
-            ros::VoidConstPtr(), hints),
-        node_->subscribe<geometry_msgs::TwistStamped>(
-            "measured_cv", kQueue,
-            boost::function<void(const ros::MessageEvent<const geometry_msgs::TwistStamped>&)>(
-                [this](const auto& event) {
-                  const auto& twist = event.getConstMessage()->twist;
-                  listener_.on_velocity(header_of(event), array_of(twist.linear), array_of(twist.angular));
-                }),
-            ros::VoidConstPtr(), hints),
-        node_->subscribe<std_msgs::Header>(
-            "palpate/echoed", kQueue,
-            boost::function<void(const ros::MessageEvent<const std_msgs::Header>&)>(
-                [this](const auto& event) {
-                  const std_msgs::Header& echo = *event.getConstMessage();
-                  listener_.on_echo(echo.seq, {echo.stamp.toSec(), echo.frame_id, event.getPublisherName()});
-                }),
-            ros::VoidConstPtr(), hints)};
+    subscriptions_ = {node_->subscribe<geometry_msgs::PoseStamped>(
+                          "measured_cp", kQueue,
+                          boost::function<void(const ros::MessageEvent<const geometry_msgs::PoseStamped>&)>(
+                              [this](const auto& event) { take_pose(event); }),
+                          ros::VoidConstPtr(), hints),
+                      node_->subscribe<geometry_msgs::TwistStamped>(
+                          "measured_cv", kQueue,
+                          boost::function<void(const ros::MessageEvent<const geometry_msgs::TwistStamped>&)>(
+                              [this](const auto& event) {
+                                const auto& twist = event.getConstMessage()->twist;
+                                listener_.on_velocity(header_of(event), array_of(twist.linear),
+                                                      array_of(twist.angular));
+                              }),
+                          ros::VoidConstPtr(), hints),
+                      node_->subscribe<std_msgs::Header>(
+                          "palpate/echoed", kQueue,
+                          boost::function<void(const ros::MessageEvent<const std_msgs::Header>&)>(
+                              [this](const auto& event) { take_echo(event); }),
+                          ros::VoidConstPtr(), hints)};
     spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
     body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
     echo_ = node_->advertise<std_msgs::Header>("palpate/echo", 1);
@@ -182,6 +186,11 @@ class Link::Implementation {
     const auto& p = message.pose.position;
     const auto& q = message.pose.orientation;
     listener_.on_pose(header_of(event), {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z});
+  }
+
+  void take_echo(const ros::MessageEvent<const std_msgs::Header>& event) {
+    const std_msgs::Header& echo = *event.getConstMessage();
+    listener_.on_echo(echo.seq, {seconds_of(echo.stamp), echo.frame_id, event.getPublisherName()});
   }
 
   void watch_master() {

@@ -12,7 +12,7 @@ namespace palpate::ros1 {
 
 /// Header of a received message.
 struct Header {
-  double stamp = 0.0;  ///< 0 if there is none. Unit: [s].
+  double stamp = 0.0;  ///< 0 if there is none, NaN if it is invalid. Unit: [s].
   std::string frame;   ///< frame_id
   std::string source;  ///< name of the publishing node
 };

@@ -20,6 +20,12 @@ from support import ply, wall_rows  # noqa: E402
 PALPATE = os.environ["PALPATE"]
 
 
+def invalid_stamp(seconds):
+    stamp = rospy.Time()
+    stamp.secs, stamp.nsecs = seconds, 0xffffffff
+    return stamp
+
+
 class Ros1(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -109,6 +115,8 @@ class Ros1(unittest.TestCase):
             ("norm", "no force until valid poses arrive", lambda m: setattr(m.pose.orientation, "w", 2.0)),
             ("frame", "in the frame 'elsewhere', not 'base'", lambda m: setattr(m.header, "frame_id", "elsewhere")),
             ("future", "stamps in the future and are dropped", lambda m: setattr(m.header, "stamp", m.header.stamp + rospy.Duration(30))),
+            ("stamp", "invalid stamps and are dropped", lambda m: setattr(m.header, "stamp", invalid_stamp(0))),
+            ("no time", "invalid stamps and are dropped", lambda m: setattr(m.header, "stamp", invalid_stamp(0xffffffff))),
             ("stale", "late, repeated or out of order", lambda m: setattr(m.header, "stamp", m.header.stamp - rospy.Duration(0.5))),
         ):
             with self.subTest(what=name):

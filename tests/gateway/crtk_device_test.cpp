@@ -130,6 +130,34 @@ TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
   EXPECT_NE(link.reading.hand, hand) << "and comes back through the gate";
 }
 
+TEST(CrtkDevice, InvalidStampsAreDroppedAndNeverReturned) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double stamp : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity, -1.0}) {
+    CrtkLink link;
+    link.pose(Pose(), stamp);
+    EXPECT_FALSE(link.tick()) << "as the first";
+    link.ticks(3, 0.0);
+    link.pose(Pose(), stamp);
+    link.pose(Pose(), stamp);
+    EXPECT_FALSE(link.tick());
+    EXPECT_EQ(link.device->dropped(), 3U);
+    ASSERT_EQ(link.peer->said.size(), 1U);
+    EXPECT_THAT(link.peer->said[0], HasSubstr("have invalid stamps and are dropped"));
+    link.pose(0.0);
+    EXPECT_TRUE(link.tick());
+  }
+}
+
+TEST(CrtkDevice, AnEchoWithAnInvalidStampIsNotUsed) {
+  CrtkLink link;
+  link.ticks(5, 0.0);
+  for (int k = 0; k < 200 && link.peer->echo() == 0; ++k) sleep_until(monotonic_now() + kMilli);
+  link.device->take_echo(link.peer->echo(), {std::numeric_limits<double>::quiet_NaN(), "", "/arm"});
+  link.pose(0.1, 0.015);
+  ASSERT_TRUE(link.tick());
+  EXPECT_LT(link.reading.t, link.clock.now() - 0.01) << "its age is known";
+}
+
 TEST(CrtkDevice, AnotherFrameIsDropped) {
   CrtkLink link;
   link.ticks(3, 0.0);

@@ -31,6 +31,9 @@ bool is_finite(const Pose& pose) {
          pose.position.norm() <= kFarthest;
 }
 
+/// Transports can return only stamps of which this holds.
+bool is_stamp(double seconds) { return std::isfinite(seconds) && seconds >= 0.0; }
+
 bool is_unit(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1.0) <= kNotUnit; }
 
 }  // namespace
@@ -152,7 +155,8 @@ CrtkDevice::Problem CrtkDevice::check_stamp(const CrtkHeader& header, bool anew,
 CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
   if (is_other_source(header.source, now)) return Problem::kSecond;
   if (frame_ && header.frame != *frame_) return Problem::kFrame;
-  if (!is_finite(pose) || !is_unit(pose.orientation) || !std::isfinite(header.stamp)) return Problem::kBad;
+  if (!is_finite(pose) || !is_unit(pose.orientation)) return Problem::kBad;
+  if (!is_stamp(header.stamp)) return Problem::kStamp;
   return check_stamp(header, taken_ > 0 && header.source != source_, now);
 }
 
@@ -195,6 +199,7 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
       return who +
              " are not finite or their quaternion is not of unit norm: no force until valid poses arrive; "
              "correct the driver";
+    case Problem::kStamp: return who + " have invalid stamps and are dropped; correct the driver";
     case Problem::kFrame:
       return fmt::format("{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id",
                          who, header.frame, *frame_);
@@ -224,7 +229,7 @@ void CrtkDevice::take_velocity(const CrtkHeader& header, const Twist& twist) {
 }
 
 void CrtkDevice::take_echo(std::uint64_t number, const CrtkHeader& header) {
-  if (header.source != source_) return;
+  if (header.source != source_ || !is_stamp(header.stamp)) return;
   const std::scoped_lock lock(mutex_);
   stamps_.echoes().answer(number, header.stamp, monotonic_now());
 }
@@ -272,6 +277,7 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
     constexpr std::array<const char*, static_cast<std::size_t>(Problem::kCount)> kTexts{
         "no poses received",
         "poses are not finite or their quaternion is not of unit norm",
+        "poses have invalid stamps",
         "poses have a wrong frame_id",
         "poses are late or out of order",
         "pose stamps are in the future",

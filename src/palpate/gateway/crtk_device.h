@@ -25,7 +25,7 @@ class CrtkDevice;
 
 /// Header of a received `measured_cp` or `measured_cv`.
 struct CrtkHeader {
-  double stamp = 0.0;       ///< of the message, on the publisher's clock; 0: none. Unit: [s].
+  double stamp = 0.0;       ///< of the message, on the publisher's clock; 0: none; NaN: invalid. Unit: [s].
   std::string_view frame;   ///< frame_id
   std::string_view source;  ///< the publisher: a node's name, a writer's GUID
 };
@@ -85,6 +85,7 @@ struct CrtkOptions {
 ///
 ///  - A stamp that is older than the last (reordering, duplicates) or than the age limit, or of the future:
 ///    dropped.
+///  - An invalid or negative stamp: dropped.
 ///  - Another frame_id than expected: dropped.
 ///  - A second publisher: dropped, until the first has been silent for kSilence.
 ///  - NaN, infinity, a quaternion that is not of unit norm: dropped, and no force until it returns through
@@ -129,7 +130,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   static constexpr double kSilence = 1.0;
 
  private:
-  enum class Problem : std::uint8_t { kNone, kBad, kFrame, kStale, kFuture, kSecond, kCount };
+  enum class Problem : std::uint8_t { kNone, kBad, kStamp, kFrame, kStale, kFuture, kSecond, kCount };
 
   Problem problem_of(const CrtkHeader& header, const Pose& pose, double now);
   bool is_other_source(std::string_view source, double now);

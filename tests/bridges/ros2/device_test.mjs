@@ -61,6 +61,19 @@ describe('a driver on ROS 2', () => {
     });
   }
 
+  for (const stamp of [{ sec: 0, nanosec: 0xffffffff }, { sec: -1, nanosec: 0 }, { sec: 0x7fffffff, nanosec: 999999999 }]) {
+    test(`drops the stamp ${stamp.sec}.${stamp.nanosec}`, async () => {
+      await driver.lean();
+      const before_ = palpate.said.split('have invalid stamps').length;
+      const message = poseMessage('base', 0.016);
+      message.header.stamp = stamp;
+      driver.tell(`body ${encode('geometry_msgs/PoseStamped', message)} -1 -1`);
+      await driver.noForce();
+      assert.equal(palpate.said.split('have invalid stamps').length, before_ + 1, palpate.said);
+      driver.good();
+    });
+  }
+
   test('drops what is late', async () => {
     await driver.lean();
     driver.tell('late 0.5');
