@@ -26,8 +26,8 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
     link_ = std::make_unique<ros1::Link>(prefix_, *this);
   }
   void stop() noexcept override { link_.reset(); }
-  void send(const CrtkWrench& wrench) override {
-    link_->publish(message_of(wrench.spatial, wrench.stamp), message_of(wrench.body, wrench.stamp));
+  void send(const CrtkWrench& wrench, const std::string& frame) override {
+    link_->publish(message_of(wrench.spatial, wrench.stamp), frame, message_of(wrench.body, wrench.stamp));
   }
   bool wants_local_model() override { return link_->wants_local_model(); }
   void send_local_model(const LocalModel& model, double stamp) override {

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <chrono>
 #include <limits>
-#include <mutex>
 #include <stdexcept>
 #include <thread>
 
@@ -87,13 +86,8 @@ class Link::Implementation {
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  void publish(const StampedWrench& spatial, const StampedWrench& body) {
+  void publish(const StampedWrench& spatial, const std::string& frame, const StampedWrench& body) {
     if (!connected_.load(std::memory_order_acquire)) return;
-    std::string frame;
-    {
-      const std::scoped_lock lock(mutex_);
-      frame = frame_;
-    }
     send(spatial_, spatial, frame);
     send(body_, body, "tool");
   }
@@ -179,10 +173,6 @@ class Link::Implementation {
 
   void take_pose(const ros::MessageEvent<const geometry_msgs::PoseStamped>& event) {
     const geometry_msgs::PoseStamped& message = *event.getConstMessage();
-    {
-      const std::scoped_lock lock(mutex_);
-      frame_ = message.header.frame_id;
-    }
     const auto& p = message.pose.position;
     const auto& q = message.pose.orientation;
     listener_.on_pose(header_of(event), {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z});
@@ -253,8 +243,6 @@ class Link::Implementation {
   std::unique_ptr<ros::NodeHandle> node_;
   std::array<ros::Subscriber, 3> subscriptions_;  ///< poses, velocities, echoes
   ros::Publisher spatial_, body_, echo_, local_model_;
-  std::mutex mutex_;   ///< guards `frame_`
-  std::string frame_;  ///< frame_id of the newest pose
   std::atomic<bool> ends_ = false, connected_ = false;
   std::unique_ptr<MasterWatch> watch_;
   std::thread thread_;
@@ -268,8 +256,8 @@ Link::Link(const std::string& prefix, Listener& listener) {
   }
 }
 Link::~Link() = default;
-void Link::publish(const StampedWrench& spatial, const StampedWrench& body) {
-  implementation_->publish(spatial, body);
+void Link::publish(const StampedWrench& spatial, const std::string& frame, const StampedWrench& body) {
+  implementation_->publish(spatial, frame, body);
 }
 void Link::publish_echo(std::uint64_t number) { implementation_->publish_echo(number); }
 void Link::publish_local_model(const std::vector<double>& numbers, std::size_t head, std::size_t row) {

@@ -56,8 +56,8 @@ class Link {
 
   /// \name One thread. Nothing is sent until the link is connected
   /// @{
-  /// \param spatial in the frame of the newest pose \param body in the handle's frame
-  void publish(const StampedWrench& spatial, const StampedWrench& body);
+  /// \param spatial in the frame `frame` \param body in the handle's frame
+  void publish(const StampedWrench& spatial, const std::string& frame, const StampedWrench& body);
   /// Publishes `number` as `seq` of a std_msgs/Header; the peer answers with its own time as stamp.
   void publish_echo(std::uint64_t number);
   /// \param numbers `head` numbers, then rows of `row` numbers

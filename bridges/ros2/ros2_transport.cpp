@@ -2,7 +2,6 @@
 
 #include <array>
 #include <charconv>
-#include <mutex>
 #include <thread>
 
 #include <palpate/base/error.h>
@@ -68,12 +67,7 @@ class Ros2Transport final : public CrtkTransport {
     own_.reset();
   }
 
-  void send(const CrtkWrench& wrench) override {
-    std::string frame;
-    {
-      const std::scoped_lock lock(mutex_);
-      frame = frame_;
-    }
+  void send(const CrtkWrench& wrench, const std::string& frame) override {
     write(spatial_, wrench.spatial, wrench.stamp, frame);
     write(body_, wrench.body, wrench.stamp, "tool");
   }
@@ -138,10 +132,6 @@ class Ros2Transport final : public CrtkTransport {
   }
 
   void take_pose(const Pose_& message, dds_instance_handle_t writer) {
-    {
-      const std::scoped_lock lock(mutex_);
-      frame_ = message.header.frame_id;
-    }
     const auto& [p, q] = message.pose;
     Pose pose;
     pose.position = {p.x, p.y, p.z};
@@ -181,8 +171,6 @@ class Ros2Transport final : public CrtkTransport {
   dds_entity_t poses_ = 0, velocities_ = 0, echoes_ = 0, spatial_ = 0, body_ = 0, echo_ = 0, local_model_ = 0;
   dds_entity_t set_ = 0, end_ = 0;  ///< wait set, and the guard condition that ends the thread
   Source pose_source_, velocity_source_, echo_source_;  ///< of the newest messages; transport's thread
-  std::mutex mutex_;                                    ///< guards `frame_`
-  std::string frame_;                                   ///< frame_id of the newest pose
   std::thread thread_;
 };
 

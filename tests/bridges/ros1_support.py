@@ -65,7 +65,7 @@ class Driver:
         self.period = 1.0 / rate
         self.height, self.at = FREE, FREE
         self.force, self.wrenches, self.body = 0.0, 0, 0
-        self.sent, self.round_trips = 0, []
+        self.sent, self.round_trips, self.frames = 0, [], set()
         self.spoil = lambda message: message
         self.ends = False
         self.publisher = rospy.Publisher(prefix + "/measured_cp", PoseStamped, queue_size=4, tcp_nodelay=True)
@@ -81,6 +81,7 @@ class Driver:
 
     def hear(self, message):
         self.force = message.wrench.force.z
+        self.frames.add(message.header.frame_id)
         self.wrenches += 1
         sent = self.times.pop(message.header.stamp.to_nsec() // 1000, None)
         if sent is not None:

@@ -122,6 +122,7 @@ class Ros1(unittest.TestCase):
             with self.subTest(what=name):
                 self.lean()
                 before = self.text().count(words)
+                self.driver.frames.clear()
 
                 def spoil(message, change=change):
                     change(message)
@@ -132,6 +133,7 @@ class Ros1(unittest.TestCase):
                 self.assertEqual(self.driver.force, 0.0)
                 self.driver.spoil = lambda message: message
                 self.assertEqual(self.text().count(words), before + 1, self.text())
+                self.assertEqual(self.driver.frames, {"base"})
 
     def test_3_a_second_publisher_is_not_felt(self):
         other = subprocess.Popen(["rostopic", "pub", "-r", "50", "/omni/measured_cp", "geometry_msgs/PoseStamped",

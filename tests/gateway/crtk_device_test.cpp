@@ -186,6 +186,25 @@ TEST(CrtkDevice, ThePoseThatIsAcceptedFirstSetsTheFrame) {
   EXPECT_FALSE(link.tick());
 }
 
+TEST(CrtkDevice, APoseThatIsDroppedDoesNotSetTheFrameOfWrenches) {
+  CrtkLink link;
+  const auto frame = [&] {
+    const std::uint64_t before = link.peer->sent();
+    link.device->write({});
+    for (int k = 0; k < 5000 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
+    return link.peer->frame();
+  };
+  EXPECT_EQ(frame(), "");
+  link.pose(std::numeric_limits<double>::quiet_NaN(), 0.0, "world");
+  EXPECT_EQ(frame(), "");
+  link.pose(0.1, 0.0, "base");
+  EXPECT_EQ(frame(), "base");
+  link.pose(0.1, 0.0, "world");
+  link.pose(0.1, 0.0, "camera", "/other");
+  EXPECT_EQ(frame(), "base");
+  EXPECT_EQ(link.device->dropped(), 3U);
+}
+
 TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   CrtkLink link;
   link.ticks(3, 0.1);

@@ -23,9 +23,10 @@ class CrtkPeer final : public CrtkTransport {
  public:
   void start(CrtkDevice& device) override { device_ = &device; }
   void stop() noexcept override {}
-  void send(const CrtkWrench& wrench) override {
+  void send(const CrtkWrench& wrench, const std::string& frame) override {
     const std::scoped_lock lock(mutex_);
     last_ = wrench;
+    frame_ = frame;
     ++sent_;
   }
   bool wants_local_model() override { return wants; }
@@ -42,6 +43,10 @@ class CrtkPeer final : public CrtkTransport {
   CrtkWrench last() const {
     const std::scoped_lock lock(mutex_);
     return last_;
+  }
+  std::string frame() const {
+    const std::scoped_lock lock(mutex_);
+    return frame_;
   }
   std::uint64_t echo() const {
     const std::scoped_lock lock(mutex_);
@@ -64,6 +69,7 @@ class CrtkPeer final : public CrtkTransport {
   CrtkDevice* device_ = nullptr;
   mutable std::mutex mutex_;
   CrtkWrench last_;
+  std::string frame_;
   std::vector<std::pair<LocalModel, double>> models_;
   std::uint64_t echo_ = 0, sent_ = 0;
 };

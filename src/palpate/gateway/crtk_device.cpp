@@ -107,13 +107,22 @@ void CrtkDevice::send_until_closed() {
     if (!fresh && (off || !stopped)) continue;
     CrtkWrench wrench = wrench_.front();
     if (stopped) wrench.spatial = wrench.body = {};
-    transport_->send(wrench);
+    send(wrench);
     off = stopped;
   }
   CrtkWrench none;
   none.stamp = wrench_.front().stamp;
-  transport_->send(none);
+  send(none);
   if (wants_local_model_.load(std::memory_order_relaxed)) send_surface(true);
+}
+
+void CrtkDevice::send(const CrtkWrench& wrench) {
+  std::string frame;
+  {
+    const std::scoped_lock lock(mutex_);
+    frame = frame_.value_or("");
+  }
+  transport_->send(wrench, frame);
 }
 
 void CrtkDevice::send_surface(bool stopped) {
@@ -170,7 +179,10 @@ void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
   } else if (t - heard_ > age_limit_ && taken_ > 0) {
     hand_.change_hand();
   }
-  if (!frame_) frame_ = header.frame;
+  if (!frame_) {
+    const std::scoped_lock lock(mutex_);
+    frame_ = header.frame;
+  }
   accept(pose, header.stamp, t);
 }
 

@@ -50,8 +50,9 @@ class CrtkTransport {
   virtual void start(CrtkDevice& device) = 0;
   /// Stops delivery. No message is delivered after it returns.
   virtual void stop() noexcept = 0;
-  /// Publishes a wrench; called for every tick, on the device's own thread.
-  virtual void send(const CrtkWrench& wrench) = 0;
+  /// Publishes a wrench; called for every tick, on the device's own thread. \param frame frame_id of valid
+  /// poses, that of `wrench.spatial`; empty if it is not known yet
+  virtual void send(const CrtkWrench& wrench, const std::string& frame) = 0;
   /// Returns whether the local model has subscribers. Polled by the device's own thread.
   virtual bool wants_local_model() = 0;
   /// Publishes the local model, if it has subscribers; called for every tick, on the device's own thread.
@@ -139,6 +140,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   std::string line_of(Problem problem, const CrtkHeader& header) const;
   void accept(const Pose& pose, double stamp, double now);
   void send_until_closed();
+  void send(const CrtkWrench& wrench);
   void send_surface(bool stopped);
   bool extrapolate(double t, DeviceReading& reading);
   double loop_begin(double t);
@@ -153,7 +155,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   /// @{
   ClientHand hand_;
   StampClock stamps_;
-  std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted
+  std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted, then constant
   std::string source_;
   double age_ = 0.0;          ///< of the pose being checked
   double heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].
@@ -164,7 +166,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   std::atomic<double> velocity_at_ = -kSilence;
   /// @}
 
-  std::mutex mutex_;  ///< guards stamps_, shared by the sender and the transport
+  std::mutex mutex_;  ///< guards stamps_ and changes of frame_, shared by the sender and the transport
   /// \name The loop's thread
   /// @{
   ClientDevice reader_;

@@ -57,6 +57,7 @@ describe('a driver on ROS 2', () => {
       await driver.noForce();
       await wait(200);
       assert.equal(palpate.said.split(words).length, before_ + 1, palpate.said);
+      assert.equal((await driver.newest('spatial', 'geometry_msgs/WrenchStamped')).header.frame_id, 'base');
       driver.good();
     });
   }
