@@ -425,6 +425,21 @@ TEST_F(HubTest, CallsAreAnsweredWithTheirId) {
   refused({{"service", "/double"}, {"args", {{"x", "four"}}}, {"id", "7"}}, "'x' must be a finite number");
 }
 
+TEST_F(HubTest, AServiceWithoutArgumentsIsCalledWhateverComesAsSuch) {
+  int calls = 0;
+  hub.add_service("/stop", "std_srvs/Trigger", [&](const Json& arguments) {
+    EXPECT_EQ(arguments, Json::object());
+    ++calls;
+    return Json{{"success", true}, {"message", ""}};
+  });
+  const std::vector<Json> all{Json(), Json::array(), {1, 2}, "now", "", true, 4, {{"data", true}}};
+  for (const Json& args : all) {
+    say({{"op", "call_service"}, {"service", "/stop"}, {"args", args}});
+    EXPECT_EQ(one()["result"], true) << args;
+  }
+  EXPECT_EQ(calls, static_cast<int>(all.size()));
+}
+
 TEST_F(HubTest, SetLevelNoneSilencesStatusAndNothingElse) {
   say({{"op", "set_level"}, {"level", "none"}});
   say({{"op", "fly"}});

@@ -40,6 +40,18 @@ void check_type(const Json& message, const std::string& name, const std::string&
     throw Refusal(fmt::format("{} is of type {}, not {}", name, type, quoted(asked)));
 }
 
+/// Returns the arguments of a call of a service of type `type`. \throws Refusal
+const Json& arguments_of(const Json& message, const std::string& type) {
+  static const Json none = Json::object();
+  const RosType* const request = find_ros_type(type + "Request");
+  // An emergency stop is heard whatever comes with it.
+  if (request != nullptr && request->fields.empty()) return none;
+  const auto arguments = message.find("args");
+  if (arguments == message.end() || arguments->is_null() || arguments->empty()) return none;
+  if (!arguments->is_object()) throw Refusal("'args' must be an object");
+  return *arguments;
+}
+
 Encoding encoding_of(const Json& subscribe, const Topic& topic) {
   const std::string name = text_field(subscribe, "compression");
   if (name.empty() || name == "none") return Encoding::kText;
@@ -277,10 +289,7 @@ void Client::call(const Json& message) {
     const auto offer = hub_.services_.find(name);
     if (offer == hub_.services_.end())
       throw Refusal(fmt::format("there is no service {}; /rosapi/services lists them", quoted(name)));
-    const auto arguments = message.find("args");
-    const bool none = arguments == message.end() || arguments->is_null() || arguments->empty();
-    if (!none && !arguments->is_object()) throw Refusal("'args' must be an object");
-    offer->second.service(none ? Json::object() : *arguments, reply);
+    offer->second.service(arguments_of(message, offer->second.type), reply);
   } catch (const Refusal& refusal) {
     reply.refuse(refusal.what());
   }
