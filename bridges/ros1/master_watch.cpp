@@ -35,8 +35,12 @@ void require_master_uri() {
     throw std::runtime_error("ROS_MASTER_URI is not of the form http://HOST:PORT");
 }
 
-MasterWatch::MasterWatch(std::function<void()> lost, std::function<void(bool)> found)
-    : lost_(std::move(lost)), found_(std::move(found)), thread_([this] { run(); }) {}
+MasterWatch::MasterWatch(std::function<void()> lost, std::function<void(bool)> found,
+                         std::function<void()> reached)
+    : lost_(std::move(lost)),
+      found_(std::move(found)),
+      reached_(std::move(reached)),
+      thread_([this] { run(); }) {}
 
 MasterWatch::~MasterWatch() {
   ends_ = true;
@@ -58,6 +62,7 @@ void MasterWatch::run() {
     if (gone || another) found_(another);
     gone = false;
     known = pid;
+    reached_();
   }
 }
 

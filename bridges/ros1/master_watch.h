@@ -16,8 +16,11 @@ class MasterWatch {
  public:
   /// Starts polling. The callbacks run on its own thread. \param lost called once each time the master is
   /// lost \param found called when a master is reached again; `another` is true for a new process, which has
-  /// no registrations \pre ROS is initialised
-  MasterWatch(std::function<void()> lost, std::function<void(bool another)> found);
+  /// no registrations \param reached called each time that the master answers, after `found` \pre ROS is
+  /// initialised
+  MasterWatch(
+      std::function<void()> lost, std::function<void(bool another)> found,
+      std::function<void()> reached = [] {});
   ~MasterWatch();
   MasterWatch(const MasterWatch&) = delete;
   MasterWatch& operator=(const MasterWatch&) = delete;
@@ -27,6 +30,7 @@ class MasterWatch {
 
   std::function<void()> lost_;
   std::function<void(bool)> found_;
+  std::function<void()> reached_;
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };

@@ -58,6 +58,7 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
   void on_echo(std::uint64_t number, const ros1::Header& header) override {
     device_->take_echo(number, {header.stamp, header.frame, header.source});
   }
+  void on_other_writer(const std::string& name) override { device_->set_other_writer(name); }
 
   std::string prefix_;
   std::function<void(const std::string&)> say_;

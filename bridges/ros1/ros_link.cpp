@@ -20,6 +20,7 @@
 #include <std_msgs/Header.h>
 
 #include "master_watch.h"
+#include "other_publisher.h"
 
 namespace palpate::ros1 {
 namespace {
@@ -144,6 +145,9 @@ class Link::Implementation {
   void connect() {
     node_ = std::make_unique<ros::NodeHandle>(prefix_);
     node_->setCallbackQueue(&queue_);
+    spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
+    body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
+    look_for_other_writer();  // before the first pose
     const auto hints = ros::TransportHints().tcpNoDelay();
     subscriptions_ = {node_->subscribe<geometry_msgs::PoseStamped>(
                           "measured_cp", kQueue,
@@ -164,8 +168,6 @@ class Link::Implementation {
                           boost::function<void(const ros::MessageEvent<const std_msgs::Header>&)>(
                               [this](const auto& event) { take_echo(event); }),
                           ros::VoidConstPtr(), hints)};
-    spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
-    body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
     echo_ = node_->advertise<std_msgs::Header>("palpate/echo", 1);
     local_model_ = node_->advertise<std_msgs::Float64MultiArray>("palpate/local_model", 1);
     connected_.store(true, std::memory_order_release);
@@ -189,7 +191,13 @@ class Link::Implementation {
         [this](bool another) {
           if (another) register_anew();
           tell_found();
-        });
+        },
+        [this] { look_for_other_writer(); });
+  }
+
+  void look_for_other_writer() {
+    if (const auto name = other_publisher({spatial_.getTopic(), body_.getTopic()}))
+      listener_.on_other_writer(*name);
   }
 
   /// Registers all topics of the process with a restarted master; connections persist.

@@ -32,6 +32,9 @@ class Listener {
                            const std::array<double, 3>& angular) = 0;
   /// \param header stamped by the publisher's clock when it answered echo `number`
   virtual void on_echo(std::uint64_t number, const Header& header) = 0;
+  /// Called whenever the master has been asked which other node publishes wrenches for the device. \param
+  /// name empty: none. Any thread of the link.
+  virtual void on_other_writer(const std::string& name) = 0;
   /// Reports one line to the user. Any thread of the link.
   virtual void say(const std::string& line) = 0;
 };

@@ -148,12 +148,17 @@ bool is_matched(dds_entity_t writer) {
   return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK && status.current_count > 0;
 }
 
+std::string text_of(const dds_guid_t& guid) {
+  std::string text;
+  for (std::size_t k = 0; k < sizeof guid.v; ++k)
+    text += fmt::format("{}{:02x}", k > 0 && k % 4 == 0 ? "." : "", guid.v[k]);
+  return text;
+}
+
 std::string source_of(dds_entity_t reader, dds_instance_handle_t writer) {
   dds_builtintopic_endpoint_t* found = dds_get_matched_publication_data(reader, writer);
   if (found == nullptr) return fmt::format("writer {}", writer);
-  std::string text;
-  for (std::size_t k = 0; k < sizeof found->participant_key.v; ++k)
-    text += fmt::format("{}{:02x}", k > 0 && k % 4 == 0 ? "." : "", found->participant_key.v[k]);
+  std::string text = text_of(found->participant_key);
   dds_builtintopic_free_endpoint(found);
   return text;
 }

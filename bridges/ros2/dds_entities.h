@@ -62,6 +62,9 @@ dds_return_t checked(dds_return_t code, std::string_view what);
 /// Returns whether a writer has readers.
 bool is_matched(dds_entity_t writer);
 
+/// GUID of a participant, in hexadecimal.
+std::string text_of(const dds_guid_t& guid);
+
 /// Source of a writer: the GUID of its participant, which identifies a process in ROS 2.
 std::string source_of(dds_entity_t reader, dds_instance_handle_t writer);
 

@@ -8,6 +8,7 @@
 #include <palpate/base/real_time.h>
 
 #include "dds_time.h"
+#include "other_writers.h"
 #include "ros_messages.h"
 #include "take_all.h"
 
@@ -46,9 +47,11 @@ class Ros2Transport final : public CrtkTransport {
     body_ = writer("/body/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc);
     echo_ = writer("/palpate/echo", std_msgs_msg_dds__Header__desc);
     local_model_ = writer("/palpate/local_model", std_msgs_msg_dds__Float64MultiArray__desc);
+    others_ = std::make_unique<OtherWriters>(
+        *participant_, std::vector{topic(prefix_ + "/spatial/servo_cf"), topic(prefix_ + "/body/servo_cf")});
     set_ = checked(dds_create_waitset(participant_->id()), "wait for messages");
     end_ = checked(dds_create_guardcondition(participant_->id()), "wait for messages");
-    for (const dds_entity_t entity : {poses_, velocities_, echoes_, end_}) {
+    for (const dds_entity_t entity : {poses_, velocities_, echoes_, others_->news(), end_}) {
       if (entity != end_)
         checked(dds_set_status_mask(entity, DDS_DATA_AVAILABLE_STATUS), "wait for messages");
       checked(dds_waitset_attach(set_, entity, entity), "wait for messages");
@@ -60,6 +63,7 @@ class Ros2Transport final : public CrtkTransport {
     if (!thread_.joinable()) return;
     dds_set_guardcondition(end_, true);
     thread_.join();
+    others_.reset();
     for (const dds_entity_t entity :
          {poses_, velocities_, echoes_, spatial_, body_, echo_, local_model_, set_, end_})
       dds_delete(entity);
@@ -98,6 +102,7 @@ class Ros2Transport final : public CrtkTransport {
   dds_entity_t reader(const char* name, const dds_topic_descriptor_t& type) {
     return participant_->make_reader("rt", resolve_(prefix_ + name), type, kSensor);
   }
+  std::string topic(const std::string& name) const { return "rt" + resolve_(name); }
   dds_entity_t writer(const char* name, const dds_topic_descriptor_t& type) {
     return participant_->make_writer("rt", resolve_(prefix_ + name), type, kNewest);
   }
@@ -111,9 +116,10 @@ class Ros2Transport final : public CrtkTransport {
   void run() {
     name_thread("palpate-ros2");
     make_real_time(kNetworkPriority);  // the servo loop reports why it is not permitted
-    std::array<dds_attach_t, 4> triggered{};
+    std::array<dds_attach_t, 5> triggered{};
     while (!ends()) {
       dds_waitset_wait(set_, triggered.data(), triggered.size(), DDS_INFINITY);
+      device_->set_other_writer(others_->update());
       take_all<Pose_>(
           poses_, [this](const Pose_& message, dds_instance_handle_t writer) { take_pose(message, writer); });
       take_all<Twist_>(velocities_, [this](const Twist_& message, dds_instance_handle_t writer) {
@@ -167,6 +173,7 @@ class Ros2Transport final : public CrtkTransport {
   Resolve resolve_;
   std::unique_ptr<Participant> own_;
   Participant* participant_;
+  std::unique_ptr<OtherWriters> others_;  ///< of wrenches for the device
   CrtkDevice* device_ = nullptr;
   dds_entity_t poses_ = 0, velocities_ = 0, echoes_ = 0, spatial_ = 0, body_ = 0, echo_ = 0, local_model_ = 0;
   dds_entity_t set_ = 0, end_ = 0;  ///< wait set, and the guard condition that ends the thread

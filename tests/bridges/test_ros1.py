@@ -12,7 +12,9 @@ import unittest
 
 import rospy
 
-from ros1_support import FREE, PRESSED, Driver, Master, free_port
+from geometry_msgs.msg import WrenchStamped
+
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import ply, wall_rows  # noqa: E402
@@ -144,6 +146,43 @@ class Ros1(unittest.TestCase):
         finally:
             other.kill()
             other.wait()
+
+    def other_writer(self, topic):
+        before = self.text().count("publishes wrenches for the device, too")
+        other = subprocess.Popen(["rostopic", "pub", "-r", "50", topic, "geometry_msgs/WrenchStamped", "{}"],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            self.wait_said("publishes wrenches for the device, too", before + 1)
+            self.assertRegex(self.text().splitlines()[-1], "'/rostopic_.*' publishes wrenches for the device, too: no force until")
+        except BaseException:
+            other.kill()
+            raise
+        return other
+
+    def no_force(self):
+        self.wait(lambda: self.forces_of_palpate() == {0.0})
+
+    def forces_of_palpate(self):
+        """Those of the next wrenches, whoever else publishes some."""
+        with Ear("/omni/spatial/servo_cf", WrenchStamped) as ear:
+            time.sleep(0.3)
+            return {m.wrench.force.z for m in ear.all if "palpate" in m._connection_header["callerid"]}
+
+    def test_3b_another_publisher_of_wrenches_ends_the_force_until_it_has_ended(self):
+        self.lean()
+        other = self.other_writer("/omni/spatial/servo_cf")
+        self.no_force()
+        other.send_signal(signal.SIGINT)
+        other.wait()
+        self.lean()
+
+    def test_3c_one_that_has_crashed_stays_registered_and_does_not_count(self):
+        self.lean()
+        other = self.other_writer("/omni/body/servo_cf")
+        self.no_force()
+        other.kill()
+        other.wait()
+        self.lean()
 
     def test_4_the_master_is_killed_and_started_again(self):
         self.master.kill()

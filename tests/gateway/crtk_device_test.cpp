@@ -224,6 +224,27 @@ TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   EXPECT_NE(link.reading.hand, hand);
 }
 
+// A line, and no force, until it has ended; then through the gate.
+TEST(CrtkDevice, AnotherPublisherOfWrenchesEndsTheForce) {
+  CrtkLink link;
+  link.ticks(3, 0.1);
+  const std::uint32_t hand = link.reading.hand;
+  link.device->set_other_writer("/teleoperation");
+  for (int k = 0; k < 100; ++k) {
+    link.pose(0.1);
+    EXPECT_FALSE(link.tick());
+  }
+  EXPECT_EQ(link.device->status(), DeviceStatus::kFault);
+  EXPECT_EQ(link.device->status_text(), "another program publishes wrenches for the device");
+  ASSERT_EQ(link.peer->said.size(), 1U);
+  EXPECT_THAT(link.peer->said[0], HasSubstr("'/teleoperation' publishes wrenches for the device, too"));
+  link.device->set_other_writer("");
+  link.pose(0.1);
+  EXPECT_TRUE(link.tick());
+  EXPECT_NE(link.reading.hand, hand);
+  EXPECT_EQ(link.device->status(), DeviceStatus::kEnabled);
+}
+
 // A recording that is played stamps its poses with the time at which they were recorded.
 TEST(CrtkDevice, ANewPublisherMayHaveAnotherClock) {
   CrtkLink link;

@@ -161,7 +161,18 @@ CrtkDevice::Problem CrtkDevice::check_stamp(const CrtkHeader& header, bool anew,
   }
 }
 
+void CrtkDevice::set_other_writer(std::string_view name) {
+  const std::scoped_lock lock(mutex_);
+  other_writer_ = name;
+}
+
+std::string CrtkDevice::other_writer() const {
+  const std::scoped_lock lock(mutex_);
+  return other_writer_;
+}
+
 CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
+  if (!other_writer().empty()) return Problem::kWriter;
   if (is_other_source(header.source, now)) return Problem::kSecond;
   if (frame_ && header.frame != *frame_) return Problem::kFrame;
   if (!is_finite(pose) || !is_unit(pose.orientation)) return Problem::kBad;
@@ -229,6 +240,11 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
           "{} are dropped: '{}' controls the device until it is silent for {:.0f} s; stop one of the "
           "publishers",
           who, source_, kSilence);
+    case Problem::kWriter:
+      return fmt::format(
+          "{}: '{}' publishes wrenches for the device, too: no force until it has ended; stop "
+          "one of the two",
+          options_.capabilities.name, other_writer());
     default: return who;
   }
 }
@@ -293,7 +309,8 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
         "poses have a wrong frame_id",
         "poses are late or out of order",
         "pose stamps are in the future",
-        "two publishers of poses"};
+        "two publishers of poses",
+        "another program publishes wrenches for the device"};
     set_status(DeviceStatus::kFault,
                kTexts[static_cast<std::size_t>(reason_.load(std::memory_order_relaxed))]);
   }

@@ -89,6 +89,8 @@ struct CrtkOptions {
 ///  - An invalid or negative stamp: dropped.
 ///  - Another frame_id than expected: dropped.
 ///  - A second publisher: dropped, until the first has been silent for kSilence.
+///  - A pose while another program publishes wrenches for the device: dropped, since the sum of two forces
+///    has no limit, and neither program can stop the other's.
 ///  - NaN, infinity, a quaternion that is not of unit norm: dropped, and no force until it returns through
 ///    the gate.
 ///
@@ -123,6 +125,10 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   void take_echo(std::uint64_t number, const CrtkHeader& header);
   /// @}
 
+  /// Tells which other program publishes wrenches for the device. \param name empty: none. Any thread except
+  /// the loop's.
+  void set_other_writer(std::string_view name);
+
   /// Number of poses used and dropped. Any thread.
   std::uint64_t taken() const { return taken_.load(std::memory_order_relaxed); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
@@ -131,8 +137,19 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   static constexpr double kSilence = 1.0;
 
  private:
-  enum class Problem : std::uint8_t { kNone, kBad, kStamp, kFrame, kStale, kFuture, kSecond, kCount };
+  enum class Problem : std::uint8_t {
+    kNone,
+    kBad,
+    kStamp,
+    kFrame,
+    kStale,
+    kFuture,
+    kSecond,
+    kWriter,
+    kCount
+  };
 
+  std::string other_writer() const;
   Problem problem_of(const CrtkHeader& header, const Pose& pose, double now);
   bool is_other_source(std::string_view source, double now);
   Problem check_stamp(const CrtkHeader& header, bool anew, double now);
@@ -166,7 +183,8 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   std::atomic<double> velocity_at_ = -kSilence;
   /// @}
 
-  std::mutex mutex_;  ///< guards stamps_ and changes of frame_, shared by the sender and the transport
+  mutable std::mutex mutex_;  ///< guards stamps_, changes of frame_, and other_writer_
+  std::string other_writer_;
   /// \name The loop's thread
   /// @{
   ClientDevice reader_;

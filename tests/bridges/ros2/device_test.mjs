@@ -98,6 +98,23 @@ describe('a driver on ROS 2', () => {
     await palpate.says('controls the device until it is silent for 1 s; stop one');
   });
 
+  for (const along of ['spatial', 'body']) {
+    test(`has no force while another publishes wrenches along the ${along} frame`, async (context) => {
+      await driver.lean();
+      const before_ = palpate.said.split('publishes wrenches for the device, too').length;
+      const other = new Peer();
+      context.after(() => other.kill());
+      other.tell(`writer wrench rt/omni/${along}/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} reliable`);
+      await palpate.says('publishes wrenches for the device, too', before_);
+      await driver.noForce();
+      await wait(200);
+      assert.equal(await driver.force(), 0);
+      other.process.stdin.end();
+      await other.ended;
+      await driver.lean();
+    });
+  }
+
   test('lets the force fall where the driver is killed, and feels the next one', async () => {
     await driver.lean();
     await driver.kill();
