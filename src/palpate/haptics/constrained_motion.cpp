@@ -14,7 +14,7 @@ constexpr double kSmall = 1e-8;
 
 /// Largest number of planes examined in all sweeps: 0.1 ms. With so many planes that this ends the sweeps
 /// early, the motion enters a plane slightly, and the next one leaves it.
-constexpr std::size_t kMostRelaxed = 8192;
+constexpr std::size_t kMostRelaxed = kSweeps * kMostPlanesSolved;
 
 /// Gauss-Seidel iteration from the wanted to the constrained motion. \param gyration as for length_of().
 /// Unit: [m].

@@ -35,6 +35,9 @@ struct MotionConstraint {
   Eigen::Vector3d of(const Motion& motion) const { return motion.translation + motion.rotation.cross(arm); }
 };
 
+/// Number of planes up to which constrained_motion() makes as many sweeps as it needs.
+constexpr std::size_t kMostPlanesSolved = 64;
+
 /// Returns the motion nearest to `wanted`, by length_of(), with, for all planes k,
 ///
 ///     gap_k + n_k . v_k >= 0,    v_k = translation + rotation x arm_k

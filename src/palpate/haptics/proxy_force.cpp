@@ -155,6 +155,7 @@ void ProxyForce::reset() {
   spring_ = {};
   spring_.reserve = most_reserve();
   owed_ = 0.0;
+  pull_.reset();
   velocity_.setZero();
   direction_.setZero();
   forget_surface();
@@ -349,7 +350,6 @@ bool ProxyForce::search(Group& group, std::size_t most) {
 void ProxyForce::find_obstacles() {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
-  step_taken_ = {proxy_.position, {}};
   for (const Part& part : parts_) {
     if (!part.meets) continue;
     const std::span<const SurfacePatch> patches = part.patches.patches();
@@ -507,14 +507,30 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
   const double share =
       std::min({1.0, step_ / std::max(farthest, 1e-300), goal_.longest / std::max(length, 1e-300)});
   if (share < 1.0) motion = blend({}, motion, share);
-  step_taken_.motion = motion;
   if (!held_ && share == 1.0) {
     proxy_ = goal_.target;  // exactly, without rounding
     trails_ = false;
   } else {
     proxy_ = after(proxy_, motion);
   }
+  for (MotionConstraint& plane : obstacles_.planes) plane.gap += plane.normal.dot(plane.of(motion));
   return share * length;
+}
+
+Motion ProxyForce::less_owed(const Motion& pull) {
+  std::vector<MotionConstraint>& planes = obstacles_.planes;
+  if (!held_ || owed_ == 0.0 || planes.size() > kMostPlanesSolved) return pull;
+  for (MotionConstraint& plane : planes) plane.gap = std::max(0.0, plane.gap);
+  const Motion rest = constrained_motion({-pull.translation, -pull.rotation}, planes, gyration_);
+  const double share = std::min(1.0, owed_ / std::max(length_of(rest, gyration_), 1e-300));
+  return {pull.translation + share * rest.translation, pull.rotation + share * rest.rotation};
+}
+
+Motion ProxyForce::smoothed(const Motion& pull, double most) const {
+  if (!pull_) return pull;
+  const Motion change{pull.translation - pull_->translation, pull.rotation - pull_->rotation};
+  const double size = length_of(change, gyration_);
+  return size > most ? blend(*pull_, pull, most / size) : pull;
 }
 
 LocalSurface ProxyForce::local() const {
@@ -535,9 +551,7 @@ LocalSurface ProxyForce::local() const {
   }
   for (std::size_t k = 0; k < found.count; ++k) {
     const MotionConstraint& plane = planes[chosen[k]];
-    // Change of the gap by the rotation of the proxy.
-    const double gap = plane.gap + plane.normal.dot(step_taken_.motion.rotation.cross(plane.arm));
-    found.planes[k] = {step_taken_.from - gap * plane.normal, plane.normal};
+    found.planes[k] = {proxy_.position - plane.gap * plane.normal, plane.normal};
   }
   const bool any = found.count > 0;
   const Properties of = any ? obstacles_.properties[chosen[0]]
@@ -640,9 +654,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   // A proxy that was never in contact is at the tool or on its way there; one that has lost contact follows
   // it.
   const double in_contact = of_tool + catch_up() * input.dt;
-  // In contact, what is owed is paid back by as much as the tool moves.
-  const double paid = held_ ? std::min(owed_, of_tool) : owed_, unpaid = owed_ - paid;
-  double way = (held_ ? in_contact : std::max(in_contact, 2.0 * of_tool)) + paid;
+  double way = (held_ ? in_contact : std::max(in_contact, 2.0 * of_tool)) + owed_;
   const bool starts = steps_out_ > 0;
   // Where the tool starts inside an object, the proxy leaves it at once.
   if (!trails_ || replaced_ || starts) way = std::numeric_limits<double>::infinity();
@@ -657,26 +669,32 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   const double stretch = starts ? std::numeric_limits<double>::infinity() : std::sqrt(slack * slack + more);
   const int most_held = starts ? steps_out_ : kMostSteps;
   int held_steps = 0;
+  bool settled = false;
   way -= cross_free_space(target, way);
   for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
+    const bool is_late = waits_;  // then it ends the step of the last tick
     const double gone = step(target, way, stretch);
     way -= gone;
     held_steps += held_ ? 1 : 0;
+    settled = !is_late && !waits_ && gone < kSettled * step_;
     if (gone < kSettled * step_) break;
   }
   const double behind = length_of(motion_between(proxy_, input.tool), gyration_);
-  owed_ = starts    ? length_of(motion_between(target, input.tool), gyration_)
-          : trails_ ? std::min(behind, unpaid + (waits_ ? std::max(0.0, way) : 0.0))
-                    : 0.0;
+  owed_ = starts                ? length_of(motion_between(target, input.tool), gyration_)
+          : trails_ && !settled ? std::clamp(way, 0.0, behind)
+                                : 0.0;
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);
   // No force on the way through free space.
   if (!trails_) {
     release(moved);
+    pull_.reset();
     return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   }
-  const Motion pull = motion_between(input.tool, proxy_);
+  Motion pull = motion_between(input.tool, proxy_);
+  if (!starts) pull = smoothed(less_owed(pull), 2.0 * of_tool + catch_up() * input.dt);
+  pull_ = pull;
   const double length = length_of(pull, gyration_);
   wind(pull, length, starts ? std::nullopt : std::optional(moved), input.dt);
   if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};

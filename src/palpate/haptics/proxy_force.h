@@ -64,7 +64,9 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 ///     next tick. A longer motion on which no part touches an ellipsoid is made without a view;
 ///  3. these steps are repeated until it hardly moves, at most kMostSteps times in contact, kMostFreeSteps
 ///     times out of contact. In contact it moves only slightly farther than the tool did, so that the force
-///     does not jump where patches appear and disappear;
+///     does not jump where patches appear and disappear. What a tick has no time for is owed to the next, and
+///     does not drag: the force is that of a proxy that had gone there along the planes that hold it (if
+///     there are kMostPlanesSolved at most; decision 32);
 ///  4. the surface may change between ticks, where a fit finds another patch, and push the proxy away from
 ///     the tool, which would store energy in the spring that the hand has not put in. The motion of the proxy
 ///     therefore never lengthens the spring at a fixed tool pose, except by a reserve that is filled by the
@@ -205,12 +207,6 @@ class ProxyForce final : public ForceModel {
     double stiffness = 0.0, damping = 0.0;
   };
 
-  /// The last step: start and motion of the proxy.
-  struct Step {
-    Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< of the handle, world frame
-    Motion motion;
-  };
-
   /// Spring between tool and proxy that is rendered.
   struct Spring {
     Motion along;               ///< from tool to proxy, of length 1; zero where both are in one place
@@ -222,6 +218,11 @@ class ProxyForce final : public ForceModel {
   /// Moves the proxy one step towards `target`, by at most `longest`; or towards the previous goal if the
   /// budget ran out before it was viewed. \returns the distance moved. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
+  /// Returns `pull`, from the tool to the proxy, less the way that the proxy owes, along the planes that hold
+  /// it: what a tick has no time for does not drag.
+  Motion less_owed(const Motion& pull);
+  /// Returns `pull`, or as much of its change since the last call as `most` permits. Unit: [m].
+  Motion smoothed(const Motion& pull, double most) const;
   /// Moves the proxy towards `target` as far as no part touches anything, if that is farther than a step:
   /// motion without touching an ellipsoid needs no view. \returns the distance moved. Unit: [m].
   double cross_free_space(const Pose& target, double longest);
@@ -317,14 +318,14 @@ class ProxyForce final : public ForceModel {
   bool trails_ = false;       ///< in contact since it last coincided with the tool
   bool replaced_ = false;     ///< scene replaced, and the proxy still inside the new one
   bool waits_ = false;        ///< for budget to view its way
-  double owed_ = 0.0;         ///< distance not yet made up after waiting or leaving the start. Unit: [m].
-  Goal goal_;                 ///< of the last step
-  Hold hold_;                 ///< of the last step in contact
-  Step step_taken_;
-  Spring spring_;  ///< of the last call
-  Pose tool_;      ///< of the last call, world frame
-  Pose start_;     ///< where the proxy was when it started, world frame
-  Pose proxy_;     ///< world frame
+  double owed_ = 0.0;  ///< distance that the last tick had no time for, or made while it started. Unit: [m].
+  Goal goal_;          ///< of the last step
+  Hold hold_;          ///< of the last step in contact
+  Spring spring_;      ///< of the last call
+  std::optional<Motion> pull_;  ///< from the tool to the proxy, in the last call; none if that was free
+  Pose tool_;                   ///< of the last call, world frame
+  Pose start_;                  ///< where the proxy was when it started, world frame
+  Pose proxy_;                  ///< world frame
 };
 
 }  // namespace palpate
