@@ -43,6 +43,7 @@ class Plugin(Case):
             plugin("bad_nan_force"): "force_max must be positive",
             plugin("bad_no_device"): "no arm is plugged in; plug it in",
             plugin("pendulum") + ":high": "'high' is no height",
+            plugin("exported_plugin") + ":null": "its factory returned no device",
             "no_such:x": "palpate_device_no_such.so",
         }.items():
             with self.subTest(device=text):

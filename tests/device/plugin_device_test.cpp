@@ -86,6 +86,8 @@ TEST(PluginDevice, TellsWhyADeviceCannotBeMadeOrOpened) {
   EXPECT_THAT(refusal("plugin:" + plugin("pendulum") + ":high"), HasSubstr("'high' is no height"));
   EXPECT_THAT(refusal("plugin:" + plugin("exported_plugin") + ":x"),
               HasSubstr("takes no arguments but nan, not 'x'"));
+  EXPECT_THAT(refusal("plugin:" + plugin("exported_plugin") + ":null"),
+              HasSubstr("its factory returned no device; correct the plug-in"));
 }
 
 TEST(PluginDevice, RefusesCapabilitiesThatAreNotNumbersAndAStatusThatThereIsNot) {

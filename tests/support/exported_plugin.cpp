@@ -16,6 +16,7 @@ palpate::Pose swing(double t) {
 
 std::unique_ptr<palpate::HapticDevice> make(const std::string& arguments) {
   using palpate::test::DeviceFault;
+  if (arguments == "null") return nullptr;
   if (!arguments.empty() && arguments != "nan")
     throw std::runtime_error("takes no arguments but nan, not '" + arguments + "'");
   palpate::DeviceCapabilities can;

@@ -6,14 +6,16 @@
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <palpate/device/device_plugin.h>
 #include <palpate/servo/haptic_device.h>
 
 namespace palpate {
 
-/// Creates a device from the arguments of a plug-in. \throws std::exception that says what to do.
+/// Creates a device from the arguments of a plug-in; never null. \throws std::exception that says what to do.
 using DeviceFactory = std::unique_ptr<HapticDevice> (*)(const std::string& arguments);
 
 /// Plug-in interface of the HapticDevice that `kMake` creates. In one source file of a shared library:
@@ -53,7 +55,11 @@ class ExportedDevice {
 
   static void* create(const char* arguments, char* error, std::size_t size) {
     Held* held = nullptr;
-    guarded(error, size, [&] { held = new Held{kMake(arguments), {}}; });
+    guarded(error, size, [&] {
+      auto device = kMake(arguments);
+      if (device == nullptr) throw std::runtime_error("its factory returned no device; correct the plug-in");
+      held = new Held{std::move(device), {}};
+    });
     return held;
   }
   static void destroy(void* held) { delete static_cast<Held*>(held); }
