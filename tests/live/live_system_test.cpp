@@ -251,6 +251,32 @@ TEST(LiveSystem, AStiffnessOfZeroCanBeRaised) {
   held.system.stop();
 }
 
+/// A handle at rest above the plane, whose driver does not do all that it should.
+struct OddDevice : HapticDevice {
+  OddDevice() {
+    can.name = "odd";
+    can.force_max = 10.0;
+  }
+  const DeviceCapabilities& capabilities() const override { return can; }
+  bool read(double t, DeviceReading& reading) override {
+    reading.t = t;
+    reading.pose.position.z() = 0.1;
+    return true;
+  }
+  void write(const Wrench&) override {}
+
+  DeviceCapabilities can;
+};
+
+TEST(LiveSystem, DoesNotStartADeviceThatIsNotEnabled) {
+  struct NeverEnabled final : OddDevice {
+    void enable() override {}
+  };
+  LiveSystem system(plane_config(), std::make_unique<NeverEnabled>());
+  EXPECT_THAT(message_of<Error>([&] { system.start({}); }),
+              testing::HasSubstr("'odd': its status is open, not enabled"));
+}
+
 TEST(LiveSystem, SaysWhatIsMissing) {
   LiveConfig config = plane_config();
   config.scene.path = "/nowhere/scene.ply";

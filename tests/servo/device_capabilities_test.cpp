@@ -10,6 +10,8 @@
 #include <palpate/base/error.h>
 #include <palpate/servo/haptic_device.h>
 
+#include <support/temporary_file.h>
+
 namespace palpate {
 namespace {
 
@@ -66,6 +68,7 @@ struct Opened final : HapticDevice {
   const DeviceCapabilities& capabilities() const override { return can; }
   bool read(double, DeviceReading&) override { return false; }
   void write(const Wrench&) override {}
+  void enable() override { set_status(enabled, "its key is turned to off"); }
   void open() override { set_status(first, "lay it into its cradle"); }
   void calibrate() override {
     ++calibrations;
@@ -74,7 +77,7 @@ struct Opened final : HapticDevice {
   }
 
   DeviceCapabilities can = good();
-  DeviceStatus first = DeviceStatus::kOpen;
+  DeviceStatus first = DeviceStatus::kOpen, enabled = DeviceStatus::kEnabled;
   bool cradle_is_empty = false;
   int calibrations = 0;
 };
@@ -113,6 +116,19 @@ TEST(OpenDevice, ClosesWhatCannotBeUsed) {
   wrong.can.rate = 0.0;
   EXPECT_THROW(open_device(wrong, {}), Error);
   EXPECT_EQ(wrong.status(), DeviceStatus::kClosed);
+}
+
+TEST(EnableDevice, RefusesWhatIsNotEnabled) {
+  Opened device;
+  open_device(device, {});
+  EXPECT_NO_THROW(enable_device(device));
+  for (const DeviceStatus status : {DeviceStatus::kOpen, DeviceStatus::kFault}) {
+    device.enabled = status;
+    EXPECT_THAT(test::message_of<Error>([&] { enable_device(device); }),
+                testing::AllOf(testing::HasSubstr("'arm'"),
+                               testing::HasSubstr(std::string(to_string(status)) + ", not enabled"),
+                               testing::HasSubstr("its key is turned to off")));
+  }
 }
 
 }  // namespace

@@ -232,7 +232,7 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {
-  device_->enable();
+  enable_device(*device_);
   clock_ = LoopClock();
   felt_ = make_felt(scene_.index, settings_, scene_.materials);
   ServoTickOptions ticks;

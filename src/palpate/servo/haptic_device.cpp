@@ -14,22 +14,36 @@ std::string_view to_string(DeviceStatus status) {
   return kNames[static_cast<std::size_t>(status)];
 }
 
+namespace {
+
+void require_status(const HapticDevice& device, DeviceStatus required) {
+  if (device.status() == required) return;
+  const std::string_view why = device.status_text();
+  throw Error("device '{}': its status is {}, not {}{}{}; switch it off and on, and try again",
+              device.capabilities().name, to_string(device.status()), to_string(required),
+              why.empty() ? "" : ": ", why);
+}
+
+}  // namespace
+
 void open_device(HapticDevice& device, const std::function<void(const std::string&)>& say) {
   try {
     device.open();
-    const std::string& name = device.capabilities().name;
     check_capabilities(device.capabilities());
     if (device.status() == DeviceStatus::kNeedsCalibration) {
-      if (say) say(fmt::format("{} needs calibration: {}", name, device.status_text()));
+      if (say) say(fmt::format("{} needs calibration: {}", device.capabilities().name, device.status_text()));
       device.calibrate();
     }
-    if (device.status() != DeviceStatus::kOpen)
-      throw Error("device '{}': {}: {}; switch it off and on, and try again", name,
-                  to_string(device.status()), device.status_text());
+    require_status(device, DeviceStatus::kOpen);
   } catch (...) {
     device.close();
     throw;
   }
+}
+
+void enable_device(HapticDevice& device) {
+  device.enable();
+  require_status(device, DeviceStatus::kEnabled);
 }
 
 }  // namespace palpate

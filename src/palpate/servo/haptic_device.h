@@ -113,4 +113,8 @@ class HapticDevice {
 /// calibrate() do; the device is then closed. Owner's thread.
 void open_device(HapticDevice& device, const std::function<void(const std::string&)>& say);
 
+/// Enables an open device. \throws Error as enable() does, and one that names the device if it is not enabled
+/// afterwards; its motors may then be on until it is closed. Owner's thread.
+void enable_device(HapticDevice& device);
+
 }  // namespace palpate
