@@ -1,11 +1,14 @@
 // palpate run: live haptic rendering of a scene.
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -45,6 +48,20 @@ struct RunOptions {
   std::vector<std::string> hands;   ///< additional hands, see read_hands()
   bool hands_touch = false;
 };
+
+extern "C" void end_before_run(int signal) {
+  constexpr std::string_view kLine =
+      "palpate: ended by a signal before the run began; a device that was being opened is not closed\n";
+  static_cast<void>(!::write(STDERR_FILENO, kLine.data(), kLine.size()));
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// Lets signals end the program with a line until RunSignals handles them: a driver may take long, or hang,
+/// when its device is opened and enabled.
+void end_at_signals() {
+  for (const int signal : std::array{SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, end_before_run);
+}
 
 /// Ends the loops before their observers are destroyed, also when an exception is thrown.
 class LoopEnd {
@@ -208,6 +225,7 @@ void tell_outcomes(const std::vector<LiveOutcome>& outcomes, const LiveHands& ha
 }
 
 void run(const RunOptions& options) {
+  end_at_signals();
   const Progress progress = terminal_progress(options.common.quiet);
   Lines lines;
   const auto tell = [&lines](const std::string& line) {

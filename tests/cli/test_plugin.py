@@ -83,6 +83,21 @@ class Plugin(Case):
         self.assertEqual(summary["state"], "stopped")
         self.assertGreaterEqual(len(rows_of(self.read("run.csv"))), summary["ticks"])
 
+    def test_a_driver_that_hangs_when_it_is_closed_is_left_behind(self):
+        self.refuse(1, "does not return; its motors were told to stop", "run", *self.common, "--device", plugin("bad_close_hangs"),
+                    "--seconds", "0.3", "-q")
+
+    def test_a_signal_ends_a_driver_that_hangs_when_it_is_opened(self):
+        process = subprocess.Popen([PALPATE, "run", *self.common, "--device", plugin("bad_open_hangs"), "--json"],
+                                   cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        time.sleep(1.0)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, -signal.SIGINT, err)
+        self.assertEqual(err.splitlines()[-1], b"palpate: ended by a signal before the run began; a device that was being opened is not closed")
+
     def test_what_is_no_name_is_bad_usage(self):
         self.refuse(2, "--device", "run", *self.common, "--device", "arm.so", "--seconds", "1")
 

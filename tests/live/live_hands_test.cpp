@@ -1,6 +1,7 @@
 // Several hands over one scene: what one feels does not depend on the others, whatever befalls those.
 #include <palpate/live/live_hands.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -230,20 +231,25 @@ class Hung final : public HapticDevice {
   int step_ = 0;
 };
 
+/// Tells that it was closed.
+class Closes final : public HapticDevice {
+ public:
+  explicit Closes(bool& closed) : closed_(closed) {}
+  const DeviceCapabilities& capabilities() const override { return stepper_.capabilities(); }
+  bool read(double t, DeviceReading& reading) override { return stepper_.read(t, reading); }
+  void write(const Wrench& wrench) override { stepper_.write(wrench); }
+  void close() noexcept override {
+    closed_ = true;
+    HapticDevice::close();
+  }
+
+ private:
+  bool& closed_;
+  Stepper stepper_;
+};
+
 TEST(LiveHands, EndWithoutTheOneWhoseDriverHangs) {
   bool closed = false;
-  struct Closes final : HapticDevice {
-    explicit Closes(bool& closed) : closed_(closed) {}
-    const DeviceCapabilities& capabilities() const override { return stepper_.capabilities(); }
-    bool read(double t, DeviceReading& reading) override { return stepper_.read(t, reading); }
-    void write(const Wrench& wrench) override { stepper_.write(wrench); }
-    void close() noexcept override {
-      closed_ = true;
-      HapticDevice::close();
-    }
-    bool& closed_;
-    Stepper stepper_;
-  };
   LiveView first, last;
   {
     LiveHands hands(setups(hand("", field_config(), std::make_unique<Hung>(300)),
@@ -262,6 +268,34 @@ TEST(LiveHands, EndWithoutTheOneWhoseDriverHangs) {
   }
   last.update();
   EXPECT_EQ(last.newest().state, GovernorState::kStopped);
+}
+
+TEST(LiveHands, EndWithoutTheOneThatCannotBeClosed) {
+  struct NeverCloses final : HapticDevice {
+    const DeviceCapabilities& capabilities() const override { return stepper.capabilities(); }
+    bool read(double t, DeviceReading& reading) override { return stepper.read(t, reading); }
+    void write(const Wrench& wrench) override { stepper.write(wrench); }
+    void stop() noexcept override { stopped.store(true); }
+    void close() noexcept override {
+      while (true) sleep_until(monotonic_now() + 10.0);
+    }
+    Stepper stepper;
+    std::atomic<bool> stopped = false;
+  };
+  bool closed = false;
+  LiveView first, last;
+  auto device = std::make_unique<NeverCloses>();
+  const NeverCloses& hung = *device;  // which is left behind
+  {
+    LiveHands hands(setups(hand("", field_config(), std::move(device)),
+                           hand("last", field_config(), std::make_unique<Closes>(closed))));
+    hands.start({{&first}, {&last}});
+    hands.stop();
+    EXPECT_TRUE(hands.first().has_left_device());
+    EXPECT_FALSE(hands.all()[1].system->has_left_device());
+    EXPECT_TRUE(closed);
+  }
+  EXPECT_TRUE(hung.stopped.load());
 }
 
 TEST(LiveHands, StopsAllOrOne) {

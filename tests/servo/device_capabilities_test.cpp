@@ -1,5 +1,6 @@
 #include <palpate/servo/device_capabilities.h>
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <string>
@@ -64,7 +65,7 @@ TEST(DeviceCapabilities, ThatContradictThemselvesAreRefusedByName) {
 }
 
 /// A device whose opening goes as a test wants it.
-struct Opened final : HapticDevice {
+struct Opened : HapticDevice {
   const DeviceCapabilities& capabilities() const override { return can; }
   bool read(double, DeviceReading&) override { return false; }
   void write(const Wrench&) override {}
@@ -129,6 +130,27 @@ TEST(EnableDevice, RefusesWhatIsNotEnabled) {
                                testing::HasSubstr(std::string(to_string(status)) + ", not enabled"),
                                testing::HasSubstr("its key is turned to off")));
   }
+}
+
+TEST(CloseDevice, WaitsForItAndNotForever) {
+  Opened device;
+  open_device(device, {});
+  EXPECT_TRUE(close_device(device, 10.0));
+  EXPECT_EQ(device.status(), DeviceStatus::kClosed);
+
+  struct Hangs final : Opened {
+    void close() noexcept override {
+      goes_on.wait(false);
+      left = true;
+      left.notify_one();
+    }
+    std::atomic<bool> goes_on = false, left = false;
+  };
+  Hangs hung;
+  EXPECT_FALSE(close_device(hung, 0.05));
+  hung.goes_on = true;
+  hung.goes_on.notify_one();
+  hung.left.wait(false);
 }
 
 }  // namespace

@@ -23,6 +23,9 @@ static int open_device(void* device, char* error, size_t size) {
   memset(error, 'x', size);  // longer than there is room for, without an end
   return 1;
 #endif
+#ifdef OPEN_HANGS
+  while (1) pause();
+#endif
   state = PALPATE_DEVICE_OPEN;
 #ifdef ODD_STATUS
   state = 17;
@@ -34,7 +37,12 @@ static int enable(void* device, char* error, size_t size) {
   state = PALPATE_DEVICE_ENABLED;
   return 0;
 }
-static void close_device(void* device) { (void)device; }
+static void close_device(void* device) {
+  (void)device;
+#ifdef CLOSE_HANGS
+  while (1) pause();
+#endif
+}
 static void capabilities(void* device, PalpateDeviceCapabilities* can) {
   (void)device;
   memset(can, 0, sizeof(*can));

@@ -32,6 +32,9 @@ constexpr double kTares = 1.5;
 constexpr double kMoves = 1.5;
 /// Longest time without a tick after which a loop that is to end is taken to hang in its driver. Unit: [s].
 constexpr double kEnds = 1.0;
+/// Longest time for a driver to close its device, after which it is taken to hang: a device may have to be
+/// parked or a network connection to be ended. Unit: [s].
+constexpr double kCloses = 5.0;
 constexpr const char* kFollows = "the first hand owns the scene; change it there";
 /// Number of Gaussians across a tool above which a search is slow enough for a thread of its own.
 constexpr double kManyContacts = 200.0;
@@ -260,7 +263,7 @@ void LiveSystem::begin_to_stop() {
 void LiveSystem::stop() {
   {
     const std::scoped_lock lock(mutex_);
-    ends_ = true;
+    if (std::exchange(ends_, true)) return;
   }
   wanted_.notify_all();
   // The force is stopped first: the changer thread may need a while to finish.
@@ -272,7 +275,8 @@ void LiveSystem::stop() {
       loop_->stop();
     }
   }
-  device_hangs_ ? device_->stop() : device_->close();
+  device_hangs_ = device_hangs_ || !close_device(*device_, kCloses);
+  if (device_hangs_) device_->stop();
   if (changer_.joinable()) changer_.join();
 }
 

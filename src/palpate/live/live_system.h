@@ -72,7 +72,8 @@ class LiveSystem {
   /// systems stop, their forces fall together.
   void begin_to_stop();
   /// Ramps the force down, closes the device and stops the loop. Owner's thread; further calls do nothing. A
-  /// device whose driver does not return is stopped and not closed; it and its thread are then left behind.
+  /// device whose driver does not return, from the loop or within 5 s from close(), is stopped and not
+  /// closed; it and its thread are then left behind.
   void stop();
   /// Returns whether stop() had to leave the device behind. Owner's thread.
   bool has_left_device() const { return device_hangs_; }

@@ -1,7 +1,11 @@
 #include <palpate/servo/haptic_device.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
+#include <future>
+#include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -44,6 +48,22 @@ void open_device(HapticDevice& device, const std::function<void(const std::strin
 void enable_device(HapticDevice& device) {
   device.enable();
   require_status(device, DeviceStatus::kEnabled);
+}
+
+bool close_device(HapticDevice& device, double patience) {
+  std::packaged_task<void()> close([&device] { device.close(); });
+  const std::future<void> closed = close.get_future();
+  std::thread thread(std::move(close));
+  constexpr std::chrono::duration<double> kLook(0.01);
+  double waited = 0.0;  // by its own waits: a program that was stopped meanwhile has not waited
+  while (closed.wait_for(kLook) != std::future_status::ready) {
+    waited += kLook.count();
+    if (waited < patience) continue;
+    thread.detach();
+    return false;
+  }
+  thread.join();
+  return true;
 }
 
 }  // namespace palpate

@@ -30,8 +30,9 @@ std::string_view to_string(DeviceStatus status);
 ///     kClosed --open()--> [kNeedsCalibration --calibrate()-->] kOpen --enable()--> kEnabled
 ///     any status --close()--> kClosed         kEnabled --the device fails--> kFault --it is back--> kEnabled
 ///
-///  - open(), calibrate(), enable() and close() are called by the owner's thread, while no loop runs. They
-///    may block, allocate and (except close()) throw.
+///  - open(), calibrate(), enable() and close() are called by the owner's thread, while no loop runs; close()
+///    may be called by another thread while the owner's waits (close_device()). They may block, allocate and
+///    (except close()) throw.
 ///  - wait(), read() and write() are called by the loop's thread, once per tick and in this order. They do
 ///    not throw, allocate, lock or log.
 ///  - stop(), status() and status_text() may be called by any thread or signal handler at any time, and do
@@ -116,5 +117,10 @@ void open_device(HapticDevice& device, const std::function<void(const std::strin
 /// Enables an open device. \throws Error as enable() does, and one that names the device if it is not enabled
 /// afterwards; its motors may then be on until it is closed. Owner's thread.
 void enable_device(HapticDevice& device);
+
+/// Closes a device, on a thread of its own. Owner's thread, which waits meanwhile. \param patience longest
+/// wait for close(). Unit: [s]. \returns false if close() has not returned then: it is left behind with its
+/// thread, and the device must not be destroyed.
+bool close_device(HapticDevice& device, double patience);
 
 }  // namespace palpate
