@@ -14,6 +14,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/device/testing/scripted_device.h>
+#include <palpate/kinematics/chain_file.h>
 #include <palpate/scene/ply_writer.h>
 #include <palpate/servo/live_view.h>
 #include <palpate/study/procedural.h>
@@ -275,6 +276,51 @@ TEST(LiveSystem, DoesNotStartADeviceThatIsNotEnabled) {
   LiveSystem system(plane_config(), std::make_unique<NeverEnabled>());
   EXPECT_THAT(message_of<Error>([&] { system.start({}); }),
               testing::HasSubstr("'odd': its status is open, not enabled"));
+}
+
+LiveConfig giant_config() {
+  LiveConfig config = plane_config();
+  config.device.kind = DeviceKind::kGiant;
+  return config;
+}
+
+/// Changes the tool as well, since that shows when the change of the stiffness has been made.
+void set_stiffness_and_tool(LiveSystem& system, double stiffness, const Tool& tool) {
+  system.change([&](LiveConfig& c) {
+    c.force.proxy.stiffness = stiffness;
+    c.tool = tool;
+  });
+}
+
+TEST(LiveSystem, KeepsTheChainOfAGiantWhoseFileHasGone) {
+  auto chain = std::make_unique<TemporaryFile>(std::string(giant_chain_text()), "chain.toml");
+  LiveConfig config = giant_config();
+  config.device.chain = chain->path();
+  LiveSystem system(config);
+  chain.reset();
+  system.start({});
+  const Tool ball(Eigen::Vector3d::Constant(0.03));
+  set_stiffness_and_tool(system, 600.0, ball);
+  EXPECT_TRUE(comes_true([&] { return system.felt()->tool() == ball || !system.message().empty(); }));
+  EXPECT_EQ(system.message(), "");
+  EXPECT_EQ(system.settings().force.proxy.stiffness, 600.0);
+  system.stop();
+}
+
+TEST(LiveSystem, RevertsAStiffnessWithWhichAGiantIsUnstable) {
+  LiveConfig config = giant_config();
+  config.device.virtual_damping = GiantSetup::kVirtualDamping;
+  LiveSystem system(config);
+  system.start({});
+  set_stiffness(system, 5000.0);
+  EXPECT_TRUE(comes_true([&] { return !system.message().empty(); }));
+  EXPECT_THAT(system.message(), testing::HasSubstr("not stable at 5000 N/m"));
+  EXPECT_EQ(system.settings().force.proxy.stiffness, 500.0);
+  EXPECT_EQ(system.tick().wanted_gain(), 1.0);
+  set_stiffness(system, 400.0);
+  EXPECT_TRUE(comes_true([&] { return system.message().empty(); }));
+  EXPECT_EQ(system.settings().force.proxy.stiffness, 400.0);
+  system.stop();
 }
 
 TEST(LiveSystem, SaysWhatIsMissing) {

@@ -15,16 +15,6 @@
 #include <palpate/live/live_scene.h>
 
 namespace palpate {
-namespace {
-
-std::unique_ptr<HapticDevice> make_giant(const DeviceConfig& config, double loop_rate,
-                                         DeviceConnections connections) {
-  const GiantSetup setup = giant_setup(config, loop_rate, connections.contact_stiffness);
-  return make_giant_loop(setup, make_giant_plant(config.kind, setup, std::move(connections.hand)));
-}
-
-}  // namespace
-
 GiantSetup giant_setup(const DeviceConfig& config, double loop_rate, double contact_stiffness) {
   GiantSetup setup;
   setup.chain = driven_chain(config.chain.empty() ? giant_chain() : read_chain(config.chain), config.hand);
@@ -76,7 +66,10 @@ std::unique_ptr<ForceModel> make_force_model(ForceModelKind kind, const ForceCon
 
 std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loop_rate,
                                           DeviceConnections connections) {
-  if (is_giant(config.kind)) return make_giant(config, loop_rate, std::move(connections));
+  if (is_giant(config.kind)) {
+    const GiantSetup& setup = *connections.giant;
+    return make_giant_loop(setup, make_giant_plant(config.kind, setup, std::move(connections.hand)));
+  }
   DeviceProfile profile = device_profile(config.profile);
   DeviceCapabilities& capabilities = profile.capabilities;
   if (config.kind == DeviceKind::kClient) {

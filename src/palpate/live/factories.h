@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <palpate/base/progress.h>
@@ -41,13 +42,13 @@ struct DeviceConnections {
   HandPath hand;                      ///< of kSimulated and a giant, in the device's frame
   Trajectory playback;                ///< of kPlayback, in the device's frame
   ClientHand* client_hand = nullptr;  ///< of kClient; must outlive the device
-  double contact_stiffness = 0.0;     ///< of a giant: stiffness for which it must be stable. Unit: [N/m].
+  std::optional<GiantSetup> giant;    ///< of a giant, as giant_setup() returns it
 };
 
 /// Creates the device of `config`, not open yet. \param loop_rate LoopConfig::rate, at which simulated
 /// devices are read. Unit: [Hz]. \pre the connection for its kind is set \throws Error for an unknown
-/// profile; for a chain that cannot be read; for an admittance that is unstable with `contact_stiffness`,
-/// naming the violated bound; for MuJoCo if the library was built without it.
+/// profile; for an admittance that is unstable with GiantSetup::contact_stiffness, naming the violated bound;
+/// for MuJoCo if the library was built without it.
 std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loop_rate,
                                           DeviceConnections connections);
 

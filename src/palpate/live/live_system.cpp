@@ -141,7 +141,8 @@ void LiveSystem::take(const SharedScene& scene) {
 
 /// Determines where the giant's handle rests, and by default places the scene below that, within reach.
 void LiveSystem::place_giant() {
-  home_ = rest_of_handle(giant_setup(settings_.device, settings_.loop.rate, stiffness_).chain);
+  giant_ = giant_setup(settings_.device, settings_.loop.rate, stiffness_);
+  home_ = rest_of_handle(giant_->chain);
   WorkspaceMap& map = settings_.device.map;
   if (map != WorkspaceMap() || scene_.index->size() == 0) return;
   map.offset = waiting_place(*scene_.index, settings_.tool).position - home_->position;
@@ -206,7 +207,7 @@ void LiveSystem::open(std::unique_ptr<HapticDevice> device) {
       connections.hand = simulated_hand(own, client_hand_, moves_itself_);
       if (home_) connections.hand = LedHand(connections.hand, waits_at(*home_));
     }
-    connections.contact_stiffness = stiffness_;
+    connections.giant = giant_;
     device = make_device(config, settings_.loop.rate, std::move(connections));
   }
   device_ = std::move(device);
@@ -445,7 +446,7 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     lock.unlock();
     std::string failure;
     try {
-      change_admittance(wanted);
+      change_admittance(wanted.force.proxy.stiffness);
       apply(wanted, done, follows_ ? taken_over(wanted, followed) : read_again(wanted, done));
       done = wanted;
     } catch (const Error& error) {
@@ -457,11 +458,8 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     lock.lock();
     if (failure.empty()) {
       active_ = done;
-    } else {  // settings requested meanwhile are kept, and applied next; the stiffness is in effect
-      const double stiffness = settings_.force.proxy.stiffness;
-      settings_ = fallback_;
-      settings_.force.proxy.stiffness = stiffness;
-      change_admittance(settings_);
+    } else {
+      revert(done);
       message_ = failure;  // become() clears it
     }
     busy_.clear();
@@ -469,14 +467,31 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
   }
 }
 
+/// Reverts the settings after a failed change. Those requested meanwhile are kept, and applied next. The
+/// stiffness is in effect already, and kept in `done` too, unless the admittance is not stable with it.
+/// \param done settings that are in effect. \pre mutex_ is locked
+void LiveSystem::revert(LiveConfig& done) {
+  double& in_effect = done.force.proxy.stiffness;
+  const double stiffness = settings_.force.proxy.stiffness;
+  settings_ = fallback_;
+  try {
+    change_admittance(stiffness);
+    in_effect = stiffness;
+  } catch (const Error&) {
+    change_admittance(in_effect);
+  }
+  settings_.force.proxy.stiffness = in_effect;
+  set_gain();
+}
+
 /// Applies the stiffness of settings_, at once, whatever is being built. \pre mutex_ is locked
 void LiveSystem::set_gain() { tick_->set_gain(settings_.force.proxy.stiffness / stiffness_); }
 
-/// Adapts the virtual mass of a giant to the stiffness.
-void LiveSystem::change_admittance(const LiveConfig& settings) {
-  if (!home_) return;
-  const double stiffness = settings.force.proxy.stiffness;
-  const GiantSetup setup = giant_setup(settings.device, settings.loop.rate, stiffness);
+/// Adapts the admittance of a giant to the stiffness. \throws Error if it is not stable with that.
+void LiveSystem::change_admittance(double stiffness) {
+  if (!giant_) return;
+  GiantSetup setup = *giant_;
+  setup.contact_stiffness = stiffness;
   admittance_->change(admittance_of(setup), stiffness);
 }
 

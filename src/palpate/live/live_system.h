@@ -180,7 +180,8 @@ class LiveSystem {
   void lead_hand(const SceneIndex& index, const LiveConfig& wanted);
   void let_hand_move();
   void set_gain();
-  void change_admittance(const LiveConfig& settings);
+  void revert(LiveConfig& done);
+  void change_admittance(double stiffness);
   void say(const std::string& busy);
   Progress progress_of(const std::string& name);
   LiveConfig edited(const LiveConfig& settings, const std::function<void(LiveConfig&)>& edit,
@@ -198,8 +199,9 @@ class LiveSystem {
   ClientHand client_hand_;
   std::atomic<bool> moves_itself_ = true;
   double length_ = 0.0;
-  std::optional<Pose> home_;  ///< rest pose of a giant's handle, device's frame
-  bool owns_device_;          ///< the device is not the caller's
+  std::optional<GiantSetup> giant_;  ///< with the chain as it was read at the start
+  std::optional<Pose> home_;         ///< rest pose of a giant's handle, device's frame
+  bool owns_device_;                 ///< the device is not the caller's
   std::string_view device_kind_;
   bool follows_;  ///< follows another system, which owns the scene
   MutualTouch* touch_ = nullptr;
