@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -320,6 +321,59 @@ TEST(LiveSystem, RevertsAStiffnessWithWhichAGiantIsUnstable) {
   set_stiffness(system, 400.0);
   EXPECT_TRUE(comes_true([&] { return system.message().empty(); }));
   EXPECT_EQ(system.settings().force.proxy.stiffness, 400.0);
+  system.stop();
+}
+
+TEST(LiveSystem, StartsOnce) {
+  LiveSystem system(plane_config(), own_device());
+  system.start({});
+  EXPECT_THAT(message_of<Error>([&] { system.start({}); }), testing::HasSubstr("runs already"));
+  system.stop();
+  EXPECT_THAT(message_of<Error>([&] { system.start({}); }), testing::HasSubstr("was stopped"));
+  LiveSystem never(plane_config(), own_device());
+  never.stop();
+  EXPECT_THAT(message_of<Error>([&] { never.start({}); }), testing::HasSubstr("was stopped"));
+}
+
+TEST(LiveSystem, IsNotChangedBeforeTheStart) {
+  LiveSystem system(plane_config(), own_device());
+  EXPECT_THAT(message_of<Error>([&] { set_stiffness(system, 100.0); }),
+              testing::HasSubstr("has not started"));
+  EXPECT_THAT(message_of<Error>([&] { system.open_scene(""); }), testing::HasSubstr("has not started"));
+  system.stop_force();
+  system.resume();
+  EXPECT_EQ(system.settings(), plane_config());
+}
+
+TEST(LiveSystem, AnEditMayAskForTheSettingsAndNotChangeThemOtherwise) {
+  LiveSystem system(plane_config(), own_device());
+  system.start({});
+  system.change(
+      [&](LiveConfig& c) { c.force.proxy.stiffness = 2.0 * system.settings().force.proxy.stiffness; });
+  EXPECT_EQ(system.settings().force.proxy.stiffness, 1000.0);
+  EXPECT_THAT(message_of<Error>([&] { system.change([&](LiveConfig&) { set_stiffness(system, 100.0); }); }),
+              testing::HasSubstr("change its argument only"));
+  system.stop();
+}
+
+TEST(LiveSystem, ReportsWhatItsCallbacksThrow) {
+  std::atomic<bool> throws = false;
+  LiveSystem system(plane_config(), own_device(), [&](const std::string&) {
+    if (throws) throw 1;
+  });
+  system.on_scene = [](const SharedScene&) { throw std::runtime_error("no window to draw it in"); };
+  system.start({});
+  const auto before = system.felt();
+  system.change([](LiveConfig& c) { c.scene.registration.scale = 2.0; });
+  EXPECT_TRUE(comes_true([&] { return !system.message().empty(); }));
+  EXPECT_THAT(system.message(), testing::HasSubstr("no window to draw it in"));
+  EXPECT_NE(system.felt(), before);
+  EXPECT_EQ(system.settings().scene.registration.scale, 2.0);
+  throws = true;
+  system.change([](LiveConfig& c) { c.scene.filter.opacity_min = 1.0; });  // which it would like to tell
+  EXPECT_TRUE(comes_true([&] { return !system.message().empty(); }));
+  EXPECT_THAT(system.message(), testing::HasSubstr("unknown reason"));
+  EXPECT_EQ(system.settings().scene.filter.opacity_min, 0.1);
   system.stop();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <limits>
 #include <new>
@@ -65,6 +66,22 @@ SharedScene with_materials(SharedScene scene, const ForceConfig& force) {
   scene.materials = load_materials(force, scene.config.path);
   scene.materials_file = force.materials;
   return scene;
+}
+
+/// Runs `work`. \returns what it throws, as a message; empty: nothing
+template <class Work>
+std::string failure_of(const Work& work) {
+  std::string failure;
+  try {
+    work();
+    return failure;
+  } catch (const std::bad_alloc&) {
+    failure = "not enough memory; the settings are unchanged";
+  } catch (const std::exception& error) {  // also of the callbacks of an application
+    failure = message_line(error.what());
+  } catch (...) {
+  }
+  return failure.empty() ? "it failed for an unknown reason" : failure;
 }
 
 LedHand::Lead waits_at(const Pose& home) {
@@ -236,6 +253,8 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
 }
 
 void LiveSystem::start(std::vector<TickObserver*> observers) {
+  if (ends_) throw Error("the system was stopped, which closed its device; construct another LiveSystem");
+  if (tick_ != nullptr) throw Error("the system runs already; call LiveSystem::start() once");
   enable_device(*device_);
   clock_ = LoopClock();
   felt_ = make_felt(scene_.index, settings_, scene_.materials);
@@ -282,12 +301,14 @@ void LiveSystem::stop() {
 }
 
 void LiveSystem::stop_force(Fault why) {
+  if (tick_ == nullptr) return;
   tick_->governor().stop(why);
   if (admittance_ != nullptr && traits(why).latched && !traits(why).requested)
     admittance_->governor().stop(why);
 }
 
 void LiveSystem::resume() {
+  if (tick_ == nullptr) return;
   if (admittance_ != nullptr) admittance_->governor().resume();
   tick_->governor().resume();
 }
@@ -384,9 +405,14 @@ LiveConfig LiveSystem::edited(const LiveConfig& settings, const std::function<vo
 
 /// \param path another scene; null: the same
 void LiveSystem::become(const std::function<void(LiveConfig&)>& edit, const std::string* path) {
+  if (tick_ == nullptr)
+    throw Error("the system has not started; change the LiveConfig that it is constructed from");
   {
     const std::scoped_lock lock(mutex_);
+    const std::uint64_t before = settings_version_;
     LiveConfig next = edited(settings_, edit, path), back = edited(fallback_, edit, path);
+    if (settings_version_ != before)
+      throw Error("an edit of LiveSystem::change() changes the system itself; change its argument only");
     settings_ = std::move(next);
     fallback_ = std::move(back);
     set_gain();
@@ -444,16 +470,11 @@ void LiveSystem::change_until_stopped(LiveConfig done) {
     seen = settings_version_;
     fallback_ = done;
     lock.unlock();
-    std::string failure;
-    try {
+    const std::string failure = failure_of([&] {
       change_admittance(wanted.force.proxy.stiffness);
       apply(wanted, done, follows_ ? taken_over(wanted, followed) : read_again(wanted, done));
       done = wanted;
-    } catch (const Error& error) {
-      failure = error.what();
-    } catch (const std::bad_alloc&) {
-      failure = "not enough memory; the settings are unchanged";
-    }
+    });
     if (!failure.empty()) next_.reset();
     lock.lock();
     if (failure.empty()) {
@@ -598,7 +619,16 @@ void LiveSystem::apply(const LiveConfig& wanted, const LiveConfig& now, const Sh
     active_ = wanted;
   }
   next_.reset();  // the previous scene, with its worker
-  if (other_scene && on_scene) on_scene(scene);
+  if (other_scene && on_scene) announce(scene);
+}
+
+/// Calls on_scene, for a scene that is in use.
+void LiveSystem::announce(const SharedScene& scene) {
+  const std::string failure = failure_of([&] { on_scene(scene); });
+  if (failure.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  message_ = fmt::format("the scene is in use, but the application could not take it: {}", failure);
+  ++version_;
 }
 
 }  // namespace palpate

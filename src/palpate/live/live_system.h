@@ -66,7 +66,8 @@ class LiveSystem {
   LiveSystem& operator=(const LiveSystem&) = delete;
 
   /// Enables the motors and starts the loop. Owner's thread, once. \param observers receive every tick, on
-  /// the servo thread; must outlive stop() \throws Error if the device cannot be enabled.
+  /// the servo thread; must outlive stop() \throws Error if the device cannot be enabled, and if the system
+  /// has been started or stopped before.
   void start(std::vector<TickObserver*> observers);
   /// Starts ramping the force down. Owner's thread, before stop(), which then waits less: when several
   /// systems stop, their forces fall together.
@@ -78,7 +79,8 @@ class LiveSystem {
   /// Returns whether stop() had to leave the device behind. Owner's thread.
   bool has_left_device() const { return device_hangs_; }
 
-  /// Called with every newly active scene, on a separate thread. Must be set before start().
+  /// Called with every newly active scene, on a separate thread. Must be set before start(). What it throws
+  /// becomes message(); the scene stays active.
   std::function<void(const SharedScene& scene)> on_scene;
   /// Enables mutual touch with the other hands of `touch` from start() on. Must be called before start().
   /// \param hand its index in `touch`. \pre `touch` outlives it
@@ -97,11 +99,14 @@ class LiveSystem {
   /// reverted. Returns immediately: the new scene and models are built on another thread and take effect once
   /// they are ready and the force has ramped to zero. The stiffness takes effect at once. If building fails,
   /// the other settings revert and message() says why. Exceptions of `edit` propagate and nothing is changed.
-  /// \throws Error if `edit` changes a scene that another system owns.
+  /// \param edit called twice, with other threads locked out: for the requested settings, and for those that
+  /// return if the change in progress fails. It must therefore not move from what it captures, nor change
+  /// this system otherwise than by its argument \throws Error if `edit` changes a scene that another system
+  /// owns, or this system, and before start().
   void change(const std::function<void(LiveConfig&)>& edit);
   /// Opens another scene in place of the active one; asynchronous as change(). Placement, crop and the
   /// materials file are reset, since they belong to the old scene. \param path empty: the built-in scene
-  /// \throws Error if needs_its_scene() is not empty, and if another system owns the scene.
+  /// \throws Error if needs_its_scene() is not empty, if another system owns the scene, and before start().
   void open_scene(const std::string& path);
   /// Returns why no other scene can be opened: a giant's scene is placed where its handle rests, and a
   /// playback belongs to its scene; empty if one can be opened.
@@ -121,8 +126,8 @@ class LiveSystem {
   /// Returns the active scene, kept alive by the returned pointer.
   std::shared_ptr<const FeltScene> felt() const;
 
-  /// Stops the force. A device of the admittance type is also brought to rest if ending the fault takes
-  /// resume(). May also be called from signal handlers.
+  /// Stops the force; nothing before start(). A device of the admittance type is also brought to rest if
+  /// ending the fault takes resume(). May also be called from signal handlers.
   void stop_force(Fault why = Fault::kEmergencyStop);
   /// Clears the stops of stop_force(), pauses, and all other latched faults.
   void resume();
@@ -182,6 +187,7 @@ class LiveSystem {
   void set_gain();
   void revert(LiveConfig& done);
   void change_admittance(double stiffness);
+  void announce(const SharedScene& scene);
   void say(const std::string& busy);
   Progress progress_of(const std::string& name);
   LiveConfig edited(const LiveConfig& settings, const std::function<void(LiveConfig&)>& edit,
@@ -213,8 +219,8 @@ class LiveSystem {
   std::unique_ptr<ServoTick> tick_;
   std::unique_ptr<ServoLoop> loop_;
 
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::condition_variable wanted_;
+  mutable std::recursive_mutex mutex_;  ///< guards the members below; an edit may ask for them
+  std::condition_variable_any wanted_;
   LiveConfig settings_;   ///< device, loop and gateway never change
   LiveConfig active_;     ///< settings in effect
   LiveConfig fallback_;   ///< what settings_ return to if the change in progress fails
