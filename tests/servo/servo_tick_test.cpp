@@ -1,6 +1,7 @@
 #include <palpate/servo/servo_tick.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -101,6 +102,17 @@ TEST_F(ServoTickTest, WhatTheModelAsksForIsSentOnceTheGateIsOpen) {
   EXPECT_NEAR(now.sent_world.force.x(), 5.0, 1e-3);
   EXPECT_DOUBLE_EQ(now.felt.stiffness, 500.0);
   EXPECT_NEAR(now.margin, 3.0 / (0.5 * kTick) / 500.0, 1e-6);  // b / (T / 2) over K
+}
+
+TEST_F(ServoTickTest, KeepsItsGainWhereAnotherIsNone) {
+  begin();
+  loop->set_gain(0.5);
+  for (const double none : {-0.5, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    loop->set_gain(none);
+    EXPECT_EQ(loop->wanted_gain(), 0.5) << none;
+  }
+  loop->set_gain(0.0);
+  EXPECT_EQ(loop->wanted_gain(), 0.0);
 }
 
 TEST_F(ServoTickTest, ALaterForceIsALesserMargin) {

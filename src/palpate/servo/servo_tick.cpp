@@ -48,6 +48,10 @@ void ServoTick::use(const FeltModel& model) {
   next_.publish();
 }
 
+void ServoTick::set_gain(double gain) {
+  if (std::isfinite(gain) && gain >= 0.0) wanted_gain_.store(gain, std::memory_order_relaxed);
+}
+
 void ServoTick::press_clutch(bool pressed) { clutch_pressed_.store(pressed, std::memory_order_relaxed); }
 
 void ServoTick::bring(const Pose& place, double reach) {

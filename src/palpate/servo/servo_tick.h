@@ -100,8 +100,9 @@ class ServoTick {
   void use(const FeltModel& model);
   /// True once run() uses the model last passed to use().
   bool is_used() const { return taken_.load(std::memory_order_acquire) == given_; }
-  /// Sets the gain, which is approached within a few tenths of a second without doing work (PassiveGain).
-  void set_gain(double gain) { wanted_gain_.store(gain, std::memory_order_relaxed); }
+  /// Sets the gain, which is approached within a few tenths of a second without doing work (PassiveGain). Has
+  /// no effect if `gain` is negative, which would pull the hand in, or not finite.
+  void set_gain(double gain);
   double wanted_gain() const { return wanted_gain_.load(std::memory_order_relaxed); }
   /// Presses or releases the clutch. While it is pressed, the tool keeps its pose and there is no force, so
   /// that the hand can be moved and turned within its workspace. Release changes TickRecord::map.
