@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -386,6 +387,33 @@ TEST(OpenIndexOfManyGaussians, IsTheOneOfThoseThatAreKept) {
     }
     EXPECT_GT(touched, 500U);
   }
+}
+
+TEST_F(OpenIndex, RefusesWhatIsNoFilterOrRegistration) {
+  const auto refusal = [&](const SceneFilter& filter, const Similarity& world) {
+    return message_of<Error>([&] { open_index(scene_.path(), filter, world); });
+  };
+  for (const double none : {-1.0, 0.0, std::nan("")}) {
+    SceneFilter filter;
+    filter.sigma = none;
+    EXPECT_THAT(refusal(filter, {}), HasSubstr("SceneFilter::sigma is"));
+    Similarity world;
+    world.scale = none;
+    EXPECT_THAT(refusal({}, world), HasSubstr("Similarity::scale is"));
+    world = {};
+    world.rotation.w() = none == -1.0 ? 2.0 : none;
+    EXPECT_THAT(refusal({}, world), HasSubstr("Similarity::rotation is not a unit quaternion"));
+    filter = {};
+    filter.iso = none;
+    EXPECT_THAT(refusal(filter, {}), HasSubstr("SceneFilter::iso"));
+    filter = {};
+    filter.crop_sphere = SceneFilter::Sphere{Eigen::Vector3d::Zero(), none};
+    EXPECT_THAT(refusal(filter, {}), HasSubstr("SceneFilter::crop_sphere"));
+  }
+  SceneFilter empty;
+  empty.crop_box.emplace();
+  EXPECT_THAT(refusal(empty, {}), HasSubstr("SceneFilter::crop_box"));
+  EXPECT_FALSE(fs::exists(index_path(scene_.path())));
 }
 
 }  // namespace

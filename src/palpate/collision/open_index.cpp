@@ -184,6 +184,7 @@ std::uint64_t scene_hash(const std::string& scene_path) {
 
 OpenedIndex open_index(const std::string& path, const SceneFilter& filter, const Similarity& world_from_scene,
                        IndexFiles files, const Progress& progress) {
+  check_filter(filter, world_from_scene);
   const FileMemory memory = files == IndexFiles::kCopy ? FileMemory::kOwn : FileMemory::kShared;
   const Request request{path, filter, world_from_scene, progress, memory};
   const std::string options = index_options(filter, world_from_scene);

@@ -40,8 +40,8 @@ enum class IndexFiles {
 /// The index of the Gaussians of the scene file `path` that `filter` keeps. Reads the scene only if no index
 /// file matches, and then in bounded memory: scenes of more than kMaxTreeRecords Gaussians are sorted in a
 /// temporary file. Any number of processes may do this concurrently: the file appears atomically, and the
-/// last one written stays. \throws Error as load_scene() does. A defective index file is no error; it is
-/// rebuilt.
+/// last one written stays. \throws Error as load_scene() and check_filter() do. A defective index file is no
+/// error; it is rebuilt.
 OpenedIndex open_index(const std::string& path, const SceneFilter& filter, const Similarity& world_from_scene,
                        IndexFiles files = IndexFiles::kUse, const Progress& progress = {});
 

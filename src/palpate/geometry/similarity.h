@@ -18,6 +18,9 @@ struct Similarity {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< Unit: [m].
   bool mirrored = false;
 
+  /// Bounds on given scales, within which every product of the contact mathematics is finite.
+  static constexpr double kScaleMin = 1e-9, kScaleMax = 1e9;
+
   bool operator==(const Similarity&) const = default;
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& x_S) const {

@@ -19,8 +19,6 @@ namespace {
 
 using enum ConfigGroup;
 
-/// Bounds on user-given sizes that keep every product of the contact mathematics inside a double.
-constexpr double kMinScale = 1e-9, kMaxScale = 1e9;
 constexpr double kMostForce = 1e6;
 constexpr double kMostDetail = 10.0;  // m
 
@@ -127,7 +125,7 @@ std::vector<ConfigField> make_fields() {
     {"opacity-min", "filter.opacity_min", kScene, "alpha", "keep Gaussians with opacity above this",
      NumberField{[](auto& c) -> auto& { return c.scene.filter.opacity_min; }, 0.0, 1.0}, {.saved = true}},
     {"sigma", "filter.sigma", kScene, "k", "ellipsoid size in standard deviations",
-     NumberField{[](auto& c) -> auto& { return c.scene.filter.sigma; }, 1e-6, SceneFilter::kSigmaMax}, {.saved = true}},
+     NumberField{[](auto& c) -> auto& { return c.scene.filter.sigma; }, SceneFilter::kSigmaMin, SceneFilter::kSigmaMax}, {.saved = true}},
     {"iso", "filter.iso", kScene, "tau", "ellipsoid size from the visible opacity level tau instead: k = sqrt(2 ln(alpha/tau))",
      OptionalField{[](auto& c) -> auto& { return c.scene.filter.iso; }, 1.0}, {.saved = true, .read_only = true, .excludes = "sigma"}},
     {"max-scale", "", kScene, "m", "drop Gaussians with a longest standard deviation above this, m",
@@ -139,7 +137,7 @@ std::vector<ConfigField> make_fields() {
     {"mirror", "registration.mirrored", kScene, "", "reverse the x axis of a mirrored capture, before --frame",
      FlagField{[](auto& c) -> auto& { return c.scene.registration.mirrored; }}, {.saved = true}},
     {"scale", "registration.scale", kScene, "m/unit", "metres per captured unit",
-     NumberField{[](auto& c) -> auto& { return c.scene.registration.scale; }, kMinScale, kMaxScale}, {.saved = true}},
+     NumberField{[](auto& c) -> auto& { return c.scene.registration.scale; }, Similarity::kScaleMin, Similarity::kScaleMax}, {.saved = true}},
     {"rotate", "registration.rotation", kScene, "qw,qx,qy,qz", "rotation from the captured frame to the world frame",
      rotation([](auto& c) -> auto& { return c.scene.registration.rotation; }), {.saved = true}},
     {"translate", "registration.translation", kScene, "x,y,z", "translation after scale and rotation, m",
@@ -216,7 +214,7 @@ std::vector<ConfigField> make_fields() {
     {"no-gateway", "", kGateway, "", "run without the gateway", FlagField{[](auto& c) -> auto& { return c.gateway.off; }}},
 
     {"", "room.scale", kRoom, "1", "world metres per metre of the room",
-     NumberField{[](auto& c) -> auto& { return c.room.scale; }, kMinScale, kMaxScale}},
+     NumberField{[](auto& c) -> auto& { return c.room.scale; }, Similarity::kScaleMin, Similarity::kScaleMax}},
     {"", "room.rotation", kRoom, "qw,qx,qy,qz", "rotation from the room frame to the world frame",
      rotation([](auto& c) -> auto& { return c.room.rotation; })},
     {"", "room.translation", kRoom, "x,y,z", "position of the room origin, world frame, m",

@@ -4,13 +4,16 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <tbb/parallel_for.h>
 
 #include <palpate/base/append.h>
+#include <palpate/base/error.h>
 #include <palpate/base/quantile.h>
+#include <palpate/geometry/unit_quaternion.h>
 
 namespace palpate {
 namespace {
@@ -19,6 +22,15 @@ namespace {
 constexpr std::size_t kBlock = std::size_t{1} << 12;
 /// Number of blocks that are filtered before their results are collected: limits duplicated data to 30 MB.
 constexpr std::size_t kBlocksPerRound = 64;
+
+void require_in(std::string_view member, double value, double least, double most) {
+  if (!(value >= least && value <= most))
+    throw Error("{} is {}; set it to a number from {} to {}", member, value, least, most);
+}
+
+void require(bool good, std::string_view member, std::string_view must_be) {
+  if (!good) throw Error("{} is not {}; correct it", member, must_be);
+}
 
 bool beyond_extent(const Ellipsoid& e) {
   return !(e.center.cwiseAbs().maxCoeff() <= kMaxExtent && e.radius() <= kMaxExtent);
@@ -95,6 +107,20 @@ void filter_block(const GaussianScene& scene, std::size_t begin, std::size_t end
 }
 
 }  // namespace
+
+void check_filter(const SceneFilter& filter, const Similarity& world_from_scene) {
+  require_in("SceneFilter::opacity_min", filter.opacity_min, 0.0, 1.0);
+  require_in("SceneFilter::sigma", filter.sigma, SceneFilter::kSigmaMin, SceneFilter::kSigmaMax);
+  require(!filter.iso || (*filter.iso > 0.0 && *filter.iso < 1.0), "SceneFilter::iso", "between 0 and 1");
+  require(!filter.max_scale || *filter.max_scale > 0.0, "SceneFilter::max_scale", "positive");
+  require(!filter.crop_box || (filter.crop_box->min().array() <= filter.crop_box->max().array()).all(),
+          "SceneFilter::crop_box", "a box whose first corner is below the second");
+  require(!filter.crop_sphere || (filter.crop_sphere->center.allFinite() && filter.crop_sphere->radius > 0.0),
+          "SceneFilter::crop_sphere", "a finite centre with a positive radius");
+  require_in("Similarity::scale", world_from_scene.scale, Similarity::kScaleMin, Similarity::kScaleMax);
+  require(has_unit_norm(world_from_scene.rotation), "Similarity::rotation", "a unit quaternion");
+  require(world_from_scene.translation.allFinite(), "Similarity::translation", "finite");
+}
 
 bool SceneFilter::operator==(const SceneFilter& other) const {
   // Eigen::AlignedBox has no operator==.

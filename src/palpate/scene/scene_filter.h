@@ -24,8 +24,8 @@ struct SceneFilter {
   double opacity_min = 0.1;
   /// Size of a Gaussian's ellipsoid in standard deviations. Positive.
   double sigma = 1.0;
-  /// Upper limit of `sigma`: splatting draws nothing beyond 3.4; larger ellipsoids only cost time.
-  static constexpr double kSigmaMax = 10.0;
+  /// Limits of `sigma`. Splatting draws nothing beyond 3.4; larger ellipsoids only cost time.
+  static constexpr double kSigmaMin = 1e-6, kSigmaMax = 10.0;
   /// If set, replaces sigma by the level set at which splatting draws alpha = iso: k_i = sqrt(2 ln(alpha_i /
   /// iso)). Gaussians with alpha <= iso are dropped. In (0, 1).
   std::optional<double> iso;
@@ -43,6 +43,10 @@ struct SceneFilter {
 
   bool operator==(const SceneFilter& other) const;
 };
+
+/// Checks the ranges of a filter and of a registration. \throws Error that names the first member out of its
+/// range.
+void check_filter(const SceneFilter& filter, const Similarity& world_from_scene);
 
 /// Number of Gaussians kept and dropped, for a scene or a part of one; each is counted once, at the first
 /// rule that drops it in the order of the members.
