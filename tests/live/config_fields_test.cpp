@@ -1,8 +1,11 @@
 // The table of fields: what it says agrees with the defaults and with itself.
 #include <palpate/live/config_fields.h>
 
+#include <functional>
+#include <limits>
 #include <set>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,6 +95,50 @@ TEST(ConfigFields, RefuseWhatTheyCannotTake) {
   EXPECT_THAT(set(config, "tool", "0,1,1"), HasSubstr("semi-axis 0"));
   EXPECT_THAT(set(config, "mirror", "yes"), "must be true or false");
   EXPECT_EQ(config, before);
+}
+
+/// \returns the refusal of a configuration with an edit; empty if there is none
+std::string refusal(const std::function<void(LiveConfig&)>& edit) {
+  LiveConfig config;
+  edit(config);
+  try {
+    check_config(config);
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(ConfigFields, AreCheckedWhereNoTextIs) {
+  using C = LiveConfig;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([](C&) {}), "");
+  EXPECT_EQ(refusal([](C& c) { c.force.proxy.stiffness = -500.0; }),
+            "LiveConfig: stiffness: -500 is not in 0 to 1000000; correct it");
+  EXPECT_THAT(refusal([](C& c) { c.force.proxy.stiffness = kNan; }), HasSubstr("stiffness: nan is not in"));
+  for (const double bad : {0.0, kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THAT(refusal([=](C& c) { c.force.proxy.detail = bad; }), HasSubstr("detail: ")) << bad;
+    EXPECT_THAT(refusal([=](C& c) { c.loop.rate = bad; }), HasSubstr("rate: ")) << bad;
+    EXPECT_THAT(refusal([=](C& c) { c.device.map.scale = bad; }), HasSubstr("workspace-scale: ")) << bad;
+    EXPECT_THAT(refusal([=](C& c) { c.scene.registration.scale = bad; }), HasSubstr("LiveConfig: scale: "));
+    EXPECT_THAT(refusal([=](C& c) { c.room.scale = bad; }), HasSubstr("room.scale: ")) << bad;
+    EXPECT_THAT(refusal([=](C& c) { c.tool = Tool(Eigen::Vector3d(0.01, bad, 0.01)); }),
+                HasSubstr("tool: semi-axis"))
+        << bad;
+    EXPECT_THAT(refusal([=](C& c) { c.device.map.rotation.w() = bad; }),
+                HasSubstr(bad == 0.0 ? "must have unit norm" : "is not a finite number"));
+    EXPECT_THAT(refusal([=](C& c) { c.device.map.tool.w() = bad; }), HasSubstr("must have unit norm"));
+  }
+  EXPECT_THAT(refusal([](C& c) { c.scene.registration.translation.x() = kNan; }),
+              HasSubstr("translate: nan"));
+  EXPECT_THAT(refusal([](C& c) { c.device.hand.mass = -1.0; }), HasSubstr("hand: mass"));
+  EXPECT_THAT(refusal([](C& c) { c.scene.filter.crop_box.emplace(); }), HasSubstr("crop-box: "));
+  EXPECT_THAT(refusal([](C& c) { c.tool = Tool(std::vector<ToolPart>{}); }), HasSubstr("has 0 ellipsoids"));
+  EXPECT_THAT(refusal([](C& c) { c.force.model = static_cast<ForceModelKind>(7); }),
+              HasSubstr("model: is not one of proxy"));
+  EXPECT_THAT(refusal([](C& c) { c.device.profile = "spoon"; }), HasSubstr("profile: is not one of touch"));
+  EXPECT_THAT(refusal([](C& c) { c.loop.cpu = -2; }), HasSubstr("cpu: -2"));
+  EXPECT_THAT(refusal([](C& c) { c.gateway.token = "short"; }), HasSubstr("token: "));
 }
 
 }  // namespace

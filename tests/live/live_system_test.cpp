@@ -388,7 +388,26 @@ TEST(LiveSystem, SaysWhatIsMissing) {
               testing::HasSubstr("needs --trajectory"));
   config.device.kind = DeviceKind::kClient;
   config.device.profile = "spoon";
-  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }), testing::HasSubstr("spoon"));
+  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config); }),
+              testing::HasSubstr("profile: is not one of"));
+}
+
+TEST(LiveSystem, RefusesSettingsThatPullOrHaveNoMeaning) {
+  LiveConfig config = plane_config();
+  config.loop.rate = 0.0;
+  EXPECT_THAT(message_of<Error>([&] { LiveSystem system(config, own_device()); }),
+              testing::HasSubstr("rate: 0 is not in"));
+  LiveSystem system(plane_config(), own_device());
+  system.start({});
+  for (const double bad : {-500.0, std::nan("")}) {
+    EXPECT_THAT(message_of<Error>([&] { set_stiffness(system, bad); }), testing::HasSubstr("stiffness: "));
+    EXPECT_THAT(
+        message_of<Error>([&] { system.change([=](LiveConfig& c) { c.scene.registration.scale = bad; }); }),
+        testing::HasSubstr("scale: "));
+  }
+  EXPECT_EQ(system.settings(), plane_config());
+  EXPECT_EQ(system.tick().wanted_gain(), 1.0);
+  system.stop();
 }
 
 TEST(LiveSystem, TellsWhatAPersonShouldKnow) {

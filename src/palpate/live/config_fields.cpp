@@ -1,6 +1,7 @@
 #include <palpate/live/config_fields.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <palpate/base/error.h>
 #include <palpate/device/plugin_device.h>
 #include <palpate/device/profiles.h>
+#include <palpate/geometry/unit_quaternion.h>
 #include <palpate/haptics/tool_file.h>
 #include <palpate/live/value_text.h>
 #include <palpate/rosbridge/access.h>
@@ -40,6 +42,7 @@ NumbersField rotation(Field) {
   return {.count = 4,
           .get = [](const LiveConfig& c) { return numbers(Field{}(c)); },
           .set = [](LiveConfig& c, const std::vector<double>& q) { Field{}(c) = parse_quaternion(q.data()); },
+          .unit_norm = true,
           .most_parameter = kQuaternionMax};
 }
 
@@ -223,16 +226,47 @@ std::vector<ConfigField> make_fields() {
 }
 // clang-format on
 
+/// \name Checks of a value
+/// \throws BadValue.
+/// @{
+void require_finite(double number) {
+  if (!std::isfinite(number)) throw BadValue(fmt::format("{} is not a finite number", number));
+}
+void require_value(const CountField& field, double number) {
+  if (!(number >= field.least && number <= field.most) || number != std::floor(number))
+    throw BadValue(fmt::format("{} is not a whole number from {} to {}", number, field.least, field.most));
+}
+void require_value(const NumberField& field, double number) {
+  if (!(number >= field.least && number <= field.most))
+    throw BadValue(fmt::format("{} is not in {} to {}", number, field.least, field.most));
+}
+void require_value(const OptionalField& field, double number) {
+  require_finite(number);
+  if (number > 0.0 && number < field.below) return;
+  throw BadValue(field.below == std::numeric_limits<double>::infinity()
+                     ? fmt::format("{} is not positive", number)
+                     : fmt::format("{} is not between 0 and {}", number, field.below));
+}
+void require_unit_norm(const Eigen::Quaterniond& q) {
+  if (!has_unit_norm(q)) throw BadValue("the quaternion qw,qx,qy,qz must have unit norm; normalize it");
+}
+void require_part(const ToolPart& part) {
+  for (const double a : part.semi_axes) {
+    if (!(a >= kMinToolAxis && a <= kMaxToolAxis))
+      throw BadValue(fmt::format("semi-axis {} is not in {} to {} m", a, kMinToolAxis, kMaxToolAxis));
+  }
+  for (const double x : part.pose.position) require_finite(x);
+  require_unit_norm(part.pose.orientation);
+}
+/// @}
+
 /// Parses the value of --tool: semi-axes, the text of a tool file, or its name.
 Tool tool_from(const std::string& text) {
   if (text.starts_with("[[")) return parse_tool("--tool", text);
   if (text.ends_with(".toml")) return read_tool(text);
-  const auto v = parse_numbers(text, 3, 3);
-  for (const double a : v) {
-    if (!(a >= kMinToolAxis && a <= kMaxToolAxis))
-      throw BadValue(fmt::format("semi-axis {} is not in {} to {} m", a, kMinToolAxis, kMaxToolAxis));
-  }
-  return Tool(vector_of(v));
+  Tool tool(vector_of(parse_numbers(text, 3, 3)));
+  require_part(tool.parts()[0]);
+  return tool;
 }
 
 /// Implements set_from_text() for each field type.
@@ -251,24 +285,17 @@ struct TextSetter {
   }
   void operator()(const CountField& field) const {
     const double number = parse_number(text);
-    if (!(number >= field.least && number <= field.most) || number != static_cast<int>(number))
-      throw BadValue(fmt::format("{} is not a whole number from {} to {}", text, field.least, field.most));
+    require_value(field, number);
     field.member(config) = static_cast<int>(number);
   }
   void operator()(const NumberField& field) const {
     const double number = parse_number(text);
-    if (!(number >= field.least && number <= field.most))
-      throw BadValue(fmt::format("{} is not in {} to {}", text, field.least, field.most));
+    require_value(field, number);
     field.member(config) = number;
   }
   void operator()(const OptionalField& field) const {
-    if (field.below == std::numeric_limits<double>::infinity()) {
-      field.member(config) = parse_positive(text);
-      return;
-    }
     const double number = parse_number(text);
-    if (!(number > 0.0 && number < field.below))
-      throw BadValue(fmt::format("{} is not between 0 and {}", text, field.below));
+    require_value(field, number);
     field.member(config) = number;
   }
   void operator()(const ChoiceField& field) const {
@@ -284,6 +311,45 @@ struct TextSetter {
     field.set(config, parse_numbers(text, field.count, field.count));
   }
   void operator()(const ToolField& field) const { field.member(config) = tool_from(text); }
+};
+
+/// Implements check_config() for each field type. \throws BadValue.
+struct ValueCheck {
+  const LiveConfig& config;
+
+  void operator()(const FlagField&) const {}
+  void operator()(const TextField& field) const {
+    const std::string& text = field.member(config);
+    const std::string problem = field.problem == nullptr || text.empty() ? "" : field.problem(text);
+    if (!problem.empty()) throw BadValue(problem);
+  }
+  void operator()(const CountField& field) const {
+    const int count = field.member(config);
+    if (count != field.member(LiveConfig())) require_value(field, count);
+  }
+  void operator()(const NumberField& field) const { require_value(field, field.member(config)); }
+  void operator()(const OptionalField& field) const {
+    const std::optional<double>& number = field.member(config);
+    if (number) require_value(field, *number);
+  }
+  void operator()(const ChoiceField& field) const {
+    if (field.chosen(config).empty())
+      throw BadValue(fmt::format("is not one of {}", fmt::join(field.names, ", ")));
+  }
+  void operator()(const NumbersField& field) const {
+    const std::vector<double> all = field.get(config);
+    if (all.empty()) return;
+    for (const double number : all) require_finite(number);
+    if (field.unit_norm) require_unit_norm({all[0], all[1], all[2], all[3]});
+    LiveConfig other;
+    field.set(other, all);
+  }
+  void operator()(const ToolField& field) const {
+    const auto parts = field.member(config).parts();
+    if (parts.empty() || parts.size() > kMaxToolParts)
+      throw BadValue(fmt::format("has {} ellipsoids, not 1 to {}", parts.size(), kMaxToolParts));
+    for (const ToolPart& part : parts) require_part(part);
+  }
 };
 
 /// Implements default_text() for each field type.
@@ -334,6 +400,20 @@ const ConfigField& config_field(std::string_view name) {
 
 void set_from_text(const ConfigField& field, LiveConfig& config, const std::string& text) {
   std::visit(TextSetter{config, text}, field.type);
+}
+
+void check_config(const LiveConfig& config) {
+  std::string_view name;
+  try {
+    for (const ConfigField& field : config_fields()) {
+      name = field.name.empty() ? field.parameter : field.name;
+      std::visit(ValueCheck{config}, field.type);
+    }
+    name = "the tool of the workspace map";  // which is no field
+    require_unit_norm(config.device.map.tool);
+  } catch (const BadValue& error) {
+    throw Error("LiveConfig: {}: {}; correct it", name, error.what());
+  }
 }
 
 std::string default_text(const ConfigField& field, const LiveConfig& config) {

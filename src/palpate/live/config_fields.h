@@ -87,6 +87,7 @@ struct NumbersField {
   void (*set)(LiveConfig& config,
               const std::vector<double>& all);  ///< \throws BadValue. \pre `all` has `count` numbers
   bool shows_default = false;
+  bool unit_norm = false;       ///< a quaternion: text is normalized, a value of LiveConfig must be
   double most_parameter = 0.0;  ///< limit of each magnitude, as a parameter
 };
 struct ToolField {
@@ -123,6 +124,9 @@ const ConfigField& config_field(std::string_view name);
 
 /// Sets a field from text, with numbers separated by commas. \throws BadValue, or Error for a tool's file.
 void set_from_text(const ConfigField& field, LiveConfig& config, const std::string& text);
+/// Checks that every field has a value that set_from_text() could set, or its default, and that rotations are
+/// unit quaternions. \throws Error that names the first field that has not.
+void check_config(const LiveConfig& config);
 /// Returns the default as displayed to the user; empty: none.
 std::string default_text(const ConfigField& field, const LiveConfig& config);
 

@@ -18,6 +18,7 @@
 #include <palpate/device/led_hand.h>
 #include <palpate/device/plugin_device.h>
 #include <palpate/device/simulated_device.h>
+#include <palpate/live/config_fields.h>
 #include <palpate/live/factories.h>
 #include <palpate/live/simulated_hand.h>
 #include <palpate/study/room_path.h>
@@ -108,10 +109,11 @@ LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene* scene,
       stiffness_(config.force.proxy.stiffness > 0.0 ? config.force.proxy.stiffness
                                                     : ProxyParameters().stiffness),
       owns_device_(device == nullptr && config.device.driver.empty()),
-      device_kind_(owns_device_ ? to_string(config.device.kind) : "external"),
       follows_(scene != nullptr),
       settings_(config) {
+  check_config(config);
   const DeviceKind kind = config.device.kind;
+  device_kind_ = owns_device_ ? to_string(kind) : "external";
   if (owns_device_) read_motion();
   scene != nullptr ? take(*scene) : read_scene(progress);
   if (owns_device_ && is_giant(kind)) place_giant();
@@ -400,6 +402,7 @@ LiveConfig LiveSystem::edited(const LiveConfig& settings, const std::function<vo
   next.device = settings.device;
   next.loop = settings.loop;
   next.gateway = settings.gateway;
+  check_config(next);
   return next;
 }
 

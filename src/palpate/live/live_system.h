@@ -52,8 +52,8 @@ class LiveSystem {
   /// calibration if one is needed. Owner's thread. \param device the caller's device; null: creates one of
   /// DeviceConfig::kind. Only DeviceConfig::map applies to the caller's device. \param notify receives
   /// notices for the user, on the owner's thread or, when the scene changes later, on a separate thread; may
-  /// be empty \throws Error for a scene, trajectory, tool or material that cannot be read, or a device that
-  /// cannot be opened.
+  /// be empty \throws Error as check_config(), for a scene, trajectory, tool or material that cannot be read,
+  /// or a device that cannot be opened.
   explicit LiveSystem(const LiveConfig& config, std::unique_ptr<HapticDevice> device = nullptr,
                       const Notify& notify = {}, const Progress& progress = {});
   /// The same on a scene that another system has loaded, without a second copy in memory. The other system
@@ -101,8 +101,8 @@ class LiveSystem {
   /// the other settings revert and message() says why. Exceptions of `edit` propagate and nothing is changed.
   /// \param edit called twice, with other threads locked out: for the requested settings, and for those that
   /// return if the change in progress fails. It must therefore not move from what it captures, nor change
-  /// this system otherwise than by its argument \throws Error if `edit` changes a scene that another system
-  /// owns, or this system, and before start().
+  /// this system otherwise than by its argument \throws Error as check_config() for what it results in, if
+  /// `edit` changes a scene that another system owns, or this system, and before start().
   void change(const std::function<void(LiveConfig&)>& edit);
   /// Opens another scene in place of the active one; asynchronous as change(). Placement, crop and the
   /// materials file are reset, since they belong to the old scene. \param path empty: the built-in scene
