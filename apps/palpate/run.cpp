@@ -95,9 +95,11 @@ class Lines {
 /// Default tool of the built-in scene, as thick as a fingertip.
 Tool fingertip() { return Tool(Eigen::Vector3d::Constant(0.008)); }
 
-/// Reason why pages may not open another scene; empty if they may.
+/// Reason why pages may neither open another scene nor place it otherwise; empty if they may.
 std::string one_scene(const RunOptions& options) {
-  return options.record.empty() ? "" : "with --record, the scene cannot change; restart for another";
+  return options.record.empty()
+             ? ""
+             : "with --record, the scene and its placement cannot change; restart with another";
 }
 
 /// Warns, before the loops start, if the stiffness exceeds what the device renders without buzzing.

@@ -66,8 +66,8 @@ std::string parameters(const LiveSystem& system, const NodeRecording& recording)
 /// Adds the services that may block. They run one at a time, on one thread.
 void add_slow_services(NodeServices& services, const NodeParts& node, const HandParts& hand, bool first) {
   services.record = [&node, &recording = *hand.recording](bool on) {
-    if (on && node.hands.is_opening_scene())
-      throw Error("another scene is being opened; start the recording once it is active");
+    if (on && node.hands.is_changing_scene())
+      throw Error("the scene is being changed; start the recording when that is done");
     return recording.set(on);
   };
   if (!first) return;
@@ -96,10 +96,15 @@ NodeServices services_of(const NodeParts& node, const LiveHands::Hand& of, const
   services.config = [&system, first = of.name.empty()] {
     return to_toml(system.settings(), first ? TomlFields::kSaved : TomlFields::kSavedOfHand);
   };
-  services.set_parameters = [&system, &notices = hand.notices](const std::string& json) {
+  services.set_parameters = [&node, &system, &notices = hand.notices](const std::string& json) {
     say_refusal(notices, "set_parameters", [&] {
       const Json wanted = decode_json(json);
-      system.change([&](LiveConfig& settings) { change_settings(settings, wanted); });
+      system.change([&](LiveConfig& settings) {
+        const Similarity placed = settings.scene.world_from_scene();
+        change_settings(settings, wanted);
+        if (node.is_recording() && settings.scene.world_from_scene() != placed)
+          throw Error("a recording states one placement of the scene; stop it first");
+      });
     });
   };
   add_slow_services(services, node, hand, of.name.empty());

@@ -31,10 +31,10 @@ class Gateway(Case):
         self.write("wall.ply", ply(wall_rows()))
         self.write("hand.csv", path_csv([(0.0, 0.0, 0.0, 0.05), (60.0, 0.0, 0.0, 0.05)]))
 
-    def start(self, *more, **how):
+    def start(self, *more, hand=("--trajectory", "hand.csv"), **how):
         """A run whose port and token are then self.port and self.token."""
         self.process = subprocess.Popen(
-            [PALPATE, "run", "wall.ply", "--trajectory", "hand.csv", "--port", "0", "--json", *more], cwd=self.folder,
+            [PALPATE, "run", "wall.ply", *hand, "--port", "0", "--json", *more], cwd=self.folder,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **how)
         self.addCleanup(lambda: self.process.poll() is None and self.process.kill())
         said = b""
@@ -285,6 +285,69 @@ class Changed(Gateway):
         self.until(lambda: "has been overwritten" in self.parameters(call)["message"])
         self.said("has been overwritten")
         self.assertEqual(self.ask("/healthz")[0], 200)
+        self.end()
+
+
+class Placed(Gateway):
+    """Whether a page may scale and turn a scene of unknown scale by itself: `assumed` says so."""
+
+    def assumed(self, call):
+        return self.parameters(call)["registration"]["assumed"]
+
+    def place(self, call, **registration):
+        return call("/palpate/set_parameters", json=json.dumps({"registration": registration}))
+
+    def test_it_may_where_nothing_is_in_world_coordinates(self):
+        self.start(hand=())
+        self.assertEqual(self.assumed(self.client()), ["scale", "frame"])
+        self.end()
+
+    def test_it_may_not_where_something_is(self):
+        self.write("wood.toml", '[[region]]\nstiffness = 100\nbox = { min = [-1, -1, -1], max = [1, 1, 1] }\n')
+        for options in (("--trajectory", "hand.csv"), ("--crop-box=-1,-1,-1,1,1,1",), ("--crop-sphere", "0,0,0,1"), ("--max-scale", "1"),
+                        ("--workspace-offset", "0,0,0.1"), ("--materials", "wood.toml"), ("--record", "run.csv")):
+            with self.subTest(options):
+                self.start(hand=options)
+                self.assertEqual(self.assumed(self.client()), [])
+                self.end()
+
+    def test_it_may_not_while_a_client_holds_the_tool(self):
+        self.start(hand=())
+        call = self.client()
+        send, _ = self.socket()
+        pose = {"header": {"frame_id": "world"}, "pose": {"position": {"x": 0, "y": 0, "z": 0.1}, "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}}
+
+        def assumed_while_held():
+            send({"op": "publish", "topic": "/palpate/client/measured_cp", "msg": pose})
+            return self.assumed(call)
+
+        self.until(lambda: assumed_while_held() == [])
+        self.until(lambda: self.assumed(call) == ["scale", "frame"])
+        self.end()
+
+    def test_a_scene_stays_where_a_recording_states_it_to_be(self):
+        self.start(hand=())
+        call = self.client()
+        self.assertTrue(self.place(call, scale=2)["success"])
+        self.until(lambda: call("/palpate/record", data=True)["success"])
+        for change in ({"scale": 3}, {"frame": "y-down"}, {"mirrored": True}, {"translation": [1, 0, 0]}):
+            refused = self.place(call, **change)
+            self.assertFalse(refused["success"])
+            self.assertIn("stop the recording", refused["message"])
+        self.assertTrue(self.place(call, scale=2)["success"], "it is there")
+        self.assertTrue(call("/palpate/set_parameters", json='{"stiffness": 600}')["success"])
+        self.assertTrue(call("/palpate/record", data=False)["success"])
+        self.assertIn(b"\n# scale = 2\n", self.ask("/recording")[2])
+        self.assertTrue(self.place(call, scale=3)["success"])
+        self.end()
+
+    def test_nor_is_it_moved_in_a_run_that_is_recorded(self):
+        self.start("--record", "run.csv")
+        call = self.client()
+        refused = self.place(call, scale=3)
+        self.assertFalse(refused["success"])
+        self.assertIn("--record", refused["message"])
+        self.assertEqual(self.parameters(call)["registration"]["scale"], 1)
         self.end()
 
 

@@ -326,11 +326,11 @@ TEST(LiveHands, FollowTheFirstToAnotherScene) {
   LiveView view, other_view;
   hands.start({{&view}, {&other_view}});
 
-  EXPECT_FALSE(hands.is_opening_scene());
+  EXPECT_FALSE(hands.is_changing_scene());
   hands.open_scene(sphere.path());
-  const bool opening = hands.is_opening_scene();
+  const bool opening = hands.is_changing_scene();
   EXPECT_TRUE(opening || other.felt()->path() == sphere.path());
-  EXPECT_TRUE(comes_true([&] { return !hands.is_opening_scene(); }));
+  EXPECT_TRUE(comes_true([&] { return !hands.is_changing_scene(); }));
   EXPECT_EQ(first.felt()->path(), sphere.path());
   EXPECT_EQ(other.felt()->path(), sphere.path());
   EXPECT_EQ(other.felt()->index(), first.felt()->index());
@@ -338,6 +338,10 @@ TEST(LiveHands, FollowTheFirstToAnotherScene) {
   EXPECT_EQ(other.felt()->tool(), large_ball());
 
   first.change([](LiveConfig& config) { config.scene.registration.scale = 2.0; });
+  const bool placing = hands.is_changing_scene();
+  EXPECT_TRUE(placing || other.scene().config.registration.scale == 2.0);
+  EXPECT_TRUE(comes_true([&] { return !hands.is_changing_scene(); }));
+  EXPECT_EQ(other.scene().config.registration.scale, 2.0);
   EXPECT_TRUE(comes_true([&] { return other.settings().scene.registration.scale == 2.0; }));
   EXPECT_TRUE(comes_true([&] { return other.felt()->index() == first.felt()->index(); }));
   EXPECT_EQ(other.message(), "");

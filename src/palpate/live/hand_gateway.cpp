@@ -19,7 +19,7 @@ bool flag_of(const Json& arguments) {
   return data.get<bool>();
 }
 
-constexpr const char* kOpening = "another scene is being opened; start recording when it is active";
+constexpr const char* kChanging = "the scene is being changed; start recording when that is done";
 
 /// Returns which registration parameters are assumed because nobody specified them.
 Json assumed(const SceneConfig& scene) {
@@ -91,7 +91,8 @@ void HandGateway::beat(std::uint64_t shared) {
                     recording_.is_on(),
                     is_paused(),
                     system_.tick().is_clutch_pressed(),
-                    system_.moves_itself()};
+                    system_.moves_itself(),
+                    may_place_scene()};
   if (shown != told_) parameters_topic_.publish({{"data", encode_json(parameters())}});
   told_ = shown;
 }
@@ -118,11 +119,16 @@ std::string HandGateway::message() const {
   return all;
 }
 
+/// Returns whether a page may scale and turn the scene without being asked to.
+bool HandGateway::may_place_scene() const {
+  return name_.empty() && around_.keeps_scene().empty() && !around_.uses_world();
+}
+
 Json HandGateway::parameters() const {
   const LiveConfig settings = system_.settings();
   const DeviceCapabilities& device = system_.device();
   Json json = settings_json(settings);
-  json["registration"]["assumed"] = assumed(settings.scene);
+  json["registration"]["assumed"] = may_place_scene() ? assumed(settings.scene) : Json::array();
   json["models"] = kForceModelNames;
   json["frames"] = kUpAxisNames;
   json["hand"] = name_;
@@ -143,7 +149,16 @@ Json HandGateway::parameters() const {
   return json;
 }
 
+/// Returns whether `wanted` moves, turns or scales the scene.
+bool HandGateway::places_scene(const Json& wanted) const {
+  LiveConfig settings = system_.settings();
+  const Similarity placed = settings.scene.world_from_scene();
+  change_settings(settings, wanted);
+  return settings.scene.world_from_scene() != placed;
+}
+
 void HandGateway::change(const Json& wanted) {
+  if (const std::string why = around_.keeps_scene(); !why.empty() && places_scene(wanted)) throw Refusal(why);
   system_.change([&](LiveConfig& settings) {
     change_settings(settings, wanted);
     know_registration(settings.scene, wanted);
@@ -184,7 +199,7 @@ void HandGateway::add_recording() {
                                  };
                                  const Json begun = answer_of([&] {
                                    if (flag_of(arguments)) {
-                                     if (around_.is_opening_scene()) throw Refusal(kOpening);
+                                     if (around_.is_changing_scene()) throw Refusal(kChanging);
                                      recording_.begin([this] { return made_now(); }, done);
                                      around_.notices.tell(recording_notice_, "");
                                    } else {
@@ -198,7 +213,7 @@ void HandGateway::add_recording() {
 
 /// Returns how a recording that begins now is made. Called on the Elsewhere thread, as scenes are opened.
 std::string HandGateway::made_now() const {
-  if (around_.is_opening_scene()) throw Error("{}", kOpening);
+  if (around_.is_changing_scene()) throw Error("{}", kChanging);
   return to_toml(system_.provenance("run"));
 }
 

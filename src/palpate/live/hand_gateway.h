@@ -35,7 +35,10 @@ class HandGateway {
     std::function<std::string(const std::string& csv)> report;  ///< GatewayPages::report
     std::function<void(Json& parameters)> describe;             ///< adds the parameters shared by all hands
     std::function<void()> stop;                                 ///< called on emergency stop
-    std::function<bool()> is_opening_scene;                     ///< LiveHands::is_opening_scene()
+    std::function<bool()> is_changing_scene;                    ///< LiveHands::is_changing_scene()
+    /// Returns why the scene and its placement must stay as they are; empty if they may change.
+    std::function<std::string()> keeps_scene;
+    std::function<bool()> uses_world;  ///< LiveHands::uses_world()
   };
 
   /// \param name empty: the first hand \param system must outlive it.
@@ -74,7 +77,7 @@ class HandGateway {
   /// Versions and states that parameters() depends on.
   struct Shown {
     std::uint64_t system = 0, recorded = 0, shared = 0, notices = 0;  ///< numbers of their versions
-    bool records = false, paused = false, clutched = false, moves_itself = false;
+    bool records = false, paused = false, clutched = false, moves_itself = false, may_place = false;
     bool operator==(const Shown&) const = default;
   };
 
@@ -87,6 +90,8 @@ class HandGateway {
   void end_recording(RecordingSwitch::Done done);
   bool is_paused() const { return feed_.newest().record.paused; }
   std::string message() const;
+  bool may_place_scene() const;
+  bool places_scene(const Json& wanted) const;
 
   std::string name_, prefix_;
   LiveSystem& system_;

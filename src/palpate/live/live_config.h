@@ -73,7 +73,7 @@ struct SceneConfig {
   Similarity registration;     ///< from the captured frame to the world; its rotation comes after `frame`
   bool no_index_file = false;  ///< neither read nor write SCENE.palpate, the index beside the scene
   /// Whether scale and frame were specified by the user. If not, their values are assumptions that a viewer
-  /// may try to improve; nothing else depends on these flags.
+  /// may try to improve unless LiveSystem::uses_world(); nothing else depends on these flags.
   bool scale_known = true, frame_known = true;
 
   bool operator==(const SceneConfig&) const = default;

@@ -114,6 +114,7 @@ class LiveGateway::Implementation {
   }
   HandGateway& first() const { return *hands_.front(); }
   bool is_recording() const;
+  std::string keeps_scene() const;
   void listen(const GatewayConfig& options);
   void beat();
   void publish_lines();
@@ -176,10 +177,12 @@ LiveGateway::Implementation::Implementation(LiveHands& hands, GatewayPages pages
 void LiveGateway::Implementation::add_hands() {
   for (const LiveHands::Hand& hand : live_.all()) {
     LiveSystem& system = *hand.system;
-    HandGateway::Surroundings around{hub_, notices_, elsewhere(), pages_.report, {}, {}, {}};
+    HandGateway::Surroundings around{hub_, notices_, elsewhere(), pages_.report, {}, {}, {}, {}, {}};
     around.describe = [this](Json& parameters) { describe(parameters); };
     around.stop = [&system] { system.stop_force(); };
-    around.is_opening_scene = [this] { return live_.is_opening_scene(); };
+    around.is_changing_scene = [this] { return live_.is_changing_scene(); };
+    around.keeps_scene = [this] { return keeps_scene(); };
+    around.uses_world = [this] { return live_.uses_world(); };
     if (hand.name.empty()) around.stop = [this] { live_.stop_force(); };  // stops all hands
     hands_.push_back(std::make_unique<HandGateway>(hand.name, system, std::move(around)));
   }
@@ -353,8 +356,14 @@ void LiveGateway::Implementation::serve(const FeltScene& felt) {
       });
 }
 
+/// Returns why the scene and its placement must stay as they are, since a recording states them; empty if
+/// they may change. Any thread.
+std::string LiveGateway::Implementation::keeps_scene() const {
+  if (!pages_.one_scene.empty()) return pages_.one_scene;
+  return is_recording() ? "stop the recording before changing the scene or its placement" : "";
+}
+
 std::string LiveGateway::Implementation::open_from_library(const std::string& id) {
-  if (!pages_.one_scene.empty()) throw Refusal(pages_.one_scene);
   live_.open_scene(library_.path_of(id));
   return {};
 }
@@ -372,7 +381,7 @@ void LiveGateway::Implementation::add_library() {
   add("/palpate/list_scenes", "std_srvs/Trigger",
       [this](const Json&) { return encode_json(scenes_json(library_.list())); });
   add("/palpate/open_scene", "palpate/SetString", [this](const Json& arguments) {
-    if (is_recording()) throw Refusal("stop the recording before opening another scene");
+    if (const std::string why = keeps_scene(); !why.empty()) throw Refusal(why);
     return open_from_library(text_field(arguments, "data"));
   });
 }
@@ -382,8 +391,7 @@ WebUploads LiveGateway::Implementation::uploads() {
   WebUploads uploads;
   uploads.folder = "/scenes/";
   uploads.place = [this, from = uploads.folder.size()](const std::string& path, std::uint64_t bytes) {
-    if (!pages_.one_scene.empty()) throw Error("{}", pages_.one_scene);
-    if (is_recording()) throw Error("stop the recording before opening another scene");
+    if (const std::string why = keeps_scene(); !why.empty()) throw Error("{}", why);
     return library_.place_for(std::string_view(path).substr(from), bytes);
   };
   uploads.have = [this](const std::string& file) {

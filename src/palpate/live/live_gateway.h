@@ -32,7 +32,7 @@ struct GatewayPages {
   std::function<std::string(const std::string& csv)> report;
   /// Folders whose scenes a client may open; see SceneLibrary.
   std::vector<std::string> scene_folders = {};
-  /// Reason why no other scene may be opened; empty if scenes may be opened.
+  /// Reason why no other scene may be opened, nor the scene be placed otherwise; empty if they may.
   std::string one_scene = {};
 };
 

@@ -87,10 +87,17 @@ void LiveHands::open_scene(const std::string& path) {
   first().open_scene(path);
 }
 
-bool LiveHands::is_opening_scene() const {
-  const std::string wanted = first().settings().scene.path;
+bool LiveHands::is_changing_scene() const {
+  const SceneConfig wanted = first().settings().scene;
+  return std::any_of(hands_.begin(), hands_.end(), [&](const Hand& hand) {
+    const SceneConfig active = hand.system->scene().config;
+    return active.path != wanted.path || active.world_from_scene() != wanted.world_from_scene();
+  });
+}
+
+bool LiveHands::uses_world() const {
   return std::any_of(hands_.begin(), hands_.end(),
-                     [&](const Hand& hand) { return hand.system->felt()->path() != wanted; });
+                     [](const Hand& hand) { return hand.system->uses_world(); });
 }
 
 }  // namespace palpate

@@ -59,8 +59,10 @@ class LiveHands {
   /// Calls LiveSystem::open_scene() for all hands. Reads the beginning of the file. \throws Error, with the
   /// name of the hand, if a hand is bound to its scene, and for a file that cannot be read or is not a scene.
   void open_scene(const std::string& path);
-  /// Returns whether any hand has not yet switched to the scene opened last.
-  bool is_opening_scene() const;
+  /// Returns whether any hand has not yet switched to the scene opened last, or to its latest placement.
+  bool is_changing_scene() const;
+  /// Returns LiveSystem::uses_world() of any hand.
+  bool uses_world() const;
   /// @}
 
  private:

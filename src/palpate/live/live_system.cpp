@@ -368,6 +368,14 @@ std::string_view LiveSystem::needs_its_scene() const {
   return {};
 }
 
+bool LiveSystem::uses_world() const {
+  const std::scoped_lock lock(mutex_);
+  const SceneFilter& filter = settings_.scene.filter;
+  return home_ || client_hand_.is_held() || !settings_.device.trajectory.empty() ||
+         settings_.device.map != WorkspaceMap() || !settings_.force.materials.empty() || filter.max_scale ||
+         filter.crop_box || filter.crop_sphere;
+}
+
 void LiveSystem::open_scene(const std::string& path) {
   if (follows_) throw Error("{}", kFollows);
   if (const auto why = needs_its_scene(); !why.empty()) throw Error("{}; restart with the other scene", why);

@@ -111,6 +111,11 @@ class LiveSystem {
   /// Returns why no other scene can be opened: a giant's scene is placed where its handle rests, and a
   /// playback belongs to its scene; empty if one can be opened.
   std::string_view needs_its_scene() const;
+  /// Returns whether a change of the scene's scale or placement would change what something else means: the
+  /// settings have world coordinates or lengths (a trajectory, the workspace map, materials, a crop, a limit
+  /// of size), the scene was placed at start-up, or a client holds the tool. Nobody but a user who asks for
+  /// it should then change them.
+  bool uses_world() const;
   /// Switches to the scene of another system, for a system constructed on a shared scene; asynchronous as
   /// change(). The latest call wins.
   void follow(const SharedScene& scene);

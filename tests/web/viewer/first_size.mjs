@@ -71,6 +71,17 @@ describe('the first size', () => {
     await card().getByText(/across/).waitFor();
   });
 
+  test('is not given while somebody has taken the tool meanwhile, which is said', async () => {
+    const scene = ballScene(320 + unknown++);
+    await resetDesk();
+    desk.gateway.beforeProposal = () => desk.gateway.change({ registration: { assumed: [] } });
+    const { beforeProposal } = desk.gateway;
+    desk.gateway.reset(desk.gateway.tool.position, scene, { registration: { assumed: ['scale'] } });
+    desk.gateway.beforeProposal = beforeProposal;
+    await desk.page.getByText('The scene keeps the size of its file').waitFor();
+    assert.deepEqual(asked(), []);
+  });
+
   test('is not looked for where somebody has said one, or a device has a hand of its own', async () => {
     await openUnknown({ registration: { assumed: [] } });
     await settle(desk.page, 4);

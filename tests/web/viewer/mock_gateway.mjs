@@ -50,6 +50,7 @@ export class MockGateway {
   velocity; // of the tool. Unit: [m/s].
   margin; // of the stiffness
   setup; // that is proposed
+  beforeProposal; // what happens meanwhile
   offered; // scenes: {id, name, bytes, refusal}
   uploaded; // files that were handed over: {name, bytes}
   uploadRefusal; // of the next, if any
@@ -73,7 +74,7 @@ export class MockGateway {
         { id: 'built-in', name: 'The built-in still life', bytes: 0, refusal: '' }, { id: '0/cup.ply', name: 'cup.ply', bytes: 5700042, refusal: '' },
         { id: '0/cup.spz', name: 'cup.spz', bytes: 1600000, refusal: '.spz cannot be read; convert it first' },
       ],
-      refusePoses: false, token: null,
+      refusePoses: false, token: null, beforeProposal: () => {},
       fault: { level: 0, state: 'active', fault: 'none', advice: '' }, parameters: initialParameters(this.ply),
       tool: { position, orientation: [0, 0, 0, 1] }, lines: ['omega (simulated), tool 20/20/40 mm'], velocity: [0, 0, 0], margin: 3.2,
       setup: {
@@ -219,7 +220,10 @@ export class MockGateway {
     else if (name === 'pause') this.change({ paused: args.data });
     else if (name === 'record') this.change({ recording: args.data ? 'run.csv' : '' });
     else if (name === 'demo') this.change({ demo: args.data });
-    else if (name === 'propose_setup') return { success: true, message: JSON.stringify(this.setup) };
+    else if (name === 'propose_setup') {
+      this.beforeProposal();
+      return { success: true, message: JSON.stringify(this.setup) };
+    }
     else if (name === 'list_scenes') return { success: true, message: JSON.stringify(this.offered) };
     else if (name === 'config') return { success: true, message: 'scene = "ball.ply"\n' };
     return good;

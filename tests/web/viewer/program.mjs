@@ -49,8 +49,7 @@ export class Program {
 
   /// `waitingAt` is where the simulated hand keeps the tool, in the world.
   start(waitingAt, options = []) {
-    const size = options.includes('--scale') ? [] : ['--scale', '1']; // else the page would look for one
-    return this.startWith(`t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`, [this.scene, ...size, '--frame', 'as-is', ...options]);
+    return this.startWith(`t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`, [this.scene, ...options]);
   }
 
   /// `trajectory` is the text of the file that the simulated hand follows. Without a scene it is the built-in one.

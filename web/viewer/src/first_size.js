@@ -6,6 +6,7 @@ import { Vector3 } from 'three';
 import { byId, element } from '../../shared/dom.js';
 import { button, hint, numberField } from './fields.js';
 import { formatLength } from './format.js';
+import { notify } from './notices.js';
 
 const range = 30; // factor that the slider reaches below and above the proposal
 const mostTries = 4; // largest number of requests, if the connection is lost before the answer
@@ -37,7 +38,7 @@ export class FirstSize {
     this.#proposal = null;
     this.#shown = registration.scale;
     const name = JSON.stringify(scene);
-    // With a real device (no demo), the scene must not move by itself.
+    // With a real device (no demo), the scene must not move by itself. Nothing is assumed where world coordinates are in use.
     if (!registration.assumed?.includes('scale') || demo === undefined || this.#asked === name) return;
     this.#asked = name;
     const text = await this.propose();
@@ -45,7 +46,11 @@ export class FirstSize {
     this.#unanswered = text === null ? this.#unanswered + 1 : 0;
     if (text === null || JSON.stringify(this.parameters.current.scene) !== name) return;
     const { scale, frame } = JSON.parse(text);
-    if (!this.parameters.current.registration.assumed?.includes('scale')) return; // set by a user meanwhile
+    const { scale: now, assumed } = this.parameters.current.registration;
+    if (!assumed?.includes('scale')) { // set, or the tool was taken, meanwhile
+      if (now === registration.scale) notify('The scene keeps the size of its file. “Propose a setup” in Placement finds a scale.', 'message');
+      return;
+    }
     this.#take(scale.value ?? registration.scale, registration, frame.value);
   }
 
