@@ -23,7 +23,7 @@ TEST(ConfigJson, ShowsTheDefaults) {
     "registration": {"frame": "as-is", "mirrored": false, "scale": 1.0, "rotation": [1.0, 0.0, 0.0, 0.0],
                      "translation": [0.0, 0.0, 0.0],
                      "matrix": [1.0,0.0,0.0,0.0, 0.0,1.0,0.0,0.0, 0.0,0.0,1.0,0.0, 0.0,0.0,0.0,1.0]},
-    "filter": {"opacity_min": 0.1, "sigma": 1.0, "iso": 0.0},
+    "filter": {"opacity_min": 0.1, "sigma": 1.0, "iso": 0.0, "max_scale": 0.0, "crop_box": [], "crop_sphere": []},
     "model": "proxy", "stiffness": 500.0, "friction": 0.0, "detail": 0.0,
     "tool": [{"name": "tool", "semi_axes": [0.02, 0.02, 0.04], "position": [0.0, 0.0, 0.0],
               "orientation": [1.0, 0.0, 0.0, 0.0]}],
@@ -51,14 +51,30 @@ TEST(ConfigJson, ChangesWhatIsNamed) {
   EXPECT_FALSE(config.force.proxy.detail);
 }
 
+TEST(ConfigJson, SetsAndUnsetsWhatTheFilterDrops) {
+  LiveConfig config;
+  change_settings(config, decode_json(R"({"filter": {"max_scale": 0.5, "crop_box": [-1, -2, -3, 1, 2, 3],
+    "crop_sphere": [1, 2, 3, 4]}})"));
+  const SceneFilter& filter = config.scene.filter;
+  EXPECT_EQ(filter.max_scale, 0.5);
+  EXPECT_TRUE(filter.crop_box &&
+              filter.crop_box->isApprox({Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(1, 2, 3)}));
+  EXPECT_TRUE(filter.crop_sphere && filter.crop_sphere->radius == 4.0);
+  change_settings(config, decode_json(R"({"filter": {"max_scale": 0, "crop_box": [], "crop_sphere": []}})"));
+  EXPECT_EQ(config, LiveConfig());
+}
+
 TEST(ConfigJson, RefusesWhatIsUnknownOrOutOfRange) {
   EXPECT_EQ(refusal_of_change(R"({"stifness": 1})"),
             "parameters has no 'stifness'; it has detail, filter, friction, model, registration, room, "
             "stiffness, tool");
   EXPECT_EQ(refusal_of_change(R"({"filter": {"iso": 0.5}})"),
-            "filter has no 'iso'; it has opacity_min, sigma");
+            "filter has no 'iso'; it has crop_box, crop_sphere, max_scale, opacity_min, sigma");
   EXPECT_THAT(refusal_of_change(R"({"filter.sigma": 2})"), HasSubstr("has no 'filter.sigma'"));
   EXPECT_EQ(refusal_of_change(R"({"filter": 1})"), "'filter' must be an object");
+  EXPECT_EQ(refusal_of_change(R"({"filter": {"crop_box": [1, 0, 0, 0, 1, 1]}})"),
+            "'crop_box': the first corner must be below the second");
+  EXPECT_EQ(refusal_of_change(R"({"filter": {"crop_box": [1]}})"), "'crop_box' must be 6 numbers");
   EXPECT_EQ(refusal_of_change(R"({"model": "mesh"})"), "'model' must be one of proxy, field, density");
   EXPECT_EQ(refusal_of_change(R"({"detail": 11})"), "'detail' must be a number from 0 to 10");
   EXPECT_EQ(refusal_of_change(R"({"registration": {"mirrored": 1}})"), "'mirrored' must be true or false");

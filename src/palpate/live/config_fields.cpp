@@ -70,7 +70,9 @@ NumbersField crop_box() {
                 const Eigen::AlignedBox3d box(vector_of(v), Eigen::Vector3d(v[3], v[4], v[5]));
                 if (box.isEmpty()) throw BadValue("the first corner must be below the second");
                 c.scene.filter.crop_box = box;
-              }};
+              },
+          .most_parameter = kCoordinateMax,
+          .unset = [](LiveConfig& c) { c.scene.filter.crop_box.reset(); }};
 }
 
 NumbersField crop_sphere() {
@@ -87,7 +89,9 @@ NumbersField crop_sphere() {
               [](LiveConfig& c, const std::vector<double>& v) {
                 if (!(v[3] > 0.0)) throw BadValue("the radius must be positive");
                 c.scene.filter.crop_sphere = SceneFilter::Sphere{vector_of(v), v[3]};
-              }};
+              },
+          .most_parameter = kCoordinateMax,
+          .unset = [](LiveConfig& c) { c.scene.filter.crop_sphere.reset(); }};
 }
 
 NumbersField hand() {
@@ -131,10 +135,10 @@ std::vector<ConfigField> make_fields() {
      NumberField{[](auto& c) -> auto& { return c.scene.filter.sigma; }, SceneFilter::kSigmaMin, SceneFilter::kSigmaMax}, {.saved = true}},
     {"iso", "filter.iso", kScene, "tau", "ellipsoid size from the visible opacity level tau instead: k = sqrt(2 ln(alpha/tau))",
      OptionalField{[](auto& c) -> auto& { return c.scene.filter.iso; }, 1.0}, {.saved = true, .read_only = true, .excludes = "sigma"}},
-    {"max-scale", "", kScene, "m", "drop Gaussians with a longest standard deviation above this, m",
-     OptionalField{[](auto& c) -> auto& { return c.scene.filter.max_scale; }}, {.saved = true}},
-    {"crop-box", "", kScene, "x0,y0,z0,x1,y1,z1", "keep Gaussians with centres inside this box, world frame, m", crop_box(), {.saved = true}},
-    {"crop-sphere", "", kScene, "x,y,z,r", "keep Gaussians with centres inside this sphere, world frame, m", crop_sphere(), {.saved = true}},
+    {"max-scale", "filter.max_scale", kScene, "m", "drop Gaussians with a longest standard deviation above this, m",
+     OptionalField{.member = [](auto& c) -> auto& { return c.scene.filter.max_scale; }, .most_parameter = kCoordinateMax}, {.saved = true}},
+    {"crop-box", "filter.crop_box", kScene, "x0,y0,z0,x1,y1,z1", "keep Gaussians with centres inside this box, world frame, m", crop_box(), {.saved = true}},
+    {"crop-sphere", "filter.crop_sphere", kScene, "x,y,z,r", "keep Gaussians with centres inside this sphere, world frame, m", crop_sphere(), {.saved = true}},
     {"frame", "registration.frame", kScene, "", "captured axis that points up; it becomes world +z",
      choice(kUpAxisNames, [](auto& c) -> auto& { return c.scene.frame; }), {.saved = true}},
     {"mirror", "registration.mirrored", kScene, "", "reverse the x axis of a mirrored capture, before --frame",

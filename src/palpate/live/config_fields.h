@@ -89,6 +89,7 @@ struct NumbersField {
   bool shows_default = false;
   bool unit_norm = false;       ///< a quaternion: text is normalized, a value of LiveConfig must be
   double most_parameter = 0.0;  ///< limit of each magnitude, as a parameter
+  void (*unset)(LiveConfig& config) = nullptr;  ///< what an empty parameter does; null: it is refused
 };
 struct ToolField {
   ConfigMember<Tool> member;

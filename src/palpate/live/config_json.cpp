@@ -129,6 +129,7 @@ struct JsonSetter {
     field.set(config, static_cast<std::size_t>(at - field.names.begin()));
   }
   void operator()(const NumbersField& field) const {
+    if (field.unset != nullptr && value.is_array() && value.empty()) return field.unset(config);
     const auto all = numbers_of(value, name, field.count, field.most_parameter);
     try {
       field.set(config, all);

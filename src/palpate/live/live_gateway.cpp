@@ -50,6 +50,22 @@ WebPage page_of(std::string_view type, std::string_view bytes, std::string tag,
   return page;
 }
 
+/// Returns `setup` for a scene that stays mirrored, turned and moved as `scene` is.
+SceneSetup placed_as(SceneSetup setup, SceneConfig scene) {
+  if (!setup.crop_box.value) return setup;
+  const Similarity from_proposed = upright(setup.frame.value, {setup.scale.value}).inverse();
+  scene.frame = setup.frame.value;
+  scene.registration.scale = setup.scale.value;
+  const Similarity to_world = scene.world_from_scene();
+  Eigen::AlignedBox3d box;
+  for (int k = 0; k < 8; ++k) {
+    const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(k);
+    box.extend(to_world * (from_proposed * setup.crop_box.value->corner(corner)));
+  }
+  setup.crop_box.value = box;
+  return setup;
+}
+
 /// Prefix of the ROS names.
 const std::string kFolder = "/palpate/";
 /// Time without a tick after which a loop is reported to have stopped. Unit: [s].
@@ -319,8 +335,9 @@ void LiveGateway::Implementation::add_setup() {
   const auto work = [](const LiveConfig& settings) {
     const std::string& path = settings.scene.path;
     const double radius = settings.tool.thinnest();
-    return encode_json(setup_json<Json>(path.empty() ? propose_setup(built_in_scene().scene, radius)
-                                                     : propose_setup(load_scene(path), radius)));
+    return encode_json(setup_json<Json>(placed_as(path.empty() ? propose_setup(built_in_scene().scene, radius)
+                                                               : propose_setup(load_scene(path), radius),
+                                                  settings.scene)));
   };
   hub_.add_slow_service(
       "/palpate/propose_setup", "std_srvs/Trigger", [=, this](const Json&, const Reply& reply) {

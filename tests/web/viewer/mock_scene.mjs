@@ -46,7 +46,30 @@ export function besideHaze(place) {
   return sceneOf([...gaussians.map((g) => ({ ...g, center: g.center.map((c, k) => c + place[k]) })), ...haze]);
 }
 
-// `rest` are the coefficients of degrees 1 to 3, if a Gaussian has any: then all need them.
+/// A ball with one Gaussian far away and one far larger than the others, as captures have.
+export function strayScene() {
+  const { gaussians } = ballScene(600);
+  const [far, giant] = gaussians.slice(0, 2);
+  return sceneOf([...gaussians, { ...far, center: [3, 0, 0] }, { ...giant, deviations: [1, 1, 1] }]);
+}
+
+/// One Gaussian of Mip-Splatting, whose filter makes it a quarter larger, and less opaque by the cube of that.
+export const mipOpacity = 0.95 * 0.8 ** 3;
+export function mipScene() {
+  return sceneOf([{ center: [0, 0, 0], turn: [1, 0, 0, 0], deviations: [0.05, 0.05, 0.05], opacity: 0.95, rgb: [0.9, 0.5, 0.1], filter: 0.0375 }]);
+}
+
+/// The same scene as text.
+export function asciiOf({ ply }) {
+  const end = ply.indexOf('end_header\n') + 11;
+  const header = ply.toString('latin1', 0, end).replace('binary_little_endian', 'ascii');
+  const values = new Float32Array(Uint8Array.from(ply.subarray(end)).buffer);
+  const width = header.split('property ').length - 1;
+  const lines = Array.from({ length: values.length / width }, (_, i) => values.subarray(width * i, width * (i + 1)).join(' '));
+  return Buffer.from(`${header}${lines.join('\n')}\n`);
+}
+
+// `rest` are the coefficients of degrees 1 to 3, `filter` is Mip-Splatting's, if a Gaussian has any: then all need them.
 function toPly(gaussians) {
   const named = gaussians.some(({ rest }) => rest) ? properties : properties.filter((name) => !name.startsWith('f_rest'));
   const header = `ply\nformat binary_little_endian 1.0\nelement vertex ${gaussians.length}\n${

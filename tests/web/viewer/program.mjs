@@ -48,14 +48,20 @@ export class Program {
   }
 
   /// `waitingAt` is where the simulated hand keeps the tool, in the world.
-  start(waitingAt, options = []) {
-    return this.startWith(`t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`, [this.scene, ...options]);
+  start(waitingAt, options = [], scene = this.scene) {
+    return this.startWith(`t,x,y,z\n0,${waitingAt}\n60,${waitingAt}\n`, [scene, ...options]);
+  }
+
+  /// Writes a file into the folder, and gives its path.
+  async write(name, bytes) {
+    const file = path.join(this.folder, name);
+    await writeFile(file, bytes);
+    return file;
   }
 
   /// `trajectory` is the text of the file that the simulated hand follows. Without a scene it is the built-in one.
   async startWith(trajectory, options = []) {
-    const file = path.join(this.folder, 'trajectory.csv');
-    await writeFile(file, trajectory);
+    const file = await this.write('trajectory.csv', trajectory);
     this.process = spawn(binary, ['run', '--port', String(this.port), '--trajectory', file, ...options], { stdio: ['ignore', 'ignore', 'pipe'] });
     let said = '';
     this.process.stderr.on('data', (data) => { said += data; });

@@ -5,6 +5,7 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { ask, colorsOf, headsetScript, launch, openViewer, settle, until } from './browser.mjs';
+import { strayScene } from './mock_scene.mjs';
 import { countHeldUp, Program } from './program.mjs';
 
 const radius = 0.15; // of the ball of make-scene. Unit: [m].
@@ -23,18 +24,18 @@ const axes = () => ask(page, (v) => v.axes());
 const isFelt = () => Math.hypot(...(window.palpateViewer.force() ?? [0])) > 0.1;
 
 // With the tool at `at`, and on the page.
-async function start(at, options = []) {
-  await program.start(at, options);
+async function start(at, options, scene) {
+  await program.start(at, options, scene);
   await until(page, (p) => {
     const viewer = window.palpateViewer;
     return viewer.ready && Math.hypot(...viewer.tool().map((c, k) => c - p[k])) < 0.01;
   }, at);
 }
 
-async function restart(at, options) {
+async function restart(at, options, scene) {
   await program.stop();
   await page.waitForFunction(() => document.getElementById('state').textContent === 'disconnected');
-  await start(at, options);
+  await start(at, options, scene);
 }
 
 // The demo takes the tool back to where it waits.
@@ -216,13 +217,6 @@ describe('at a desk', () => {
     await page.waitForFunction(() => !/emergency-stop/.test(document.getElementById('state').textContent));
   });
 
-  test('a setup is proposed', async () => {
-    await page.getByRole('button', { name: 'Propose a setup' }).click();
-    await page.getByText(/^Scale: \d/).waitFor();
-    assert.ok(await page.locator('.setup dd').count() === 5);
-    await page.locator('.setup').getByRole('button', { name: 'Dismiss' }).click();
-  });
-
   test('what is set in the panels is what the program has', async () => {
     const enter = async (name, value) => {
       const field = page.locator(`[data-field=${name}]`).first();
@@ -241,6 +235,31 @@ describe('at a desk', () => {
       const { matrix, mirrored } = window.palpateViewer.parameters().registration;
       return mirrored && matrix[0] === -1 && matrix[12] === 0.1;
     });
+  });
+});
+
+describe('a setup', () => {
+  const current = () => ask(page, (v) => v.parameters());
+
+  test('is proposed, applied whole, where the scene has been put, and its crop and largest size are ended', async () => {
+    const { ply, gaussians } = strayScene();
+    await restart([0.5, 0, 0.3], ['--translate', '0.5,0,0', '--rotate', '0,0,0,1'], await program.write('stray.ply', ply));
+    await page.evaluate(() => document.querySelectorAll('details').forEach((d) => { d.open = true; }));
+    await page.getByRole('button', { name: 'Propose a setup' }).click();
+    await page.getByText(/^Crop: -?\d/).waitFor();
+    await page.locator('.setup').getByRole('button', { name: 'Apply' }).click();
+    const visible = gaussians.filter(({ opacity }) => opacity > 0.1).length;
+    await until(page, (n) => window.palpateViewer.parameters().felt?.count === n && window.palpateViewer.kept() === n, visible - 2);
+    const { filter, registration } = await current();
+    assert.ok(registration.scale !== 1 && filter.max_scale > 0 && filter.opacity_min > 0);
+    const middle = [0, 1, 2].map((k) => 0.5 * (filter.crop_box[k] + filter.crop_box[k + 3]));
+    assert.ok(distance(middle, [0.5, 0, 0]) < 0.05, `${middle}`);
+    assert.equal(await page.locator('.notice').count(), 0);
+    await page.getByText(/^Gaussians outside the crop box or larger than .* are dropped\.$/).waitFor();
+    await page.getByRole('button', { name: 'Keep all Gaussians' }).click();
+    await until(page, (n) => window.palpateViewer.kept() === n, visible);
+    const after = (await current()).filter;
+    assert.deepEqual([after.max_scale, after.crop_box], [0, []]);
   });
 });
 

@@ -2,6 +2,7 @@
 
 import { byId, element } from '../../shared/dom.js';
 import { button, choiceField, hint, numberField, vectorField } from './fields.js';
+import { formatLength } from './format.js';
 
 const slackest = 10; // lower end of the stiffness slider. Unit: [N/m].
 const largestTool = 64 * 1024; // largest tool file that the program accepts. Unit: [bytes].
@@ -19,8 +20,10 @@ export function createFeelPanel(parameters) {
   const sigma = numberField({ label: 'Ellipsoid size', unit: 'σ', name: 'sigma', min: 0, slide: { min: 0.2, max: 3 } }, setFilter('sigma'));
   const iso = hint('');
   const nothing = element('p', { className: 'hint nothing', attributes: { role: 'alert' } });
+  const dropped = hint('');
+  const keepAll = button('Keep all Gaussians', () => parameters.set({ filter: { max_scale: 0, crop_box: [], crop_sphere: [] } }), { name: 'keep-all' });
   const fields = [model, stiffness, friction, detail, opacity, sigma];
-  byId('feel').append(...fields.map((field) => field.node), iso, nothing);
+  byId('feel').append(...fields.map((field) => field.node), iso, dropped, keepAll, nothing);
   parameters.onChange((p) => {
     model.show(p.models, p.model);
     stiffness.limit(p.stiffness_max);
@@ -29,9 +32,18 @@ export function createFeelPanel(parameters) {
     detail.show(p.detail);
     opacity.show(p.filter.opacity_min);
     sigma.show(p.filter.sigma);
+    dropped.textContent = droppedBy(p.filter);
+    keepAll.hidden = dropped.textContent === '';
     nothing.textContent = isNothingLeft(p) ? 'No touchable Gaussians: none passes the opacity cut and the filter.' : '';
     iso.textContent = p.filter.iso > 0 ? `Ellipsoids extend to a visible opacity of ${p.filter.iso} (--iso); setting σ overrides this.` : '';
   });
+}
+
+// What the filter drops besides faint Gaussians, as a sentence; empty if nothing. Both are in metres of the world.
+function droppedBy({ max_scale: largest, crop_box: box, crop_sphere: sphere }) {
+  const rules = [box?.length > 0 && 'outside the crop box', sphere?.length > 0 && 'outside the crop sphere', largest > 0 && `larger than ${formatLength(largest)}`];
+  const all = rules.filter(Boolean).join(' or ');
+  return all && `Gaussians ${all} are dropped.`;
 }
 
 // No opacity is above 1; or the program has reported an empty list of Gaussians.
