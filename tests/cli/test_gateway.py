@@ -10,6 +10,7 @@ import signal
 import socket
 import struct
 import subprocess
+import tempfile
 import threading
 import time
 import unittest
@@ -229,6 +230,24 @@ class Served(Gateway):
         self.assertEqual(self.ask("/scene", Range=f"bytes={len(whole)}-")[0], 416)
         self.assertEqual(self.ask("/scene", If_None_Match=tag)[::2], (304, b""))
         self.end()
+
+    def test_a_scene_that_the_viewer_cannot_read_is_served_as_one_that_it_can(self):
+        rows = wall_rows()
+        for kind in ("ascii", "binary_big_endian"):
+            with self.subTest(kind):
+                self.write("wall.ply", ply(rows, encoding=kind))
+                self.start()
+                status, head, body = self.ask("/scene")
+                self.assertTrue(status == 200 or "retry-after: 1" in head, head)
+                self.until(lambda: self.ask("/scene")[0] == 200)
+                status, head, body = self.ask("/scene")
+                self.assertTrue(body.startswith(b"ply\nformat binary_little_endian 1.0\nelement vertex 441\n"))
+                self.assertEqual(len(body), body.index(b"end_header\n") + 11 + 441 * 4 * 14)
+                tag = re.search(r'etag: ("[^"]+")', head)[1]
+                self.assertEqual(self.ask("/scene", If_None_Match=tag)[0], 304)
+                self.assertEqual(self.ask("/scene", Range="bytes=0-2")[2], b"ply")
+                self.end()
+        self.assertEqual([name for name in os.listdir(tempfile.gettempdir()) if name.startswith("palpate-drawn-")], [])
 
     def test_pages_may_load_nothing_from_elsewhere(self):
         self.start()

@@ -14,17 +14,16 @@
 #include <palpate/base/real_time.h>
 #include <palpate/gateway/contact_markers.h>
 #include <palpate/gateway/felt_list.h>
+#include <palpate/live/drawn_scene.h>
 #include <palpate/live/gateway_metrics.h>
 #include <palpate/live/gateway_notices.h>
 #include <palpate/live/hand_gateway.h>
-#include <palpate/live/scene_file.h>
 #include <palpate/live/scene_library.h>
 #include <palpate/live/scenes_json.h>
 #include <palpate/live/setup_json.h>
 #include <palpate/rosbridge/access.h>
 #include <palpate/rosbridge/web_server.h>
 #include <palpate/scene/load_scene.h>
-#include <palpate/scene/ply_writer.h>
 
 namespace palpate {
 namespace {
@@ -73,24 +72,6 @@ constexpr double kPatience = 0.5;
 
 }  // namespace
 
-/// Scene served for drawing: its file, or the bytes of the built-in scene. Immutable.
-struct ServedScene {
-  std::string path;                       ///< SceneConfig::path
-  std::unique_ptr<const SceneFile> file;  ///< null: the built-in scene
-  std::string bytes;                      ///< of the built-in scene
-
-  /// \throws Error if the file cannot be read.
-  explicit ServedScene(const SceneConfig& scene) : path(scene.path) {
-    if (path.empty()) {
-      bytes = ply_bytes(built_in_scene().scene, "palpate: " + scene.name());
-    } else {
-      file = std::make_unique<SceneFile>(path);
-    }
-  }
-  std::uint64_t size() const { return file ? file->bytes()->size() : bytes.size(); }
-  std::string tag() const { return file ? file->tag() : "built-in"; }
-};
-
 /// After start(), private functions run on the server's thread unless marked otherwise. That thread passes
 /// on poses and must not block.
 class LiveGateway::Implementation {
@@ -124,7 +105,7 @@ class LiveGateway::Implementation {
   void serve(const FeltScene& felt);
   std::string open_from_library(const std::string& id);
   WebUploads uploads();
-  std::shared_ptr<const ServedScene> served() const {
+  std::shared_ptr<DrawnScene> served() const {
     const std::scoped_lock lock(mutex_);
     return served_;
   }
@@ -146,7 +127,7 @@ class LiveGateway::Implementation {
   /// @{
   WebPage page(const std::string& path);
   std::optional<WebPage> recording_page(const std::string& path) const;
-  WebPage scene_page() const;
+  WebPage scene_page();
   WebPage health();
   WebPage metrics();
   /// @}
@@ -166,10 +147,10 @@ class LiveGateway::Implementation {
   double looked_at_scene_ = 0.0;         ///< Unit: [s].
   std::string scene_notice_;
   std::uint64_t beats_ = 0;
-  mutable std::mutex mutex_;                   ///< guards the members below
-  std::vector<std::string> said_;              ///< lines on the terminal; the newest kMostLines
-  bool said_more_ = false;                     ///< said_ has unpublished lines
-  std::shared_ptr<const ServedScene> served_;  ///< never null
+  mutable std::mutex mutex_;            ///< guards the members below
+  std::vector<std::string> said_;       ///< lines on the terminal; the newest kMostLines
+  bool said_more_ = false;              ///< said_ has unpublished lines
+  std::shared_ptr<DrawnScene> served_;  ///< never null
 };
 
 LiveGateway::Implementation::Implementation(LiveHands& hands, GatewayPages pages)
@@ -181,7 +162,7 @@ LiveGateway::Implementation::Implementation(LiveHands& hands, GatewayPages pages
       library_(pages_.scene_folders, hands.first().settings().scene.path),
       run_tag_(random_text()) {
   const LiveConfig config = hands.first().settings();
-  served_ = std::make_shared<const ServedScene>(config.scene);
+  served_ = std::make_shared<DrawnScene>(config.scene);
   add_rosapi(hub_);
   add_hands();
   add_parameters();
@@ -289,10 +270,10 @@ void LiveGateway::Implementation::look_at_scene() {
   constexpr double kEvery = 1.0;  // s
   const double now = monotonic_now();
   const auto scene = served();
-  if (!scene->file || now - looked_at_scene_ < kEvery) return;
+  if (!scene->file() || now - looked_at_scene_ < kEvery) return;
   looked_at_scene_ = std::numeric_limits<double>::infinity();  // no other check until this one has finished
   const auto change = std::make_shared<SceneFile::Change>();
-  server_->elsewhere([change, scene] { *change = scene->file->change(); },
+  server_->elsewhere([change, scene] { *change = scene->file()->change(); },
                      [this, change, now, scene] {
                        looked_at_scene_ = now;
                        if (scene == served()) notices_.tell(scene_notice_, notice_of(*change));
@@ -311,7 +292,7 @@ void LiveGateway::Implementation::say(const std::string& line) {
 void LiveGateway::Implementation::describe(Json& parameters) const {
   const auto scene = served();
   SceneConfig named;
-  named.path = scene->path;
+  named.path = scene->path();
   const std::filesystem::path name(named.name());
   parameters["scene"] = {{"name", name.filename().string()},
                          {"format", name.extension() == ".splat" ? "splat" : "ply"},
@@ -350,15 +331,15 @@ void LiveGateway::Implementation::add_setup() {
 
 /// Serves the scene of `felt` for drawing, if it is another one.
 void LiveGateway::Implementation::serve(const FeltScene& felt) {
-  if (felt.path() == served()->path) return;
+  if (felt.path() == served()->path()) return;
   SceneConfig scene;
   scene.path = felt.path();
-  const auto made = std::make_shared<std::shared_ptr<const ServedScene>>();
+  const auto made = std::make_shared<std::shared_ptr<DrawnScene>>();
   const auto failure = std::make_shared<std::string>();
   server_->elsewhere(
       [=] {
         try {
-          *made = std::make_shared<const ServedScene>(scene);
+          *made = std::make_shared<DrawnScene>(scene);
         } catch (const std::exception& error) {
           *failure = error.what();
         }
@@ -413,7 +394,7 @@ WebUploads LiveGateway::Implementation::uploads() {
   };
   uploads.have = [this](const std::string& file) {
     // Uploads in use: the one being drawn, and the one that is felt or being opened.
-    const std::vector<std::string> used{served()->path, live_.first().settings().scene.path};
+    const std::vector<std::string> used{served()->path(), live_.first().settings().scene.path};
     if (is_recording()) {
       library_.have(file, used);
       return text_page(
@@ -509,14 +490,18 @@ std::optional<WebPage> LiveGateway::Implementation::recording_page(const std::st
   return std::nullopt;
 }
 
-WebPage LiveGateway::Implementation::scene_page() const {
-  constexpr const char* kType = "application/octet-stream";
+WebPage LiveGateway::Implementation::scene_page() {
   const auto scene = served();
-  if (!scene->file) return page_of(kType, scene->bytes, scene->tag(), scene);
-  const SceneFile::Change change = scene->file->change();
-  if (change == SceneFile::Change::kOverwritten) return text_page(503, notice_of(change));
-  WebPage page = page_of(kType, {}, scene->tag());
-  page.file = scene->file->bytes();
+  if (scene->wants_copy()) server_->elsewhere([scene] { scene->make_copy(); }, [] {});
+  const DrawnScene::Served now = scene->served();
+  if (!now.failure.empty()) return text_page(503, now.failure);
+  if (now.is_coming) {
+    WebPage page = text_page(503, "the scene is being prepared for display");
+    page.retry_after = 1;
+    return page;
+  }
+  WebPage page = page_of("application/octet-stream", now.bytes, now.tag, scene);
+  page.file = now.file;
   return page;
 }
 

@@ -466,6 +466,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession> {
     if (page_.status == 401) answer_.set(http::field::www_authenticate, "Bearer");
     if (page_.status == 405) answer_.set(http::field::allow, "GET, HEAD");
     if (!page_.location.empty()) answer_.set(http::field::location, page_.location);
+    if (page_.retry_after > 0) answer_.set(http::field::retry_after, std::to_string(page_.retry_after));
     give_cookie();
     rest_ = {0, size()};
     if (!page_.tag.empty()) {

@@ -30,6 +30,7 @@ struct WebPage {
   /// length at opening; if it is truncated meanwhile, the connection ends.
   std::shared_ptr<const InputFile> file;
   std::string location;  ///< redirect target; empty: none
+  int retry_after = 0;   ///< time after which a client may ask again; 0: not stated. Unit: [s].
 };
 WebPage text_page(int status, std::string text);
 

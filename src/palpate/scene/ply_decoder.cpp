@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include <palpate/scene/sh_color.h>
 
@@ -21,17 +23,23 @@ PlyField field_of(std::size_t material) { return kFirstMaterial + static_cast<in
 
 PlyDecoder::PlyDecoder(const PlyElement& vertex, ByteOrder order) : order_(order) {
   std::size_t offset = 0;
+  std::map<std::string, Column> by_name;
   for (const PlyProperty& property : vertex.properties) {
+    const Column column{offset, property.type};
     for (std::size_t field = 0; field < kPlyFieldCount; ++field) {
-      if (property.name == kPlyFieldNames[field]) columns_[field] = Column{offset, property.type};
+      if (property.name == kPlyFieldNames[field]) columns_[field] = column;
     }
+    by_name.emplace(property.name, column);
     offset += size_of(property.type);
   }
+  for (auto at = by_name.find("f_rest_0"); at != by_name.end();
+       at = by_name.find("f_rest_" + std::to_string(rest_.size())))
+    rest_.push_back(at->second);
 }
 
 template <typename Use>
-void PlyDecoder::for_each(PlyField field, const RowBlock& rows, const Use& use) const {
-  const auto [offset, type] = *columns_[field];
+void PlyDecoder::for_each(const Column& column, const RowBlock& rows, const Use& use) const {
+  const auto [offset, type] = column;
   const ByteOrder order = order_;
   with_type(type, [&, offset = offset](auto kind) {
     const char* bytes = rows.bytes + offset;
@@ -82,6 +90,21 @@ void PlyDecoder::decode(const RowBlock& rows, PlyMaterials& materials, std::size
     if (!has(field_of(p))) continue;
     float* const values = materials.values[p].data() + at;
     for_each(field_of(p), rows, [&](std::size_t k, double value) { values[k] = static_cast<float>(value); });
+  }
+}
+
+void PlyDecoder::decode_sh(const RowBlock& rows, int degree, float* sh) const {
+  const std::size_t side = static_cast<std::size_t>(degree) + 1;
+  const std::size_t of_channel = side * side - 1;  // coefficients that are wanted
+  const std::size_t stored = rest_.size() / 3, width = 3 * (1 + of_channel);
+  const auto read = [&](const Column& column, std::size_t place) {
+    for_each(column, rows,
+             [&](std::size_t k, double value) { sh[k * width + place] = static_cast<float>(value); });
+  };
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    if (has(kRed)) read(*columns_[kRed + static_cast<int>(channel)], channel);
+    for (std::size_t k = 0; k < of_channel; ++k)
+      read(rest_[channel * stored + k], 3 + channel * of_channel + k);
   }
 }
 

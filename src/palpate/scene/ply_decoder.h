@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -36,6 +37,11 @@ class PlyDecoder {
   /// Decodes the rows into `materials`, from row `at` on.
   void decode(const RowBlock& rows, PlyMaterials& materials, std::size_t at) const;
 
+  /// Decodes the colours of the rows into `sh`: for each row the constant SH term of red, green and blue, 0
+  /// if the file lacks it, then the coefficients of degrees 1 to `degree` as INRIA orders them: all of red,
+  /// all of green, all of blue. \pre `degree` is not above that of the file
+  void decode_sh(const RowBlock& rows, int degree, float* sh) const;
+
   /// The position in one row, as stored in the file.
   Eigen::Vector3d position(const char* row) const;
 
@@ -47,11 +53,17 @@ class PlyDecoder {
 
   bool has(PlyField field) const { return columns_[field].has_value(); }
 
-  /// Calls use(k, value) with the exact value in the column of `field`, for every row k.
+  /// Calls use(k, value) with the exact value in `column`, for every row k.
   template <typename Use>
-  void for_each(PlyField field, const RowBlock& rows, const Use& use) const;
+  void for_each(const Column& column, const RowBlock& rows, const Use& use) const;
+  /// The same for the column of `field`.
+  template <typename Use>
+  void for_each(PlyField field, const RowBlock& rows, const Use& use) const {
+    for_each(*columns_[field], rows, use);
+  }
 
   std::array<std::optional<Column>, kPlyFieldCount> columns_;
+  std::vector<Column> rest_;  ///< of f_rest_0, f_rest_1, ...
   ByteOrder order_;
 };
 

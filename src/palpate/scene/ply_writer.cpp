@@ -1,14 +1,13 @@
 #include <palpate/scene/ply_writer.h>
 
 #include <array>
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include <fmt/core.h>
 
 #include <palpate/base/file.h>
+#include <palpate/scene/ply_row.h>
 #include <palpate/scene/sh_color.h>
 
 namespace palpate {
@@ -17,11 +16,6 @@ namespace {
 constexpr std::array kProperties{"x",       "y",      "z",      "nx",      "ny",      "nz",
                                  "f_dc_0",  "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
                                  "scale_2", "rot_0",  "rot_1",  "rot_2",   "rot_3"};
-
-void append(std::string& out, double value) {
-  auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-  for (int k = 0; k < 4; ++k, bits >>= 8) out.push_back(static_cast<char>(bits & 0xffU));
-}
 
 std::string ply_header(std::size_t count, const std::string& comment, const PlyMaterials& materials) {
   std::string header =
@@ -36,16 +30,14 @@ std::string ply_header(std::size_t count, const std::string& comment, const PlyM
 
 void append_row(std::string& out, const GaussianScene& scene, const PlyMaterials& materials, std::size_t i) {
   const Gaussian g = scene.gaussian(i);
-  for (const double v : g.position) append(out, v);
-  for (int k = 0; k < 3; ++k) append(out, 0.0);
+  for (const double v : g.position) append_float(out, v);
+  for (int k = 0; k < 3; ++k) append_float(out, 0.0);
   for (std::size_t k = 0; k < 3; ++k) {
-    append(out, scene.color.empty() ? 0.0 : sh_from_color(scene.color[i][k]));
+    append_float(out, scene.color.empty() ? 0.0 : sh_from_color(scene.color[i][k]));
   }
-  append(out, std::log(g.opacity / (1.0 - g.opacity)));
-  for (const double s : g.sigma) append(out, std::log(s));
-  for (const double q : {g.rotation.w(), g.rotation.x(), g.rotation.y(), g.rotation.z()}) append(out, q);
+  append_shape(out, g);
   for (const std::vector<float>& column : materials.values) {
-    if (!column.empty()) append(out, column[i]);
+    if (!column.empty()) append_float(out, column[i]);
   }
 }
 

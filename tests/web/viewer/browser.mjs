@@ -8,7 +8,7 @@ export { launch } from './chromium.mjs';
 
 const patience = Number(process.env.PATIENCE ?? 60000); // software rendering on a small machine is slow. Unit: [ms].
 
-const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall|status of 422/; // a server that is gone is part of some tests
+const expected = /WebSocket connection to|ERR_CONNECTION_REFUSED|GPU stall|status of (422|503)/; // a server that is gone, or not ready, is part of some tests
 
 /// Opens the viewer that `url` serves. `problems` collects console errors, page errors and requests to elsewhere.
 export async function openViewer(browser, url, { context = {}, script, patience: wait = patience } = {}) {

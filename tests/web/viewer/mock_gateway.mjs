@@ -41,6 +41,7 @@ export class MockGateway {
   muted; // says nothing, but keeps the connections
   refusal; // of the next set_parameters
   refusePoses;
+  scenesSent; // how often the scene was asked for
   stalls; // half of the way through the scene
   breaksOff = ''; // once this service is asked for
   fault;
@@ -69,7 +70,7 @@ export class MockGateway {
   reset(position, { gaussians, ply }, parameters = {}) {
     Object.assign(this, { gaussians, ply });
     Object.assign(this, {
-      requests: [], poses: [], muted: false, refusal: '', stalls: false, uploaded: [], uploadRefusal: '',
+      requests: [], poses: [], scenesSent: 0, muted: false, refusal: '', stalls: false, uploaded: [], uploadRefusal: '',
       offered: [
         { id: 'built-in', name: 'The built-in still life', bytes: 0, refusal: '' }, { id: '0/cup.ply', name: 'cup.ply', bytes: 5700042, refusal: '' },
         { id: '0/cup.spz', name: 'cup.spz', bytes: 1600000, refusal: '.spz cannot be read; convert it first' },
@@ -153,6 +154,7 @@ export class MockGateway {
   // All of it, or half of it and the rest once `stalls` is called off.
   #sendScene(response) {
     const { ply } = this;
+    this.scenesSent += 1;
     response.writeHead(200, { 'Content-Length': ply.length });
     if (!this.stalls) return response.end(ply);
     response.write(ply.subarray(0, ply.length / 2));

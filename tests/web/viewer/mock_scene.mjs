@@ -4,7 +4,7 @@ export const radius = 0.1; // Unit: [m].
 const shC0 = 0.28209479177387814; // of the constant spherical harmonic
 const restCount = 45; // of the coefficients of degrees 1 to 3: 15 of red, of green, of blue
 const properties = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', ...Array.from({ length: restCount }, (_, i) => `f_rest_${i}`), 'opacity',
-  'scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3'];
+  'scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3', 'filter_3D'];
 const logit = (p) => Math.log(p / (1 - p));
 
 // Evenly spread directions: Fibonacci's spiral.
@@ -71,11 +71,12 @@ export function asciiOf({ ply }) {
 
 // `rest` are the coefficients of degrees 1 to 3, `filter` is Mip-Splatting's, if a Gaussian has any: then all need them.
 function toPly(gaussians) {
-  const named = gaussians.some(({ rest }) => rest) ? properties : properties.filter((name) => !name.startsWith('f_rest'));
+  const isHad = (name) => (name.startsWith('f_rest') ? gaussians.some(({ rest }) => rest) : name !== 'filter_3D' || gaussians.some(({ filter }) => filter));
+  const named = properties.filter(isHad);
   const header = `ply\nformat binary_little_endian 1.0\nelement vertex ${gaussians.length}\n${
     named.map((name) => `property float ${name}\n`).join('')}end_header\n`;
-  const values = gaussians.flatMap(({ center, rgb, rest, opacity, deviations, turn }) => [
-    ...center, ...rgb.map((c) => (c - 0.5) / shC0), ...(rest ?? []), logit(opacity), ...deviations.map(Math.log), ...turn]);
+  const values = gaussians.flatMap(({ center, rgb, rest, opacity, deviations, turn, filter }) => [
+    ...center, ...rgb.map((c) => (c - 0.5) / shC0), ...(rest ?? []), logit(opacity), ...deviations.map(Math.log), ...turn, ...(filter ? [filter] : [])]);
   return Buffer.concat([Buffer.from(header), Buffer.from(new Float32Array(values).buffer)]);
 }
 

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { ask, colorsOf, headsetScript, launch, openViewer, settle, until } from './browser.mjs';
-import { strayScene } from './mock_scene.mjs';
+import { asciiOf, ballScene, mipOpacity, mipScene, strayScene } from './mock_scene.mjs';
 import { countHeldUp, Program } from './program.mjs';
 
 const radius = 0.15; // of the ball of make-scene. Unit: [m].
@@ -235,6 +235,27 @@ describe('at a desk', () => {
       const { matrix, mirrored } = window.palpateViewer.parameters().registration;
       return mirrored && matrix[0] === -1 && matrix[12] === 0.1;
     });
+  });
+});
+
+describe('a scene that the viewer cannot read as it is', () => {
+  test('is drawn all the same', async () => {
+    const ball = ballScene(600);
+    await restart(above, [], await program.write('ascii.ply', asciiOf(ball)));
+    await until(page, (n) => window.palpateViewer.kept() === n, ball.gaussians.filter(({ opacity }) => opacity > 0.1).length);
+    await settle(page, 8);
+    const { right } = await axes();
+    const [orange, blue] = await colorsOf(page, [0.09, -0.09].map((c) => scaled(right, c)));
+    assert.ok(orange[0] > orange[2] + 60 && blue[2] > blue[0] + 60, `${orange}, ${blue}`);
+    assert.equal(await page.locator('.notice').count(), 0);
+  });
+
+  test('or draws wrongly is drawn as it is felt', async () => {
+    await restart(above, [], await program.write('mip.ply', mipScene().ply));
+    await until(page, () => window.palpateViewer.kept() === 1);
+    await settle(page, 8);
+    const opacity = await ask(page, (v) => v.seenOpacity(v.project([0, 0, 0])));
+    assert.ok(Math.abs(opacity - mipOpacity) < 0.03, `${opacity}, not ${mipOpacity}`);
   });
 });
 

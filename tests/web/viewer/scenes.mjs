@@ -3,8 +3,9 @@
 import assert from 'node:assert/strict';
 import { before, beforeEach, describe, test } from 'node:test';
 
-import { settle, until, waitFor } from './browser.mjs';
-import { desk, openDesk, requests, resetDesk } from './desk.mjs';
+import { ask, colorsOf, settle, until, waitFor } from './browser.mjs';
+import { ball, clear, desk, frameAll, openDesk, requests, resetDesk } from './desk.mjs';
+import { asciiOf } from './mock_scene.mjs';
 
 const drop = (name, size) => desk.page.evaluate(([file, length]) => {
   const dataTransfer = new DataTransfer();
@@ -46,6 +47,21 @@ describe('another scene', () => {
     await waitFor(() => desk.gateway.uploaded.length === 2, 'the other');
     assert.deepEqual(desk.gateway.uploaded, [{ name: 'my cup.ply', bytes: 300000 }, { name: 'cup.splat', bytes: 64 }]);
     await until(desk.page, () => document.getElementById('sending').hidden);
+  });
+
+  test('that cannot be drawn is said once, is not asked for again, and the one before goes', async () => {
+    const seen = async () => Math.max(...(await colorsOf(desk.page, [[0, 0, 0]]))[0]) - Math.min(...(await colorsOf(desk.page, [[0, 0, 0]]))[0]);
+    assert.ok(await seen() > 60, 'the ball');
+    desk.gateway.reset(clear, { ...ball, ply: asciiOf(ball) });
+    await desk.page.getByText(/^scene-\d+\.ply can be felt, but not drawn: /).waitFor();
+    assert.equal(await ask(desk.page, (v) => v.sceneLoaded), false);
+    await new Promise((done) => { setTimeout(done, 3000); }); // longer than a retry would take
+    assert.equal(desk.gateway.scenesSent, 1);
+    assert.equal(await desk.page.locator('.notice').count(), 1);
+    await settle(desk.page, 3);
+    assert.ok(await seen() < 20, 'nothing');
+    await resetDesk({ scene: { ...ball } });
+    await frameAll();
   });
 
   test('of another format is not sent, but told how to convert; a refusal is shown', async () => {

@@ -2,8 +2,9 @@
 
 import { byId } from '../../shared/dom.js';
 import { notify } from './notices.js';
+import { Passing } from './splats.js';
 
-const retryAfter = 2000; // delay before a retry. Unit: [ms].
+const retryAfter = 2000; // delay before the list is requested again. Unit: [ms].
 
 export class SceneLoader {
   #wanted = '';
@@ -59,11 +60,23 @@ export class SceneLoader {
       this.#followList();
     } catch (error) {
       if (signal.aborted) return;
-      notify(`The scene could not be loaded: ${error.message ?? error}`);
-      setTimeout(() => { if (!signal.aborted) this.#load(scene, signal); }, retryAfter);
+      if (this.#retries(error, scene, signal, text)) return;
     }
     this.#isLoading = false;
     box.hidden = true;
+  }
+
+  // Loads the scene once more after a failure that passes; otherwise says once that it cannot be drawn. What was drawn before is not
+  // what is felt: it goes.
+  #retries(error, scene, signal, text) {
+    this.splats.clear();
+    if (!(error instanceof Passing)) {
+      notify(`${scene.name} can be felt, but not drawn: ${error.message ?? error}`);
+      return false;
+    }
+    text.textContent = `Loading ${scene.name}: ${error.message}`;
+    setTimeout(() => { if (!signal.aborted) this.#load(scene, signal); }, error.after);
+    return true;
   }
 
   // Loads the list if the program has announced a newer one.
@@ -77,7 +90,7 @@ export class SceneLoader {
     const isFirst = !this.splats.knowsFelt;
     try {
       await this.splats.feel(felt.url, signal);
-      if (isFirst) this.onLoaded();
+      if (isFirst && this.splats.knowsFelt) this.onLoaded(); // else another scene came meanwhile
     } catch (error) {
       if (signal.aborted) return;
       notify(`The list of touchable Gaussians could not be loaded: ${error.message ?? error}`);

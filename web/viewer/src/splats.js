@@ -16,10 +16,23 @@ const splatBudget = 500000; // largest number of splats on a standalone headset
 const standalone = /Quest|OculusBrowser|Android|Pico|VisionOS/i;
 const searched = 4000; // ellipsoids around the tool that closest() examines
 
+/// An error that passes: the same request may succeed `after` a time. Unit: [ms].
+export class Passing extends Error {
+  constructor(message, after = 2000) {
+    super(message);
+    this.after = after;
+  }
+}
+
+// Response to a request. Rejects with what the program says against it.
 async function request(url, signal) {
-  const response = await fetch(httpUrl(url), { signal });
-  if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
-  return response;
+  const response = await fetch(httpUrl(url), { signal }).catch((error) => {
+    throw signal.aborted ? error : new Passing(error.message);
+  });
+  if (response.ok) return response;
+  const said = (await response.text()).trim() || `${url}: ${response.status} ${response.statusText}`;
+  const after = response.headers.get('Retry-After');
+  throw after ? new Passing(said, 1000 * after) : new Error(said);
 }
 
 // Download of the scene as {stream, length, failure()}. An interruption ends the stream and is stored as the failure:
@@ -42,7 +55,7 @@ async function download(scene, onProgress, signal) {
         onProgress(Math.min(loaded / length, 1));
         controller.enqueue(value);
       } catch (error) {
-        failure = error;
+        failure = new Passing(error.message);
         controller.close();
       }
     },
@@ -82,14 +95,24 @@ export class Splats {
       mesh.dispose();
       throw error;
     }
-    this.#mesh?.dispose();
-    this.#mesh?.removeFromParent();
+    this.clear();
     this.#mesh = mesh;
     this.#kept = readGaussians(mesh);
-    this.knowsFelt = false;
     mesh.visible = this.sceneShown;
     mesh.layers.set(sceneLayer);
     this.group.add(mesh);
+  }
+
+  /// Removes the scene.
+  clear() {
+    this.#mesh?.dispose();
+    this.#mesh?.removeFromParent();
+    this.#mesh = null;
+    this.#kept = null;
+    this.knowsFelt = false;
+    this.#felt?.show([]);
+    this.#forget();
+    this.onDirty();
   }
 
   /// Loads the list of Gaussians that can be felt.
