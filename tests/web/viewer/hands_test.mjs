@@ -50,10 +50,26 @@ describe('with two hands', () => {
     assert.equal((await ask(page, (v) => v.parameters())).hand, 'left');
     assert.deepEqual((await ask(page, (v) => v.others())).map(({ name }) => name), ['']);
     assert.match(await legendOf(page), /first hand/);
+    assert.equal(await page.locator('#hand-name').textContent(), 'hand left');
+    assert.match(await page.title(), /^hand left · ball\.ply/);
     await page.locator('#stop').click();
-    await until(page, () => document.title.startsWith('Stopped'));
+    await until(page, () => document.title.startsWith('Stopped · hand left'));
     const first = await openViewer(browser, program.url);
     assert.ok(!(await first.page.title()).startsWith('Stopped'));
+    assert.equal(await first.page.locator('#hand-name').isVisible(), false);
     assert.deepEqual([...problems, ...first.problems], []);
+  });
+
+  test('a page for a hand that there is not shows those that there are, and nothing else', async () => {
+    for (const name of ['nosuch', 'Left', '../left']) {
+      const page = await browser.newPage();
+      await page.goto(`${program.url}?hand=${encodeURIComponent(name)}`);
+      await page.getByText(`This program has no hand “${name}”`).waitFor();
+      assert.deepEqual(await page.locator('#unknown-hand a').allTextContents(), ['the first hand', 'left']);
+      for (const id of ['stop', 'canvas', 'panels']) assert.equal(await page.locator(`#${id}`).isVisible(), false, id);
+      await page.getByRole('link', { name: 'left' }).click();
+      await page.waitForFunction(() => document.getElementById('hand-name').textContent === 'hand left');
+      await page.close();
+    }
   });
 });

@@ -5,11 +5,14 @@ const asked = new URLSearchParams(location.search);
 const token = asked.get('token');
 const ofAll = new Set(['messages', 'hands', 'list_scenes', 'open_scene', 'propose_setup']); // shared by all hands
 
-/// Name of the hand that this page is for; empty: the first.
-export const ownHand = /^[a-z][a-z0-9_]*$/.test(asked.get('hand') ?? '') ? asked.get('hand') : '';
+/// Name of the hand that this page is for, which the program may lack; empty: the first.
+export const ownHand = asked.get('hand') ?? '';
 
-/// Full name of the topic or service `name` of this page's hand.
-export const rosName = (name) => (ownHand && !ofAll.has(name) ? `/palpate/${ownHand}/${name}` : `/palpate/${name}`);
+/// Full name of the topic or service `name` of this page's hand. A name that begins with a slash is full already.
+export function rosName(name) {
+  if (name.startsWith('/')) return name;
+  return ownHand && !ofAll.has(name) ? `/palpate/${ownHand}/${name}` : `/palpate/${name}`;
+}
 
 /// URL of a recording of this page's hand.
 export const recordingUrl = (file) => httpUrl(ownHand ? `/hands/${ownHand}/${file}` : `/${file}`);

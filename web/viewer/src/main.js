@@ -18,6 +18,7 @@ import { createScenesDialog } from './scenes_dialog.js';
 import { followSheet } from './sheet.js';
 import { followShortcuts } from './shortcuts.js';
 import { StatusBar } from './status_bar.js';
+import { refuseUnknownHand } from './unknown_hand.js';
 import { showWorld } from './world.js';
 
 const poseTopic = rosName('client/measured_cp');
@@ -32,6 +33,7 @@ const statusBar = new StatusBar({ connection, live, parameters, hold });
 const plots = new Plots(connection, live);
 const actions = createActions({ connection, parameters, statusBar, hold });
 
+refuseUnknownHand(connection);
 createFeelPanel(parameters);
 createToolPanel(parameters, actions.loadTool);
 createKeepPanel(parameters, actions);
@@ -41,6 +43,8 @@ followSheet();
 let shownMessage = '';
 parameters.onChange((p) => {
   for (const fields of document.querySelectorAll('.fields[inert]')) fields.inert = false; // had no parameters before
+  byId('hand-name').textContent = p.hand && `hand ${p.hand}`;
+  byId('hand-name').hidden = !p.hand;
   byId('scene-name').textContent = p.busy ? `${p.scene.name}: ${p.busy}` : p.scene.name;
   if (p.message && p.message !== shownMessage) notify(p.message, 'message');
   shownMessage = p.message;

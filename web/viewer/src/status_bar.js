@@ -65,8 +65,8 @@ export class StatusBar {
   }
 
   #title(stop) {
-    const name = this.parameters.current?.scene.name;
-    const title = [stop && 'Stopped', name, 'Palpate'].filter(Boolean).join(' · ');
+    const { scene, hand } = this.parameters.current ?? {};
+    const title = [stop && 'Stopped', hand && `hand ${hand}`, scene?.name, 'Palpate'].filter(Boolean).join(' · ');
     if (document.title !== title) document.title = title;
   }
 
