@@ -195,6 +195,24 @@ describe('holding the tool', () => {
     assert.equal(await ask(desk.page, (v) => v.held), false);
   });
 
+  test('keys belong to an open dialog, also one that is pressed already', async () => {
+    await desk.page.keyboard.press('h');
+    await desk.page.keyboard.down('PageUp');
+    await waitFor(() => distance(desk.gateway.tool.position, clear) > 0.01, 'a step by key');
+    await desk.page.keyboard.press('?');
+    await desk.page.getByRole('dialog').waitFor();
+    await settle(desk.page);
+    const before = await ask(desk.page, (v) => v.hand());
+    await desk.page.keyboard.down('ArrowRight');
+    await desk.page.keyboard.down('d');
+    await settle(desk.page, 10);
+    assert.deepEqual(await ask(desk.page, (v) => v.hand()), before);
+    assert.equal(await ask(desk.page, (v) => v.held), true);
+    for (const key of ['PageUp', 'ArrowRight', 'd', 'h']) await desk.page.keyboard.up(key);
+    await desk.page.keyboard.press('Escape');
+    await desk.page.getByRole('button', { name: 'Hold' }).click();
+  });
+
   test('who is refused is told that someone else holds it', async () => {
     desk.gateway.refusePoses = true;
     await desk.page.getByRole('button', { name: 'Hold' }).click();

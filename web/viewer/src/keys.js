@@ -3,6 +3,8 @@
 
 import { Quaternion, Vector3 } from 'three';
 
+import { isDialogOpen } from './shortcuts.js';
+
 const speed = 2; // in tool sizes per second
 const slow = 0.25; // factor on it with Shift
 const turnSpeed = 1.2; // Unit: [rad/s].
@@ -29,7 +31,7 @@ export class Keys {
     Object.assign(this, { view, hold, felt });
     window.addEventListener('keydown', (event) => {
       const name = nameOf(event);
-      if (!hold.holds('keys') || !(name in moves || name in turns) || isField(event.target)) return;
+      if (!hold.holds('keys') || !(name in moves || name in turns) || isField(event.target) || isDialogOpen()) return;
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       this.#down.add(name);
       this.slowly = event.shiftKey;
@@ -46,6 +48,7 @@ export class Keys {
   update(now) {
     const seconds = Math.min(now - this.#last, longestFrame);
     this.#last = now;
+    if (isDialogOpen()) this.#down.clear();
     if (!this.hold.holds('keys')) return;
     const wanted = this.#sum(moves);
     const pad = this.gamepad;
