@@ -89,6 +89,8 @@ TEST(ConfigToml, SavesTheSettingsThatAPersonWorksOut) {
   EXPECT_EQ(
       to_toml({}, TomlFields::kSaved),
       "# For palpate --config.\n"
+      "# Left out: the scene's file, --no-index-file, the options of the gateway, --hands, --hands-touch,\n"
+      "# --record, --scenes and --seconds, and the place of a headset's room.\n"
       "opacity-min = 0.1\nsigma = 1\nframe = \"as-is\"\nscale = 1\nrotate = [1, 0, 0, 0]\n"
       "translate = [0, 0, 0]\nmodel = \"proxy\"\nstiffness = 500\nfriction = 0\ntool = [0.02, 0.02, 0.04]\n");
   const std::string text = to_toml(other_config(), TomlFields::kSaved);
@@ -97,6 +99,19 @@ TEST(ConfigToml, SavesTheSettingsThatAPersonWorksOut) {
   EXPECT_THAT(text, HasSubstr("\ntool = '''\n[[ellipsoid]]\n"));
   EXPECT_THAT(text, testing::Not(HasSubstr("sigma")));
   EXPECT_THAT(text, testing::Not(HasSubstr("token")));
+}
+
+TEST(ConfigToml, SavesAllThatTheNextRunNeedsToBeTheSame) {
+  LiveConfig config = other_config();
+  config.scene.filter.sigma = SceneFilter().sigma;  // which iso replaces
+  config.device.virtual_damping = 20.0;
+  LiveConfig expected = config;
+  expected.scene.path.clear();
+  expected.scene.no_index_file = false;
+  expected.gateway = {};
+  EXPECT_EQ(read(to_toml(config, TomlFields::kSaved)), expected);
+  expected.scene = {};
+  EXPECT_EQ(read(to_toml(config, TomlFields::kSavedOfHand)), expected);
 }
 
 TEST(ConfigToml, KeepsWhatAFileDoesNotSay) {

@@ -100,7 +100,7 @@ using FieldType = std::variant<FlagField, TextField, CountField, NumberField, Op
 
 /// Additional properties of a field.
 struct FieldTraits {
-  bool saved = false;                   ///< a setting that a user tunes and keeps
+  bool saved = false;                   ///< a setting that a user tunes and keeps, see TomlFields::kSaved
   bool read_only = false;               ///< as a parameter
   std::string_view excludes = {};       ///< name of the field that it replaces when set
   std::string_view shown_default = {};  ///< for display, if different from the value

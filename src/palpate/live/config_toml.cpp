@@ -64,21 +64,35 @@ bool is_replaced(const ConfigField& field, const LiveConfig& config) {
   });
 }
 
+constexpr const char* kLeftOut =
+    "# Left out: the scene's file, --no-index-file, the options of the gateway, --hands, --hands-touch,\n"
+    "# --record, --scenes and --seconds, and the place of a headset's room.\n";
+
 /// Returns the value of a field that has a name; nothing if it is not set or another field replaces it.
 std::optional<std::string> value_of(const ConfigField& field, const LiveConfig& config) {
   if (field.name.empty() || is_replaced(field, config)) return std::nullopt;
   return std::visit(TomlText{config}, field.type);
 }
 
+/// Returns whether a file with `fields` has this field, if it is set.
+bool is_written(const ConfigField& field, const LiveConfig& config, TomlFields fields) {
+  using enum ConfigGroup;
+  if (fields == TomlFields::kAll) return true;
+  if (fields == TomlFields::kSavedOfHand && field.group == kScene) return false;
+  if (field.traits.saved) return true;
+  const bool of_run = field.group == kScene || field.group == kGateway;
+  return !of_run && value_of(field, config) != value_of(field, {});
+}
+
 }  // namespace
 
 std::string to_toml(const LiveConfig& config, TomlFields fields) {
   std::string text = "# For palpate --config.\n";
+  if (fields != TomlFields::kAll) text += kLeftOut;
   if (fields == TomlFields::kAll && !config.scene.path.empty())
     text += fmt::format("{} = {}\n", kScenePath, toml_quoted(config.scene.path));
   for (const ConfigField& field : config_fields()) {
-    if (fields != TomlFields::kAll && !field.traits.saved) continue;
-    if (fields == TomlFields::kSavedOfHand && field.group == ConfigGroup::kScene) continue;
+    if (!is_written(field, config, fields)) continue;
     if (const auto value = value_of(field, config)) text += fmt::format("{} = {}\n", field.name, *value);
   }
   return text;
