@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
+#include <support/ply_builder.h>
 #include <support/temporary_file.h>
 
 namespace palpate::test {
@@ -70,6 +72,26 @@ TEST_F(SceneLibraryTest, OpensNothingThatIsNotOffered) {
   }
   EXPECT_THAT(message_of<Error>([&] { library.path_of("0/c.spz"); }),
               AllOf(HasSubstr(".spz cannot be read"), HasSubstr("splat-transform")));
+}
+
+TEST_F(SceneLibraryTest, SaysWhichPlyIsNoScene) {
+  const auto write_bytes = [&](const std::string& name, const std::string& bytes) {
+    std::ofstream(folder() / name, std::ios::binary) << bytes;
+  };
+  const std::string begin = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n";
+  write_bytes("good.ply", inria_file(1).bytes());
+  write_bytes("packed.ply", begin + "property uint packed_position\nend_header\n....");
+  write_bytes("mesh.ply",
+              begin + "property float x\nproperty float y\nproperty float z\nend_header\n............");
+  write_bytes("zip.ply", "PK\3\4....");
+  const SceneLibrary library({folder().string()}, "");
+  std::map<std::string, std::string> refusals;
+  for (const auto& entry : library.list()) refusals[entry.name] = entry.refusal;
+  EXPECT_EQ(refusals["good.ply"], "");
+  EXPECT_THAT(refusals["packed.ply"], AllOf(StartsWith("is a compressed .ply"), HasSubstr("convert it")));
+  EXPECT_THAT(refusals["mesh.ply"], HasSubstr("is not a Gaussian splatting scene"));
+  EXPECT_THAT(refusals["zip.ply"], HasSubstr("is a zip file"));
+  EXPECT_THAT(message_of<Error>([&] { library.path_of("0/packed.ply"); }), HasSubstr("compressed .ply"));
 }
 
 TEST_F(SceneLibraryTest, RefusesFoldersThatAreNone) {

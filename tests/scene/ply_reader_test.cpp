@@ -74,6 +74,16 @@ TEST(PlyReader, ReadsTheLayoutThatInriaTrains) {
   EXPECT_EQ(scene.color[0], (std::array<std::uint8_t, 3>{163, 92, 199}));
 }
 
+TEST(PlyReader, ReadsAHeaderThatEndsAnywhereInItsBuffers) {
+  PlyFile file = inria_file(1);
+  const std::size_t rest = file.header().size() + std::string("comment \n").size();
+  for (std::size_t bytes = 16384 - 2; bytes <= 16384 + 14; ++bytes) {
+    file.header_before = "comment " + std::string(bytes - rest, 'a') + "\n";
+    ASSERT_EQ(file.header().size(), bytes);
+    EXPECT_EQ(read(file).size(), 1U) << bytes;
+  }
+}
+
 TEST(PlyReader, TakesPropertiesInAnyOrderBetweenOthersOfAnyType) {
   std::mt19937 random(1);
   const char* const types[] = {"char", "ushort", "int32", "float64", "uint8", "double"};

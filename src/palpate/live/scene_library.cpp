@@ -13,6 +13,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
+#include <palpate/scene/scene_reader.h>
 
 namespace palpate {
 namespace {
@@ -48,6 +49,18 @@ std::string tame(std::string_view name) {
   }
   if (result.size() > kLongest) result.erase(0, result.size() - kLongest);  // keeps the extension
   return result;
+}
+
+/// Returns why the .ply `file` is not a scene that can be read, by its header; empty if it is.
+std::string refusal_of_header(const fs::path& file) {
+  try {
+    check_beginning(file.string());
+    return {};
+  } catch (const Error& error) {
+    const std::string_view said = error.what();
+    const std::string path = file.string() + ": ";  // of no concern to a page
+    return std::string(said.starts_with(path) ? said.substr(path.size()) : said);
+  }
 }
 
 bool is_inside(const fs::path& folder, const fs::path& file) {
@@ -114,9 +127,11 @@ std::vector<SceneLibrary::Found> SceneLibrary::find() const {
       const fs::path whole = fs::canonical(at->path(), skipped);  // a link may point to another folder
       if (skipped || !is_inside(folders_[k], whole) || !fs::is_regular_file(whole, skipped)) continue;
       const std::string name = at->path().lexically_relative(folders_[k]).string();
-      found.push_back(
-          {{fmt::format("{}/{}", k, name), name, size(whole), readable ? "" : refusal_of_format(name)},
-           whole.string()});
+      found.push_back({{fmt::format("{}/{}", k, name), name, size(whole),
+                        !readable             ? refusal_of_format(name)
+                        : extension == ".ply" ? refusal_of_header(whole)
+                                              : ""},
+                       whole.string()});
     }
     std::sort(found.begin() + static_cast<std::ptrdiff_t>(begin), found.end(),
               [](const Found& a, const Found& b) { return a.entry.name < b.entry.name; });

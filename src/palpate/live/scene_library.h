@@ -30,7 +30,7 @@ class SceneLibrary {
     std::string id;            ///< for path_of()
     std::string name;          ///< for display
     std::uint64_t bytes = 0;   ///< 0: not a file
-    std::string refusal = {};  ///< why it cannot be read, and what to do; empty: readable
+    std::string refusal = {};  ///< why it cannot be read, by name and header, and what to do; empty: readable
   };
   /// Lists the scenes on the disk now: at most kMost, sorted by folder and name.
   std::vector<Entry> list() const;

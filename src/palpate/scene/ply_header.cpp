@@ -12,6 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{1} << 20;
+constexpr std::uint64_t kUsualHeaderBytes = std::uint64_t{1} << 14;
 // Real scenes have a handful of elements and up to about a hundred properties; a hostile header must
 // not cost quadratic time.
 constexpr std::size_t kMaxElements = 100;
@@ -190,8 +191,13 @@ const char* to_string(PlyEncoding encoding) {
 bool is_ply(std::string_view start) { return start.starts_with("ply\n") || start.starts_with("ply\r"); }
 
 PlyHeader read_ply_header(const InputFile& file) {
-  std::string text(std::min(file.size(), kMaxHeaderBytes), '\0');
-  text.resize(file.read_some(0, text));
+  std::string text;
+  for (const std::uint64_t most : {kUsualHeaderBytes, kMaxHeaderBytes}) {
+    text.resize(std::min(file.size(), most));
+    text.resize(file.read_some(0, text));
+    const std::size_t end = text.find("\nend_header");
+    if (end != std::string::npos && text.find('\n', end + 1) != std::string::npos) break;
+  }
   return HeaderParser(file, text).parse();
 }
 

@@ -12,6 +12,7 @@
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
 #include <palpate/scene/ply_reader.h>
+#include <palpate/scene/ply_scene.h>
 #include <palpate/scene/splat_reader.h>
 
 namespace palpate {
@@ -70,6 +71,16 @@ bool SceneReader::next(GaussianScene& chunk) {
   done_ += n;
   report(progress_, "reading", static_cast<double>(done_) / static_cast<double>(count_));
   return true;
+}
+
+void check_beginning(const std::string& path) {
+  InputFile file(path);
+  std::array<char, 4> start{};
+  if (is_ply({start.data(), file.read_some(0, start)})) {
+    read_ply_scene(std::move(file));
+  } else {
+    open_scene(path);
+  }
 }
 
 std::unique_ptr<SceneReader> open_scene(const std::string& path, const Progress& progress) {

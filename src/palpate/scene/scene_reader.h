@@ -66,6 +66,10 @@ class SceneReader {
 /// offset, property or row, and what to do.
 std::unique_ptr<SceneReader> open_scene(const std::string& path, const Progress& progress = {});
 
+/// Checks the beginning of a scene file: its format, and the header of a .ply. \throws Error as open_scene()
+/// does.
+void check_beginning(const std::string& path);
+
 /// Reads all remaining Gaussians. \throws Error as SceneReader::next() does.
 GaussianScene read_all(SceneReader& reader);
 
