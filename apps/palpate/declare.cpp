@@ -189,9 +189,11 @@ Pose parse_pose(const std::string& text) {
   return pose;
 }
 
-void need_one(CLI::App& app, const std::string& a, const std::string& b) {
-  app.parse_complete_callback([&app, a, b] {
-    if (!is_given(app, a) && !is_given(app, b)) throw CLI::RequiredError(a + " or " + b);
+void need_unless(CLI::App& app, const std::vector<std::string>& options, const std::string& instead) {
+  app.parse_complete_callback([&app, options, instead] {
+    if (is_given(app, instead)) return;
+    for (const std::string& option : options)
+      if (!is_given(app, option)) throw CLI::RequiredError(fmt::format("{} or {}", option, instead));
   });
 }
 

@@ -71,8 +71,8 @@ DeclaredOption add_files(CLI::App& app, const std::string& name, std::vector<std
 DeclaredOption add_texts(CLI::App& app, const std::string& name, std::vector<std::string>& values,
                          const std::string& type, const std::string& description);
 
-/// Requires at least one of the two options.
-void need_one(CLI::App& app, const std::string& a, const std::string& b);
+/// Requires all `options`, unless `instead` is given. Once per command.
+void need_unless(CLI::App& app, const std::vector<std::string>& options, const std::string& instead);
 
 /// Requires `needed` where one of `options` is given. Entries of a configuration file are ignored instead.
 void need(CLI::App& app, const std::vector<std::string>& options, const std::string& needed);

@@ -80,12 +80,12 @@ Command declare_replay(CLI::App& parent) {
   auto options = std::make_shared<ReplayOptions>();
   declare_common(app, options->common, "print the summary as JSON");
   declare_scene(app, options->live, SceneArgument::kOptionalPositional);
-  need_one(app, "SCENE", kFromRun);
   add_text(app, kFromRun, options->from, "RUN.csv",
            "repeat a run with its settings and poses, unless options override them; give SCENE if the scene "
            "file has moved");
-  add_text(app, "--trajectory", options->trajectory, "T.csv", "tool poses, world frame: t,x,y,z,qw,qx,qy,qz")
-      .required();
+  add_text(app, "--trajectory", options->trajectory, "T.csv",
+           "tool poses, world frame: t,x,y,z,qw,qx,qy,qz; with --from, the poses of that run by default");
+  need_unless(app, {"SCENE", "--trajectory"}, kFromRun);
   add_text(app, "--out", options->out, "RUN.csv",
            "output file: contacts, wrench and computation time of every pose")
       .required();

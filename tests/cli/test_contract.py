@@ -77,6 +77,13 @@ class Usage(Case):
         self.refuse(2, "dodecahedron", "make-scene", "dodecahedron", "--out", "s.ply")
         self.refuse(2, "tcsh", "completion", "tcsh")
 
+    def test_what_from_replaces_is_not_called_required(self):
+        help_text = self.succeed("replay", "--help").out.decode()
+        (line,) = [line for line in help_text.splitlines() if line.strip().startswith("--trajectory")]
+        self.assertNotIn("REQUIRED", line)
+        self.refuse(2, "--trajectory or --from", "replay", "a.ply", "--out", "r.csv")
+        self.refuse(2, "SCENE or --from", "replay", "--trajectory", "p.csv", "--out", "r.csv")
+
     def test_what_is_not_expected_is_told_in_order_and_before_what_is_missing(self):
         extra = ("info", "a.ply", "one", "two", "three")
         self.refuse(2, "not expected: one two three", *extra)
