@@ -5,7 +5,7 @@ import { after, before, beforeEach, describe, test } from 'node:test';
 
 import { ask, settle, until, waitFor } from './browser.mjs';
 import { clear, desk, distance, openDesk, requests, resetDesk } from './desk.mjs';
-import { radius } from './mock_scene.mjs';
+import { ballScene, radius } from './mock_scene.mjs';
 
 // WebXR's x, y, z of a point of the world, while `room` is as it is put first for a small scene: its middle is half
 // a metre ahead of the origin and 1.1 m up.
@@ -205,6 +205,20 @@ describe('in a headset', () => {
     await pointAt('model');
     await click('right', 'trigger');
     await waitFor(() => desk.gateway.parameters.model === 'field', 'the next model');
+  });
+
+  test('a scene that somebody else opens is put within reach', async () => {
+    desk.gateway.reset([0, 0, 0.3], ballScene(250)); // of which nobody has a room
+    await until(desk.page, (kept) => window.palpateViewer.kept() === kept, desk.gateway.kept.length);
+    await settle(desk.page);
+    const above = [0, 0, 0.3];
+    await put('right', inRoom(above));
+    await settle(desk.page, 3);
+    await press('right', 'trigger', 1);
+    await waitFor(() => desk.gateway.poses.length > 0, 'poses');
+    assert.ok(distance(await ask(desk.page, (v) => v.hand()), above) < 0.1, `${await ask(desk.page, (v) => v.hand())}`);
+    await press('right', 'trigger', 0);
+    await until(desk.page, () => !window.palpateViewer.held);
   });
 
   test('an arrow points to the tool when it is out of view', async () => {

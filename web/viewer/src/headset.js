@@ -92,7 +92,7 @@ export class Headset {
     });
     this.session = session;
     session.addEventListener('visibilitychange', () => { if (session.visibilityState !== 'visible') this.#letGoAll(); });
-    if (this.room.isIdentity) this.room.placeFirst(this.splats.box);
+    this.#placeFirst();
     this.view.enterHeadset(mode === 'immersive-vr');
     this.surroundings.applyTheme();
     this.surroundings.group.visible = mode === 'immersive-vr';
@@ -106,6 +106,17 @@ export class Headset {
     this.view.renderer.xr.setFoveation(1);
     this.#placeWorld();
     await this.splats.enterHeadset();
+  }
+
+  // Places the scene within reach, or around the user, unless somebody has placed it: the program then has a room.
+  #placeFirst() {
+    this.room.set(this.parameters.current.room);
+    if (this.room.isIdentity) this.room.placeFirst(this.splats.box);
+  }
+
+  /// Call when another scene, or the same in another size, is shown.
+  sceneChanged() {
+    if (this.session) this.#placeFirst();
   }
 
   leave() {

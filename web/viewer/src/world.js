@@ -40,9 +40,13 @@ export function showWorld({ connection, live, parameters, hold, statusBar, plots
   const { shown, update: updateShown } = createShownPanel({ splats, felt, changed: () => view.invalidate() });
   createPlacementPanel(parameters, { pickPoint: () => picker.point(), mark: (points) => picker.mark(points), propose: actions.proposeSetup });
   const legend = new Legend(view, felt);
-  const size = new FirstSize({ parameters, splats, propose: actions.proposeSetup, onSized: () => takeHold.frameAll() });
+  const size = new FirstSize({ parameters, splats, propose: actions.proposeSetup, onSized: () => {
+    takeHold.frameAll();
+    headset.sceneChanged();
+  } });
   const loader = new SceneLoader(splats, () => {
     takeHold.open();
+    headset.sceneChanged();
     size.begin();
   });
 
