@@ -16,9 +16,8 @@ class TomlValue;
 
 /// Selection of the fields that are written to a file.
 enum class TomlFields : std::uint8_t {
-  /// What the next run needs to have the same settings: those of the scene except its file, tool and force
-  /// that
-  /// a user tunes and keeps; and those of force, device and loop that differ from their defaults. A comment
+  /// What the next run needs to have the same settings: those of scene (except its file), tool and force that
+  /// a user tunes and keeps, and those of force, device and loop that differ from their defaults. A comment
   /// names what is left out.
   kSaved,
   kSavedOfHand,  ///< the same for one of several hands, which share the scene

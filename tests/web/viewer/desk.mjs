@@ -39,6 +39,7 @@ export async function resetDesk({ scene = ball, at = clear, parameters = {} } = 
   desk.scene = scene;
   gateway.reset(at, scene, parameters);
   await page.waitForFunction(() => document.getElementById('pause').textContent === 'Pause');
+  await page.locator('#stopped').waitFor({ state: 'hidden' }); // of the test before
   await until(page, ([stiffness, z, kept]) => {
     const viewer = window.palpateViewer;
     return viewer.connected && viewer.parameters().stiffness === stiffness && !viewer.held && viewer.tool()?.[2] === z && viewer.sceneLoaded && viewer.kept() === kept;
