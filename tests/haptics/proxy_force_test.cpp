@@ -749,6 +749,21 @@ TEST(ProxyForce, GoesOnWithAsManyPartsAsAToolMayHave) {
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
 }
 
+// The normals of its contacts lie in the plane.
+TEST(ProxyForce, StartsInTheVeryMiddleOfAPlane) {
+  const double a = kRadius;
+  for (const Vector3d& axes : {Vector3d(a, a, a), Vector3d(a, a, 2 * a), Vector3d(5 * a, a, 0.2 * a)}) {
+    for (const double spacing : {0.002, 0.004}) {
+      Bench bench("plane", even(spacing), {}, Tool(axes));
+      ForceOutput felt;
+      for (int tick = 0; tick < 100; ++tick) felt = bench.at({0.001, 0.002, 0.0});
+      const double out = kStiffness * axes.z();
+      EXPECT_NEAR(std::abs(felt.wrench.force.z()), out, 0.1 * out) << axes.transpose();
+      EXPECT_LE(felt.wrench.force.head<2>().norm(), 0.1 * out) << axes.transpose();
+    }
+  }
+}
+
 // A tick is not enough to find out what 256 parts are in: there is no force until all have looked, and then
 // all hold the tool.
 TEST(ProxyForce, StartsInASurfaceWithAsManyPartsAsAToolMayHave) {
