@@ -89,14 +89,10 @@ DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& v
 }
 
 DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& choices,
-                          const std::string& description, const std::function<void(const std::string&)>& set,
-                          bool (*may_be)(const std::string& text)) {
-  const CLI::Validator member = CLI::IsMember(choices);
-  const auto check = [member, may_be](std::string& text) {
-    return may_be != nullptr && may_be(text) ? std::string() : member(text);
-  };
-  return DeclaredOption(app.add_option_function<std::string>(name, set, description)
-                            ->check(CLI::Validator(check, member.get_description())));
+                          const std::string& description,
+                          const std::function<void(const std::string&)>& set) {
+  return DeclaredOption(
+      app.add_option_function<std::string>(name, set, description)->check(CLI::IsMember(choices)));
 }
 
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,

@@ -54,10 +54,9 @@ DeclaredOption add_text(CLI::App& app, const std::string& name, std::string& val
 DeclaredOption add_choice(CLI::App& app, const std::string& name, std::string& value,
                           const std::vector<std::string>& choices, const std::string& description);
 
-/// The same, with the choice passed to `set`. \param may_be returns true for other text to accept; null: none
+/// The same, with the choice passed to `set`.
 DeclaredOption add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& choices,
-                          const std::string& description, const std::function<void(const std::string&)>& set,
-                          bool (*may_be)(const std::string& text) = nullptr);
+                          const std::string& description, const std::function<void(const std::string&)>& set);
 
 /// Several choices, separated by commas.
 DeclaredOption add_choices(CLI::App& app, const std::string& name, std::vector<std::string>& values,
