@@ -4,12 +4,10 @@
 #include <cstdio>
 #include <exception>
 #include <new>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,6 +15,7 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
+#include <palpate/base/similar_name.h>
 
 #include "command.h"
 #include "config.h"
@@ -60,42 +59,13 @@ int refuse(const CLI::ParseError& error, const Arguments& arguments) {
   return fail(kExitUsage, message + " (see --help)");
 }
 
-/// Levenshtein's distance.
-std::size_t edits_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j - 1] + 1, row[j] + 1, replaced}));
-    }
-  }
-  return row.back();
-}
-
-/// The option of `command` that `argument` resembles: one name begins with the other, or few letters differ.
-/// Empty if there is none.
-std::string option_like(const CLI::App& command, std::string argument) {
-  constexpr std::size_t kLongest = 40;  // of an argument that may be a name
-  if (!argument.starts_with('-')) return {};
-  argument = argument.substr(0, argument.find('='));
-  argument.erase(0, argument.find_first_not_of('-'));
-  std::ranges::replace(argument, '_', '-');
-  if (argument.size() < 2 || argument.size() > kLongest) return {};
-  const std::size_t most = argument.size() < 6 ? 1 : 2;
-  std::size_t least = most + 1;
-  std::string found;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) {
-      const bool begins = name.starts_with(argument) || argument.starts_with(name);
-      const std::size_t edits = std::min(edits_between(argument, name), begins ? most : kLongest);
-      if (edits >= least) continue;
-      least = edits;
-      found = "--" + name;
-    }
-  }
-  return found;
+/// The option of `command` that `argument` resembles. Empty if there is none.
+std::string option_like(const CLI::App& command, const std::string& argument) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    names.insert(names.end(), option->get_lnames().begin(), option->get_lnames().end());
+  const std::string found = similar_option(argument, names);
+  return found.empty() ? found : "--" + found;
 }
 
 /// Reports arguments that the command does not take.
