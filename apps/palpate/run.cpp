@@ -1,9 +1,6 @@
 // palpate run: live haptic rendering of a scene.
-#include <algorithm>
 #include <array>
 #include <csignal>
-#include <filesystem>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,8 +16,8 @@
 #include <palpate/base/real_time.h>
 #include <palpate/live/live_gateway.h>
 #include <palpate/live/live_hands.h>
+#include <palpate/live/run_recordings.h>
 #include <palpate/live/run_signals.h>
-#include <palpate/record/recording_observer.h>
 #include <palpate/report/live_table.h>
 #include <palpate/rosbridge/own_address.h>
 #include <palpate/servo/live_view.h>
@@ -139,69 +136,13 @@ void tell_viewer(const std::string& url, const std::string& listens_on) {
   notify(fmt::format("where that name is unknown: {}", by_address));
 }
 
-/// The recordings of a run, one per hand.
-class Recordings {
- public:
-  /// An empty `path` makes none; a hand NAME is recorded in RUN-NAME.csv. \throws Error if a file cannot be
-  /// created.
-  Recordings(const std::string& path, const LiveHands& hands) {
-    if (path.empty()) return;
-    try {
-      for (const LiveHands::Hand& hand : hands.all()) {
-        std::filesystem::path file(path);
-        if (!hand.name.empty())
-          file.replace_filename(file.stem().string() + "-" + hand.name + file.extension().string());
-        RecorderOptions options = recorder_options(hand.system->device());
-        options.made = to_toml(hand.system->provenance(kCommand));
-        all_.push_back(std::make_unique<Recording>(file.string(), options));
-      }
-    } catch (const Error&) {  // those of the hands before it have no rows
-      for (const auto& recording : all_) std::filesystem::remove(recording->path);
-      throw;
-    }
+/// Prints the files of the recordings.
+void print(const RunRecordings& recordings) {
+  for (const auto& recording : recordings.all()) {
+    const Recorder& recorder = recording->recorder;
+    fmt::print("wrote {}: {} ticks, {} lost; next: palpate report {} --out report.html\n",
+               printable(recording->path), recorder.written(), recorder.lost(), printable(recording->path));
   }
-
-  /// Recording observer of hand number `hand`; null without recordings.
-  TickObserver* observer(std::size_t hand) { return all_.empty() ? nullptr : &all_[hand]->observer; }
-  /// First failure of a recording.
-  std::optional<std::string> failure() const {
-    for (const auto& recording : all_)
-      if (auto failure = recording->recorder.failure()) return failure;
-    return std::nullopt;
-  }
-  void close() {
-    for (const auto& recording : all_) recording->recorder.close();
-  }
-  void print() const {
-    for (const auto& recording : all_) {
-      const Recorder& recorder = recording->recorder;
-      fmt::print("wrote {}: {} ticks, {} lost; next: palpate report {} --out report.html\n",
-                 printable(recording->path), recorder.written(), recorder.lost(), printable(recording->path));
-    }
-  }
-
- private:
-  struct Recording {
-    Recording(const std::string& file, const RecorderOptions& options)
-        : path(file), recorder(file, options), observer(recorder) {}
-    std::string path;
-    Recorder recorder;
-    RecordingObserver observer;
-  };
-  std::vector<std::unique_ptr<Recording>> all_;
-};
-
-/// Time at which the run ends: `seconds` if set, else after the longest playback, or infinity if a hand is
-/// not played back. Unit: [s].
-double end_of(const LiveHands& hands, double seconds) {
-  if (seconds > 0.0) return seconds;
-  double longest = 0.0;
-  for (const LiveHands::Hand& hand : hands.all()) {
-    const double length = hand.system->playback_length();
-    if (length == 0.0) return std::numeric_limits<double>::infinity();
-    longest = std::max(longest, length);
-  }
-  return longest;
 }
 
 std::vector<HandSetup> setups_of(const RunOptions& options) {
@@ -235,7 +176,7 @@ void run(const RunOptions& options) {
     lines.add(line);
   };
   LiveHands hands(setups_of(options), tell, progress, options.hands_touch);
-  Recordings recordings(options.record, hands);
+  RunRecordings recordings(options.record, hands, kCommand);
   const bool talks = !options.common.quiet;
   std::unique_ptr<LiveGateway> gateway;
   if (!options.live.gateway.off) {
@@ -264,7 +205,7 @@ void run(const RunOptions& options) {
     if (gateway) tell_viewer(gateway->url(), options.live.gateway.address);
   }
 
-  const double until = end_of(hands, options.seconds);
+  const double until = options.seconds > 0.0 ? options.seconds : hands.playback_length();
   std::optional<std::string> failure;
   {
     Console console(hands, views, gateway.get(), !talks);
@@ -294,20 +235,13 @@ void run(const RunOptions& options) {
   for (LiveSystem* system : systems) system->begin_to_stop();  // they ramp down while the gateway stops
   if (gateway) gateway->stop();
   hands.stop();
-  std::string left;  // devices whose drivers hang
-  for (const LiveHands::Hand& hand : hands.all()) {
-    if (hand.system->has_left_device())
-      left += fmt::format(
-          "{}{}the driver of {} does not return; its motors were told to stop, and it is not closed",
-          left.empty() ? "" : "; ", said_of(hand.name), hand.system->device().name);
-  }
   signals.reset();  // no force is left: from here, a signal may end the program
   recordings.close();
   failure = recordings.failure();
   if (talks || options.common.json) tell_outcomes(outcomes, hands, options.common.json);
-  if (talks && !options.common.json && !failure) recordings.print();
+  if (talks && !options.common.json && !failure) print(recordings);
   if (failure) throw Error("{}", *failure);
-  if (!left.empty()) throw Error("{}", left);
+  if (const std::string left = hands.left_devices(); !left.empty()) throw Error("{}", left);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -263,6 +264,8 @@ TEST(LiveHands, EndWithoutTheOneWhoseDriverHangs) {
     hands.stop();
     EXPECT_TRUE(hands.first().has_left_device());
     EXPECT_FALSE(hands.all()[1].system->has_left_device());
+    EXPECT_EQ(hands.left_devices(),
+              "the driver of own does not return; its motors were told to stop, and it is not closed");
     EXPECT_TRUE(closed);
     EXPECT_FALSE(hands.first().provenance("run").made.empty());
   }
@@ -383,6 +386,26 @@ TEST(LiveHands, AHandThatNeedsItsSceneKeepsIt) {
               HasSubstr("hand film: a playback belongs to its scene"));
   EXPECT_EQ(hands.first().settings().scene.path, plane());
   hands.stop();
+}
+
+TEST(LiveHands, ArePlayedBackUntilTheEndOfTheLongestPlayback) {
+  const auto of_seconds = [](double seconds) {
+    return TemporaryFile("t,x,y,z\n0,0,0,0.1\n" + std::to_string(seconds) + ",0,0,0.05\n", "path.csv");
+  };
+  const TemporaryFile short_path = of_seconds(1.0), long_path = of_seconds(3.0);
+  LiveConfig brief = field_config();
+  brief.device.kind = DeviceKind::kPlayback;
+  brief.device.trajectory = short_path.path();
+  LiveConfig lengthy = brief;
+  lengthy.device.trajectory = long_path.path();
+  EXPECT_DOUBLE_EQ(
+      LiveHands(setups(hand("", brief, nullptr), hand("left", lengthy, nullptr))).playback_length(), 3.0);
+  EXPECT_DOUBLE_EQ(
+      LiveHands(setups(hand("", lengthy, nullptr), hand("left", brief, nullptr))).playback_length(), 3.0);
+  EXPECT_EQ(
+      LiveHands(setups(hand("", lengthy, nullptr), hand("left", field_config(), std::make_unique<Stepper>())))
+          .playback_length(),
+      std::numeric_limits<double>::infinity());
 }
 
 TEST(LiveHands, SaysWhichHandCannotBe) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <palpate/base/error.h>
 #include <palpate/scene/load_scene.h>
@@ -72,6 +75,27 @@ void LiveHands::start(const std::vector<std::vector<TickObserver*>>& observers) 
 void LiveHands::stop() {
   for (const Hand& hand : hands_) hand.system->begin_to_stop();
   for (const Hand& hand : hands_) hand.system->stop();  // the first one first: none follows it any more
+}
+
+std::string LiveHands::left_devices() const {
+  std::string left;
+  for (const Hand& hand : hands_) {
+    if (hand.system->has_left_device())
+      left += fmt::format(
+          "{}{}the driver of {} does not return; its motors were told to stop, and it is not closed",
+          left.empty() ? "" : "; ", said_of(hand.name), hand.system->device().name);
+  }
+  return left;
+}
+
+double LiveHands::playback_length() const {
+  double longest = 0.0;
+  for (const Hand& hand : hands_) {
+    const double length = hand.system->playback_length();
+    if (length == 0.0) return std::numeric_limits<double>::infinity();
+    longest = std::max(longest, length);
+  }
+  return longest;
 }
 
 void LiveHands::stop_force(Fault why) {

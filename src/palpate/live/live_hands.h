@@ -45,12 +45,17 @@ class LiveHands {
   /// Returns the first hand, then the others in the order of their setups.
   std::span<const Hand> all() const { return hands_; }
   LiveSystem& first() const { return *hands_.front().system; }
+  /// Returns the longest LiveSystem::playback_length(); infinity if a hand is not played back. Unit: [s].
+  double playback_length() const;
 
   /// Starts all hands. \param observers of each hand, see LiveSystem::start() \throws Error if a device
   /// cannot be enabled, with the name of its hand; hands that have already started are then stopped.
   void start(const std::vector<std::vector<TickObserver*>>& observers);
   /// Ramps all forces down at the same time, then stops each hand. Owner's thread; further calls do nothing.
   void stop();
+  /// Returns, in one line for the user, whose drivers hang, so that stop() left their devices behind; empty
+  /// if none does. Owner's thread.
+  std::string left_devices() const;
 
   /// \name Any thread, after start()
   /// @{
