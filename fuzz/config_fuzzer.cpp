@@ -3,14 +3,14 @@
 #include <cstdint>
 
 #include <palpate/base/error.h>
+#include <palpate/live/config_toml.h>
 
-#include "apps/palpate/config.h"
 #include "input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static palpate::fuzz::InputFile file;
   try {
-    for (const auto& entry : palpate::cli::read_config(file.hold(data, size, "config.toml")))
+    for (const auto& entry : palpate::read_config(file.hold(data, size, "config.toml")))
       palpate::fuzz::require(entry.line > 0);
   } catch (const palpate::Error&) {
   }

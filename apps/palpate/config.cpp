@@ -5,10 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <palpate/base/error.h>
-#include <palpate/base/toml_file.h>
-#include <palpate/live/config_toml.h>
-
-#include "run_origin.h"
+#include <palpate/live/run_origin.h>
 
 namespace palpate::cli {
 namespace {
@@ -47,7 +44,7 @@ std::string run_taken_from(const CLI::App& command, const std::vector<std::strin
   if (command.get_name() == "replay") return value_given(arguments, kFromRun);
   if (command.get_name() != "report" || !gives(arguments, "--scene")) return {};
   const std::string run = first_positional(command, arguments);
-  return !run.empty() && says_how_it_was_made(run) ? run : std::string();
+  return !run.empty() && has_provenance(run) ? run : std::string();
 }
 
 const CLI::Option* find_option(const CLI::App& app, const std::string& name) {
@@ -131,14 +128,6 @@ void add(Arguments& arguments, const CLI::App& app, const CLI::App& command,
 const CLI::App* find_command(const CLI::App& app, const std::string& name) {
   const auto found = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == name; });
   return found.empty() ? nullptr : found.front();
-}
-
-std::vector<ConfigEntry> read_config(const std::string& path) {
-  const TomlFile file(path);
-  std::vector<ConfigEntry> entries;
-  for (const TomlValue& value : file.root().values())
-    entries.push_back({std::string(value.key()), value_text(value), path, value.line()});
-  return entries;
 }
 
 Arguments with_config(const CLI::App& app, const std::vector<std::string>& arguments) {

@@ -5,26 +5,14 @@
 #include <string>
 #include <vector>
 
+#include <palpate/live/config_toml.h>
+
 #include "declare.h"
 
 namespace palpate::cli {
 
 /// The subcommand called `name`; null if there is none.
 const CLI::App* find_command(const CLI::App& app, const std::string& name);
-
-/// An entry of a configuration file, in command-line form.
-struct ConfigEntry {
-  std::string key;    ///< long option name without dashes
-  std::string value;  ///< text of the value; arrays joined by commas
-  std::string file;   ///< path of the file, for messages
-  std::size_t line;
-};
-
-/// Reads a TOML file whose keys are long option names (`opacity-min = 0.2`, `tool = [0.01, 0.01, 0.03]`,
-/// `json = true`).
-/// \throws Error with file and line if the file is not TOML or a value cannot be given on a command line
-/// (tables, dates).
-std::vector<ConfigEntry> read_config(const std::string& path);
 
 /// Option of `replay` that names a run: its settings are the defaults and its poses the trajectory.
 inline constexpr const char* kFromRun = "--from";

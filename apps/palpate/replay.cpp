@@ -9,6 +9,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/version.h>
+#include <palpate/live/run_origin.h>
 #include <palpate/record/playback.h>
 #include <palpate/report/run_table.h>
 
@@ -17,7 +18,6 @@
 #include "made.h"
 #include "options.h"
 #include "output.h"
-#include "run_origin.h"
 #include "terminal.h"
 
 namespace palpate::cli {

@@ -10,6 +10,7 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
+#include <palpate/live/run_origin.h>
 #include <palpate/report/markup.h>
 #include <palpate/report/report_data.h>
 #include <palpate/report/result_files.h>
@@ -19,7 +20,6 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
-#include "run_origin.h"
 #include "terminal.h"
 
 extern "C" {
@@ -73,7 +73,7 @@ void run(const ReportOptions& options) {
   check_ending(options.out, ".html");
   check_figure_folder(options.svg);
   if (const std::string& first = options.runs.front();
-      !options.live.scene.path.empty() && says_how_it_was_made(first))
+      !options.live.scene.path.empty() && has_provenance(first))
     RunOrigin(first).check(options.live.scene);
   const Progress progress = terminal_progress(options.common.quiet);
   const std::vector<Run> runs = read_all(options, progress);

@@ -136,6 +136,14 @@ std::string value_text(const TomlValue& value) {
   return fmt::format("{}", fmt::join(parts, ","));
 }
 
+std::vector<ConfigEntry> read_config(const std::string& path) {
+  const TomlFile file(path);
+  std::vector<ConfigEntry> entries;
+  for (const TomlValue& value : file.root().values())
+    entries.push_back({std::string(value.key()), value_text(value), path, value.line()});
+  return entries;
+}
+
 LiveConfig read_live_config(const std::string& path, LiveConfig config, bool (*is_refused)(ConfigGroup)) {
   const TomlFile file(path);
   TomlTable root = file.root();

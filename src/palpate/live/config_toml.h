@@ -2,6 +2,7 @@
 /// TOML configuration files of a live system: the keys of `palpate run --config`.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -44,6 +45,20 @@ std::string toml_quoted(std::string_view text);
 /// joined by commas.
 /// \throws Error for anything else.
 std::string value_text(const TomlValue& value);
+
+/// An entry of a configuration file.
+struct ConfigEntry {
+  std::string key;    ///< long option name without dashes
+  std::string value;  ///< as value_text() returns it
+  std::string file;   ///< path of the file, for messages
+  std::size_t line;   ///< from 1
+};
+
+/// Reads a TOML file whose keys are long option names (`opacity-min = 0.2`, `tool = [0.01, 0.01, 0.03]`,
+/// `json = true`), of whatever command.
+/// \throws Error with file and line if the file is not TOML or a value cannot be given on a command line
+/// (tables, dates).
+std::vector<ConfigEntry> read_config(const std::string& path);
 
 /// Reads a configuration file on top of `defaults`. \throws Error with file and line if it is not TOML, has
 /// an unknown key, a value that the field does not accept, or two mutually exclusive fields. \param

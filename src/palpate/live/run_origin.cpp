@@ -1,4 +1,4 @@
-#include "run_origin.h"
+#include <palpate/live/run_origin.h>
 
 #include <filesystem>
 #include <string_view>
@@ -6,15 +6,14 @@
 #include <palpate/base/csv.h>
 #include <palpate/base/error.h>
 #include <palpate/base/toml_file.h>
-#include <palpate/live/config_toml.h>
 #include <palpate/live/provenance.h>
 
-namespace palpate::cli {
+namespace palpate {
 namespace {
 
 /// Setting of a live loop that is replaced by the run itself: the recorded hand deviated from it.
-constexpr std::string_view kTrajectory = "trajectory";
-constexpr std::string_view kScene = "scene";
+constexpr std::string_view kTrajectoryKey = "trajectory";
+constexpr std::string_view kSceneKey = "scene";
 
 std::string text_at(TomlTable& table, std::string_view key) {
   const auto value = table.find(key);
@@ -23,7 +22,7 @@ std::string text_at(TomlTable& table, std::string_view key) {
 
 }  // namespace
 
-bool says_how_it_was_made(const std::string& run) { return !CsvReader(run).header().comment.empty(); }
+bool has_provenance(const std::string& run) { return !CsvReader(run).header().comment.empty(); }
 
 RunOrigin::RunOrigin(const std::string& run) : run_(run) {
   const std::string head = CsvReader(run).header().comment;
@@ -37,9 +36,9 @@ RunOrigin::RunOrigin(const std::string& run) : run_(run) {
   scene_checksum_ = text_at(made, "scene-checksum");
   materials_checksum_ = text_at(made, "materials-checksum");
   for (const TomlValue& value : root.at("settings").table().values()) {
-    if (value.key() == kScene) {
+    if (value.key() == kSceneKey) {
       scene_ = value.text();
-    } else if (value.key() != kTrajectory) {
+    } else if (value.key() != kTrajectoryKey) {
       settings_.push_back({std::string(value.key()), value_text(value), run, value.line()});
     }
   }
@@ -47,7 +46,7 @@ RunOrigin::RunOrigin(const std::string& run) : run_(run) {
 
 std::vector<ConfigEntry> RunOrigin::entries() const {
   std::vector<ConfigEntry> all = settings_;
-  all.push_back({std::string(kTrajectory), run_, run_, 1});
+  all.push_back({std::string(kTrajectoryKey), run_, run_, 1});
   return all;
 }
 
@@ -78,4 +77,4 @@ void RunOrigin::settle(LiveConfig& live) const {
                 materials);
 }
 
-}  // namespace palpate::cli
+}  // namespace palpate

@@ -1,18 +1,18 @@
 /// \file
-/// Provenance read from a run's file, for `palpate replay --from RUN` and `palpate report RUN --scene SCENE`.
+/// Provenance read back from a run's file, to repeat the run or to check that a scene is the one it was made
+/// with.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include <palpate/live/config_toml.h>
 #include <palpate/live/live_config.h>
 
-#include "config.h"
-
-namespace palpate::cli {
+namespace palpate {
 
 /// Returns whether a run's file has a provenance header. \throws Error if it cannot be read.
-bool says_how_it_was_made(const std::string& run);
+bool has_provenance(const std::string& run);
 
 /// Provenance header of a run's file, as written by to_toml(const Provenance&).
 class RunOrigin {
@@ -40,4 +40,4 @@ class RunOrigin {
   std::vector<ConfigEntry> settings_;
 };
 
-}  // namespace palpate::cli
+}  // namespace palpate
