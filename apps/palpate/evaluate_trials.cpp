@@ -1,9 +1,7 @@
 #include "evaluate_trials.h"
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,12 +21,7 @@
 namespace palpate::cli {
 namespace {
 
-constexpr double kToMm = 1e3;
 constexpr const char* kEven = "even";  // a scene without defects
-
-std::string in_mm(const std::optional<double>& value) {
-  return value ? fmt::format("{:.2f} mm", kToMm * *value) : "-";
-}
 
 /// Provenance without the tool: the tools are among the settings.
 Provenance provenance_of(const TrialTask& task) {
@@ -44,29 +37,12 @@ void repeat(const TrialRow& row, const TrialOptions& options, const TrialTask& t
   const Provenance made = provenance_of(task);
   csv.write(head_of(made) + trial_ticks_csv(ticks), written);
   if (task.common.json) {
-    const auto value = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
-    print_json(Json{{"made", made_json(made)},
-                    {"tool", row.tool},
-                    {"place", row.place},
-                    {"like", row.like},
-                    {"stroke", stroke.number},
-                    {"speed", stroke.speed},
-                    {"seen", value(stroke.seen)},
-                    {"touched", value(stroke.touched)},
-                    {"felt", value(stroke.felt)},
-                    {"late", value(stroke.late())},
-                    {"silent", stroke.silent},
-                    {"sunk", stroke.sunk},
-                    {"through", stroke.through},
-                    {"stuck", stroke.stuck},
-                    {"step", stroke.step}});
+    Json json{{"made", made_json(made)}};
+    json.update(trial_stroke_json(row, stroke));
+    print_json(json);
     return;
   }
-  fmt::print(
-      "{}, {}, {}, stroke {} at {:.3g} m/s: seen {}, touched {}, felt {} on the way, late {}{}{}{}{}\n",
-      row.tool, row.place, row.like, stroke.number, stroke.speed, in_mm(stroke.seen), in_mm(stroke.touched),
-      in_mm(stroke.felt), in_mm(stroke.late()), stroke.silent ? "; silent" : "", stroke.sunk ? "; sunk" : "",
-      stroke.through ? "; through" : "", stroke.stuck ? "; stuck" : "");
+  fmt::print("{}", trial_stroke_text(row, stroke));
   for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
 }
 

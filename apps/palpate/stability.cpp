@@ -92,24 +92,6 @@ StabilityStudy study_of(const StabilityOptions& options, const TrialGround& grou
   return study;
 }
 
-/// Traces of the first profile and model with the middle hand, one per contact source.
-std::vector<StabilityTrace> traces_of(const StabilityStudy& study, const StabilityTables& tables,
-                                      std::string& subtitle) {
-  std::vector<StabilityTrace> traces;
-  const HandProperties& hand = study.hands[study.hands.size() / 2];
-  for (const StabilityRow& row : tables.rows) {
-    if (row.profile != study.profiles.front() || row.model != study.models.front()) continue;
-    if (hand_text(row.hand) != hand_text(hand)) continue;
-    const std::string name = row.source == ContactSource::kLoop
-                                 ? "contacts searched in the loop"
-                                 : fmt::format("{}, {:g} ms", to_string(row.source), 1e3 * row.delay);
-    traces.push_back({name, hold_on(trial_of(study, row), study.places.front(), true).ticks});
-  }
-  subtitle =
-      fmt::format("{}, {}, a hand of {}", study.profiles.front(), study.models.front(), hand_text(hand));
-  return traces;
-}
-
 std::string setup_text(const StabilityOptions& options, const TrialGround& ground) {
   return fmt::format(
       "A simulated hand approaches {} at {} place{}, presses {:g} mm beyond first contact (or with half of "
@@ -139,7 +121,7 @@ void run(const StabilityOptions& options) {
   const StabilityStudy study = study_of(options, ground);
   const StabilityTables tables = measure_stability(study, progress);
   std::string subtitle;
-  const std::vector<StabilityTrace> traces = traces_of(study, tables, subtitle);
+  const std::vector<StabilityTrace> traces = stability_traces(study, tables, subtitle);
   const std::vector<Plot> figures = stability_figures(tables, traces, subtitle);
   std::vector<std::string> written;
   const Provenance made = provenance_of(options, ground);

@@ -177,6 +177,23 @@ std::string walls_table(const std::vector<WallRow>& walls) {
 
 }  // namespace
 
+std::vector<StabilityTrace> stability_traces(const StabilityStudy& study, const StabilityTables& tables,
+                                             std::string& subtitle) {
+  std::vector<StabilityTrace> traces;
+  const HandProperties& hand = study.hands[study.hands.size() / 2];
+  for (const StabilityRow& row : tables.rows) {
+    if (row.profile != study.profiles.front() || row.model != study.models.front()) continue;
+    if (hand_text(row.hand) != hand_text(hand)) continue;
+    const std::string name = row.source == ContactSource::kLoop
+                                 ? "contacts searched in the loop"
+                                 : fmt::format("{}, {:g} ms", to_string(row.source), 1e3 * row.delay);
+    traces.push_back({name, hold_on(trial_of(study, row), study.places.front(), true).ticks});
+  }
+  subtitle =
+      fmt::format("{}, {}, a hand of {}", study.profiles.front(), study.models.front(), hand_text(hand));
+  return traces;
+}
+
 std::vector<Plot> stability_figures(const StabilityTables& tables, const std::vector<StabilityTrace>& traces,
                                     const std::string& trace_subtitle) {
   return {limit_cycles(tables), energies(tables), traces_of(traces, trace_subtitle), widths(tables),

@@ -16,6 +16,11 @@ struct StabilityTrace {
   std::vector<StabilityTick> ticks;
 };
 
+/// Repeats the trials of the first profile and model with the middle hand at the first place, one per contact
+/// source. \param subtitle set to their device, model and hand
+std::vector<StabilityTrace> stability_traces(const StabilityStudy& study, const StabilityTables& tables,
+                                             std::string& subtitle);
+
 /// \param traces of one device, hand and model, which `trace_subtitle` names
 std::vector<Plot> stability_figures(const StabilityTables& tables, const std::vector<StabilityTrace>& traces,
                                     const std::string& trace_subtitle);

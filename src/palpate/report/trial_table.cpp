@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -21,6 +22,10 @@ double number(std::size_t n) { return static_cast<double>(n); }
 /// Number of the first stroke; NaN if there is none.
 double first_of(const std::vector<std::size_t>& strokes) {
   return strokes.empty() ? std::numeric_limits<double>::quiet_NaN() : number(strokes.front());
+}
+
+std::string in_mm(const std::optional<double>& value) {
+  return value ? fmt::format("{:.2f} mm", kToMm * *value) : "-";
 }
 
 using Figures = TrialFigures;
@@ -115,6 +120,32 @@ std::string trial_csv(const std::vector<TrialRow>& rows) {
   for (const TrialRow& row : rows)
     text += fmt::format("{},{},{}{}\n", row.tool, row.place, row.like, csv_figures(columns(), row.figures));
   return text;
+}
+
+std::string trial_stroke_text(const TrialRow& row, const TrialStroke& stroke) {
+  return fmt::format(
+      "{}, {}, {}, stroke {} at {:.3g} m/s: seen {}, touched {}, felt {} on the way, late {}{}{}{}{}\n",
+      row.tool, row.place, row.like, stroke.number, stroke.speed, in_mm(stroke.seen), in_mm(stroke.touched),
+      in_mm(stroke.felt), in_mm(stroke.late()), stroke.silent ? "; silent" : "", stroke.sunk ? "; sunk" : "",
+      stroke.through ? "; through" : "", stroke.stuck ? "; stuck" : "");
+}
+
+OrderedJson trial_stroke_json(const TrialRow& row, const TrialStroke& stroke) {
+  const auto value = [](const std::optional<double>& v) { return v ? OrderedJson(*v) : OrderedJson(); };
+  return {{"tool", row.tool},
+          {"place", row.place},
+          {"like", row.like},
+          {"stroke", stroke.number},
+          {"speed", stroke.speed},
+          {"seen", value(stroke.seen)},
+          {"touched", value(stroke.touched)},
+          {"felt", value(stroke.felt)},
+          {"late", value(stroke.late())},
+          {"silent", stroke.silent},
+          {"sunk", stroke.sunk},
+          {"through", stroke.through},
+          {"stuck", stroke.stuck},
+          {"step", stroke.step}};
 }
 
 std::string trial_ticks_csv(const std::vector<TrialTick>& ticks) {

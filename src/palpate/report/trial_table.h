@@ -30,6 +30,12 @@ OrderedJson trial_json(const std::vector<TrialRow>& rows);
 /// Returns one line per row.
 std::string trial_csv(const std::vector<TrialRow>& rows);
 
+/// Describes one stroke of a row, in a line.
+std::string trial_stroke_text(const TrialRow& row, const TrialStroke& stroke);
+
+/// Returns the row's names and all figures of one stroke; null where there is none.
+OrderedJson trial_stroke_json(const TrialRow& row, const TrialStroke& stroke);
+
 /// Returns one line per tick of a stroke, 1 ms apart.
 std::string trial_ticks_csv(const std::vector<TrialTick>& ticks);
 
