@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <palpate/base/error.h>
-#include <palpate/base/file.h>
 #include <palpate/live/factories.h>
 #include <palpate/report/evaluation_page.h>
 #include <palpate/report/evaluation_table.h>
@@ -38,7 +37,7 @@ struct EvaluateOptions {
   int places = 40;
   int pushes = 100;
   std::uint64_t seed = 1;
-  std::string csv, html, svg;
+  ResultNames results;
   CaptureOptions capture;
   TrialOptions trials;
 };
@@ -98,32 +97,28 @@ std::string setup_text(const EvaluateOptions& options) {
 void run(const EvaluateOptions& options) {
   if (!options.capture.live.scene.path.empty()) {
     evaluate_capture(options.capture, {options.common, options.live.tool, options.live.force, options.models,
-                                       options.pushes, options.seed, options.csv, options.html, options.svg});
+                                       options.pushes, options.seed, options.results});
     return;
   }
   if (options.trials.strokes > 0) {
-    evaluate_trials(options.trials, {options.common, options.live.force, options.seed, options.csv});
+    evaluate_trials(options.trials, {options.common, options.live.force, options.seed, options.results.csv});
     return;
   }
-  check_output(options.csv, {options.common.config}, "--csv");
-  check_output(options.html, {options.common.config, options.csv}, "--html");
-  check_ending(options.html, ".html", "--html");
-  check_figure_folder(options.svg);
-  ResultFile csv(options.csv), html(options.html);
+  check_results(options.results, {options.common.config});
+  ResultFiles files(options.results);
   const std::vector<EvaluationRow> rows = measure_all(options);
   const std::vector<Plot> figures = evaluation_figures(rows, options.live.force.proxy.stiffness);
-  std::vector<std::string> written;
   const Provenance made =
       made_by(options.common, SceneOrigin(), options.live, {ConfigGroup::kTool, ConfigGroup::kForce});
-  csv.write(head_of(made) + evaluation_csv(rows), written);
-  html.write(evaluation_page(rows, figures, setup_text(options), to_toml(made)), written);
-  write_figures(figures, options.svg, "evaluate", written);
+  files.write_csv(head_of(made) + evaluation_csv(rows));
+  files.write_html(evaluation_page(rows, figures, setup_text(options), to_toml(made)));
+  files.write_figures(figures, "evaluate");
   if (options.common.json) {
     print_json(with_made(made, evaluation_json(rows)));
     return;
   }
   fmt::print("{}", evaluation_text(rows));
-  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+  print_written(files.written);
 }
 
 void declare_what(CLI::App& app, EvaluateOptions& options) {
@@ -171,9 +166,7 @@ Command declare_evaluate(CLI::App& parent) {
   declare_common(app, options->common, "print the tables as JSON");
   declare_what(app, *options);
   declare_how_much(app, *options);
-  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, one line per row");
-  add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
-  add_text(app, "--svg", options->svg, "DIR", "existing folder for the figures of the page as SVG files");
+  declare_results(app, options->results, "all figures as CSV, one line per row");
   options->capture.declare(app);
   options->trials.declare(app);
   options->live.tool = Tool(Eigen::Vector3d::Constant(0.02));

@@ -154,33 +154,28 @@ void CaptureOptions::declare(CLI::App& app) {
 void evaluate_capture(const CaptureOptions& options, const CaptureTask& task) {
   if (!(task.force.proxy.stiffness > 0.0))
     throw Error("--stiffness must be positive: forces are compared with it");
-  check_output(task.csv, {options.live.scene.path, options.against, task.common.config}, "--csv");
-  check_output(task.html, {options.live.scene.path, options.against, task.common.config, task.csv}, "--html");
-  check_ending(task.html, ".html", "--html");
-  check_figure_folder(task.svg);
+  check_results(task.results, {options.live.scene.path, options.against, task.common.config});
   if (!options.worst.empty() && !std::filesystem::is_directory(options.worst))
     throw Error("--worst {}: is not a folder; make it first", options.worst);
-  ResultFile csv(task.csv), html(task.html);
+  ResultFiles files(task.results);
   Study study(options, task);
   std::vector<CaptureRow> rows;
   std::vector<Plot> plots;
-  std::vector<std::string> written;
   const Provenance made = provenance_of(options, task);
   for (const std::string& model : task.models) {
     rows.push_back(study.measure(model));
-    for (Plot& plot : study.worst(rows.back(), made, written)) plots.push_back(std::move(plot));
+    for (Plot& plot : study.worst(rows.back(), made, files.written)) plots.push_back(std::move(plot));
   }
-  csv.write(head_of(made) + capture_csv(rows), written);
-  html.write(page_document("Force onset against the visible surface", intro(options, task), plots,
-                           capture_html(rows), to_toml(made)),
-             written);
-  write_figures(plots, task.svg, "evaluate", written);
+  files.write_csv(head_of(made) + capture_csv(rows));
+  files.write_html(page_document("Force onset against the visible surface", intro(options, task), plots,
+                                 capture_html(rows), to_toml(made)));
+  files.write_figures(plots, "evaluate");
   if (task.common.json) {
     print_json(with_made(made, capture_json(rows)));
     return;
   }
   fmt::print("{}", capture_text(rows));
-  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+  print_written(files.written);
 }
 
 }  // namespace palpate::cli

@@ -28,7 +28,7 @@ struct CaptureTask {
   std::vector<std::string> models;
   int pushes;
   std::uint64_t seed;
-  std::string csv, html, svg;
+  ResultNames results;
 };
 
 void evaluate_capture(const CaptureOptions& options, const CaptureTask& task);

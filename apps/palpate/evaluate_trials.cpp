@@ -30,12 +30,11 @@ Provenance provenance_of(const TrialTask& task) {
   return made_by(task.common, SceneOrigin(), live, {ConfigGroup::kForce});
 }
 
-void repeat(const TrialRow& row, const TrialOptions& options, const TrialTask& task, ResultFile& csv) {
+void repeat(const TrialRow& row, const TrialOptions& options, const TrialTask& task, ResultFiles& files) {
   std::vector<TrialTick> ticks;
   const TrialStroke stroke = repeat_trial(row.setup, static_cast<std::size_t>(options.stroke), &ticks);
-  std::vector<std::string> written;
   const Provenance made = provenance_of(task);
-  csv.write(head_of(made) + trial_ticks_csv(ticks), written);
+  files.write_csv(head_of(made) + trial_ticks_csv(ticks));
   if (task.common.json) {
     Json json{{"made", made_json(made)}};
     json.update(trial_stroke_json(row, stroke));
@@ -43,7 +42,7 @@ void repeat(const TrialRow& row, const TrialOptions& options, const TrialTask& t
     return;
   }
   fmt::print("{}", trial_stroke_text(row, stroke));
-  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+  print_written(files.written);
 }
 
 Tool tool_of(const std::string& name) {
@@ -115,25 +114,24 @@ void evaluate_trials(const TrialOptions& options, const TrialTask& task) {
   if (!(task.force.proxy.stiffness > 0.0))
     throw Error("--stiffness must be positive: forces are compared with it");
   check_output(task.csv, {task.common.config}, "--csv");
-  for (const std::string& tool : options.tools) check_output(task.csv, {tool}, "--csv");
+  check_output(task.csv, options.tools, "--csv");
   std::vector<TrialRow> rows = rows_of(options, task);
-  ResultFile csv(task.csv);
+  ResultFiles files({task.csv, {}, {}});
   if (options.stroke >= 0) {
     if (rows.size() != 1)
       throw Error("--stroke requires exactly one of --trial-tools, --trial-places and --like");
-    repeat(rows.front(), options, task, csv);
+    repeat(rows.front(), options, task, files);
     return;
   }
   measure_trials(rows, terminal_progress(task.common.quiet));
-  std::vector<std::string> written;
   const Provenance made = provenance_of(task);
-  csv.write(head_of(made) + trial_csv(rows), written);
+  files.write_csv(head_of(made) + trial_csv(rows));
   if (task.common.json) {
     print_json(with_made(made, trial_json(rows)));
     return;
   }
   fmt::print("{}", trial_text(rows));
-  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+  print_written(files.written);
 }
 
 }  // namespace palpate::cli

@@ -117,6 +117,12 @@ void declare_force_parameters(CLI::App& app, LiveConfig& config) {
   }
 }
 
+void declare_results(CLI::App& app, ResultNames& names, const std::string& csv) {
+  add_text(app, "--csv", names.csv, "T.csv", csv);
+  add_text(app, "--html", names.html, "P.html", "tables and figures as one self-contained page");
+  add_text(app, "--svg", names.svg, "DIR", "existing folder for the figures of the page as SVG files");
+}
+
 LoadedScene load(const SceneConfig& config, const Progress& progress) {
   return load_scene(config, notify, progress);
 }

@@ -13,6 +13,7 @@
 #include <palpate/live/config_fields.h>
 #include <palpate/live/live_config.h>
 #include <palpate/live/live_scene.h>
+#include <palpate/report/result_files.h>
 
 #include "command.h"
 #include "declare.h"
@@ -35,6 +36,9 @@ void declare_scene(CLI::App& app, LiveConfig& config, SceneArgument as);
 /// Declares the options of the force group but --model and --materials.
 void declare_force_parameters(CLI::App& app, LiveConfig& config);
 /// @}
+
+/// Declares --csv, --html and --svg of a command that measures. \param csv help of --csv
+void declare_results(CLI::App& app, ResultNames& names, const std::string& csv);
 
 /// Loads and filters a scene; warns on stderr if no Gaussian is left. \throws Error.
 LoadedScene load(const SceneConfig& config, const Progress& progress);

@@ -25,8 +25,7 @@ std::string tool_in_words(const Tool& tool) {
   return fmt::format("{:g}/{:g}/{:g} mm", mm.x(), mm.y(), mm.z());
 }
 
-void check_output(const std::string& out, std::initializer_list<std::string> inputs,
-                  std::string_view option) {
+void check_output(const std::string& out, const std::vector<std::string>& inputs, std::string_view option) {
   for (const std::string& input : inputs) {
     if (!out.empty() && !input.empty() && same_file(out, input)) {
       throw Error("{}: {} is also an input; give it another name", out, option);
@@ -38,6 +37,18 @@ void check_ending(const std::string& out, std::string_view ending, std::string_v
   const std::string found = std::filesystem::path(out).extension().string();
   if (!found.empty() && found != ending)
     throw Error("{}: {} writes {}; end the name in {}", out, option, ending.substr(1), ending);
+}
+
+void check_results(const ResultNames& names, std::vector<std::string> inputs) {
+  check_output(names.csv, inputs, "--csv");
+  inputs.push_back(names.csv);
+  check_output(names.html, inputs, "--html");
+  check_ending(names.html, ".html", "--html");
+  check_figure_folder(names.svg);
+}
+
+void print_written(const std::vector<std::string>& files) {
+  for (const std::string& file : files) fmt::print("wrote {}\n", printable(file));
 }
 
 void add_reach(const PaperPipeline& paper, const Tool& tool, Json& json) {

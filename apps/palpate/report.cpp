@@ -69,7 +69,7 @@ std::vector<Run> read_all(const ReportOptions& options, const Progress& progress
 
 void run(const ReportOptions& options) {
   check_output(options.out, {options.live.scene.path, options.common.config});
-  for (const std::string& path : options.runs) check_output(options.out, {path});
+  check_output(options.out, options.runs);
   check_ending(options.out, ".html");
   check_figure_folder(options.svg);
   if (const std::string& first = options.runs.front();
@@ -95,7 +95,7 @@ void run(const ReportOptions& options) {
   std::vector<std::string> written{options.out};
   if (!options.svg.empty()) write_figures(run_figures(runs), options.svg, "report", written);
   if (options.common.quiet) return;
-  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+  print_written(written);
 }
 
 void declare_window(CLI::App& app, RunWindow& window) {

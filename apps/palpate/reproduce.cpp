@@ -33,7 +33,7 @@ struct ReproduceOptions {
   std::uint64_t seed = 1;
   double stall = 0.05;      ///< stall of the forces, as in the paper. Unit: [s].
   bool registered = false;  ///< the user gave a registration
-  std::string csv, html, svg;
+  ResultNames results;
 };
 
 /// A scene placed in the room, with its contact queries.
@@ -107,18 +107,11 @@ Provenance provenance_of(const ReproduceOptions& options, const Ground& ground) 
 }
 
 void run(ReproduceOptions options) {
-  const LiveConfig& given = options.live;
-  check_output(options.csv,
-               {given.scene.path, given.device.chain, given.force.materials, options.common.config}, "--csv");
-  check_output(
-      options.html,
-      {given.scene.path, given.device.chain, given.force.materials, options.common.config, options.csv},
-      "--html");
-  check_ending(options.html, ".html", "--html");
-  ResultFile csv(options.csv), html(options.html);
-  check_figure_folder(options.svg);
-  const Progress progress = terminal_progress(options.common.quiet);
   LiveConfig& live = options.live;
+  check_results(options.results,
+                {live.scene.path, live.device.chain, live.force.materials, options.common.config});
+  ResultFiles files(options.results);
+  const Progress progress = terminal_progress(options.common.quiet);
   live.device.kind = options.plant == "mujoco" ? DeviceKind::kGiantMujoco : DeviceKind::kGiant;
   const GiantSetup setup = giant_setup(live.device, live.loop.rate, live.force.proxy.stiffness);
   const Pose home = rest_of_handle(setup.chain);
@@ -154,18 +147,17 @@ void run(ReproduceOptions options) {
   result.setup = setup_text(options, ground);
 
   const std::vector<Plot> figures = reproduction_figures(result, ground.loaded.kept);
-  std::vector<std::string> written;
   const Provenance made = provenance_of(options, ground);
-  if (!options.csv.empty()) csv.write(head_of(made) + reproduction_csv(result), written);
-  if (!options.html.empty()) html.write(reproduction_page(result, figures, to_toml(made)), written);
-  write_figures(figures, options.svg, "reproduce", written);
+  if (files.has_csv()) files.write_csv(head_of(made) + reproduction_csv(result));
+  if (files.has_html()) files.write_html(reproduction_page(result, figures, to_toml(made)));
+  files.write_figures(figures, "reproduce");
   if (options.common.json) {
     Json json = reproduction_json(result);
     json["made"] = made_json(made);
     print_json(json);
   } else if (!options.common.quiet) {
     fmt::print("{}", reproduction_text(result));
-    for (const std::string& name : written) fmt::print("wrote {}\n", printable(name));
+    print_written(files.written);
   }
 }
 
@@ -190,9 +182,7 @@ Command declare_reproduce(CLI::App& parent) {
   add_seed(app, options->seed, "random seed of the scene and of the choice of places");
   for (const char* name : {"tool", "hand", "chain", "virtual-mass", "virtual-damping"})
     declare_field(app, live, name);
-  add_text(app, "--csv", options->csv, "T.csv", "every tick of the first two runs, as CSV");
-  add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
-  add_text(app, "--svg", options->svg, "DIR", "existing folder for the figures of the page as SVG files");
+  declare_results(app, options->results, "every tick of the first two runs, as CSV");
   declare_field(app, live, "model");
   declare_force_parameters(app, live);
   return {&app, [=, &app] {

@@ -35,7 +35,7 @@ struct StabilityOptions {
   int places = 3;
   std::uint64_t seed = 1;
   double delay = 0.05;
-  std::string csv, html, svg;
+  ResultNames results;
 };
 
 /// A scene and the places to press.
@@ -111,11 +111,8 @@ Provenance provenance_of(const StabilityOptions& options, const TrialGround& gro
 }
 
 void run(const StabilityOptions& options) {
-  check_output(options.csv, {options.common.config, options.live.scene.path}, "--csv");
-  check_output(options.html, {options.common.config, options.live.scene.path, options.csv}, "--html");
-  check_ending(options.html, ".html", "--html");
-  check_figure_folder(options.svg);
-  ResultFile csv(options.csv), html(options.html);
+  check_results(options.results, {options.common.config, options.live.scene.path});
+  ResultFiles files(options.results);
   const Progress progress = terminal_progress(options.common.quiet);
   const TrialGround ground = ground_of(options, progress);
   const StabilityStudy study = study_of(options, ground);
@@ -123,17 +120,16 @@ void run(const StabilityOptions& options) {
   std::string subtitle;
   const std::vector<StabilityTrace> traces = stability_traces(study, tables, subtitle);
   const std::vector<Plot> figures = stability_figures(tables, traces, subtitle);
-  std::vector<std::string> written;
   const Provenance made = provenance_of(options, ground);
-  csv.write(head_of(made) + stability_csv(tables), written);
-  html.write(stability_page(tables, figures, setup_text(options, ground), to_toml(made)), written);
-  write_figures(figures, options.svg, "stability", written);
+  files.write_csv(head_of(made) + stability_csv(tables));
+  files.write_html(stability_page(tables, figures, setup_text(options, ground), to_toml(made)));
+  files.write_figures(figures, "stability");
   if (options.common.json) {
     print_json(with_made(made, stability_json(tables)));
     return;
   }
   fmt::print("{}\n\n{}", setup_text(options, ground), stability_text(tables));
-  for (const std::string& path : written) fmt::print("wrote {}\n", printable(path));
+  print_written(files.written);
 }
 
 }  // namespace
@@ -162,9 +158,7 @@ Command declare_stability(CLI::App& parent) {
   add_seed(app, options->seed, "random seed of the choice of places");
   add_number(app, "--delay", options->delay, 0.0, 0.09, "s",
              "delay of the worker and of the held force; 0 = try neither");
-  add_text(app, "--csv", options->csv, "T.csv", "all figures as CSV, one line per row");
-  add_text(app, "--html", options->html, "P.html", "tables and figures as one self-contained page");
-  add_text(app, "--svg", options->svg, "DIR", "existing folder for the figures of the page as SVG files");
+  declare_results(app, options->results, "all figures as CSV, one line per row");
   declare_field(app, options->live, "tool");
   declare_force_parameters(app, options->live);
   return {&app, [=] { run(*options); }};

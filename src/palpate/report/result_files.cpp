@@ -8,15 +8,20 @@
 
 namespace palpate {
 
-ResultFile::ResultFile(const std::string& path) : path_(path) {
-  if (!path.empty()) file_.emplace(path);
+ResultFiles::ResultFiles(const ResultNames& names) : names_(names) {
+  if (!names.csv.empty()) csv_.emplace(names.csv);
+  if (!names.html.empty()) html_.emplace(names.html);
 }
 
-void ResultFile::write(const std::string& bytes, std::vector<std::string>& written) {
-  if (!file_) return;
-  file_->write(bytes);
-  file_->commit();
-  written.push_back(path_);
+void ResultFiles::write(std::optional<OutputFile>& file, const std::string& name, const std::string& bytes) {
+  if (!file) return;
+  file->write(bytes);
+  file->commit();
+  written.push_back(name);
+}
+
+void ResultFiles::write_figures(const std::vector<Plot>& figures, const std::string& command) {
+  palpate::write_figures(figures, names_.svg, command, written);
 }
 
 void check_figure_folder(const std::string& folder) {
