@@ -1,5 +1,4 @@
 // palpate bench: latency and throughput of the contact query on a scene and a path.
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -15,10 +14,10 @@
 
 #include <palpate/base/error.h>
 #include <palpate/base/file.h>
-#include <palpate/collision/open_index.h>
 #include <palpate/collision/simd_target.h>
 #include <palpate/report/bench_table.h>
 #include <palpate/study/latency.h>
+#include <palpate/study/open_timing.h>
 #include <palpate/study/touch_path.h>
 
 #include "command.h"
@@ -39,43 +38,17 @@ struct BenchOptions {
   int threads = 0;
 };
 
-/// Largest resident set of this process until now. Unit: [bytes].
-std::size_t peak_resident_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
-}
-
 /// The contact query under test, and figures on how it was opened.
 struct Opened {
   Pipeline pipeline;
   OpenFigures figures;
 };
 
-const char* name_of(OpenedIndex::Origin origin) {
-  switch (origin) {
-    case OpenedIndex::Origin::kFile: return "index file";
-    case OpenedIndex::Origin::kNewFile: return "new index file";
-    default: return "memory";
-  }
-}
-
 Opened open_exact(const BenchOptions& options, const Progress& progress) {
   const SceneConfig& scene = options.live.scene;
-  const IndexFiles files = options.live.scene.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
-  Opened opened;
-  OpenFigures& figures = opened.figures;
-  const Stopwatch watch;
-  OpenedIndex index =
-      palpate::open_index(scene.path, scene.filter, scene.world_from_scene(), files, progress);
-  figures.seconds = watch.seconds();
-  figures.origin = name_of(index.origin);
-  for (const auto& remark : {index.rejected, index.not_written})
-    if (remark) figures.remarks.push_back(*remark);
-  figures.index_bytes = index.index.bytes();
-  figures.gaussians = index.index.size();
-  opened.pipeline.index = std::make_unique<SceneIndex>(std::move(index.index));
-  return opened;
+  const IndexFiles files = scene.no_index_file ? IndexFiles::kNone : IndexFiles::kUse;
+  TimedIndex timed = time_opening(scene.path, scene.filter, scene.world_from_scene(), files, progress);
+  return {{std::make_unique<SceneIndex>(std::move(timed.index)), nullptr}, std::move(timed.figures)};
 }
 
 Opened open_paper(const BenchOptions& options, const Progress& progress) {
@@ -92,8 +65,7 @@ Opened open_paper(const BenchOptions& options, const Progress& progress) {
 Opened open_query(const BenchOptions& options, const Progress& progress) {
   const bool exact = options.query.is_exact();
   Opened opened = exact ? open_exact(options, progress) : open_paper(options, progress);
-  opened.figures.peak_bytes = peak_resident_bytes();
-  opened.figures.scene_bytes = stamp_of(options.live.scene.path).size;
+  measure_sizes(options.live.scene.path, opened.figures);
   if (opened.figures.gaussians == 0) {
     throw Error("{}: no Gaussian passes the filter, so there is nothing to time; see palpate info",
                 options.live.scene.path);

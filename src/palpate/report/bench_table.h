@@ -3,27 +3,15 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <palpate/haptics/tool.h>
 #include <palpate/report/ordered_json.h>
+#include <palpate/study/open_timing.h>
 #include <palpate/study/query_timing.h>
 
 namespace palpate {
-
-/// Figures of opening a scene file for queries.
-struct OpenFigures {
-  double seconds = 0.0;
-  std::string origin;                      ///< "index file", "new index file" or "memory"
-  std::vector<std::string> remarks;        ///< why an index file was not used or not written
-  std::uint64_t scene_bytes = 0;           ///< of the scene file
-  std::optional<std::size_t> index_bytes;  ///< unset for a pipeline that does not report it
-  std::size_t gaussians = 0;               ///< number that can be touched
-  std::size_t peak_bytes = 0;              ///< largest resident set so far, mapped files included
-};
 
 struct BenchFigures {
   std::string scene;           ///< file
