@@ -1225,6 +1225,31 @@ TEST(ProxyForce, AToolThatIsTooFastForATickIsNotDragged) {
   }
 }
 
+// What it did not have the time to look at, and finds out later, comes no faster than what it meets in time.
+TEST(ProxyForce, ASurfaceThatIsFoundLateDoesNotJerk) {
+  const Tool hand = read_tool(test::example_tool("open-hand")), plate(Vector3d(0.1, 0.1, 0.01));
+  struct Slide {
+    const Tool& tool;
+    double speed;  // m/s
+  };
+  for (const auto& [tool, speed] : {Slide{hand, 0.5}, Slide{hand, 2.0}, Slide{plate, 0.5}}) {
+    for (const double y : {0.0, 0.015}) {
+      Bench bench("step", even(0.003), {}, tool);
+      const double step = 1e-3 * speed, flat = tool.support(-Vector3d::UnitZ()) - 0.006;
+      Vector3d place(-0.05, y, flat + 0.01);
+      for (; place.z() > flat; place.z() -= 5e-5) bench.at(place);
+      Vector3d before = bench.at(place).wrench.force;
+      double most = 0.0;
+      for (; place.x() < 0.05; place.x() += step) {
+        const Vector3d force = bench.at(place).wrench.force;
+        most = std::max(most, (force - before).norm());
+        before = force;
+      }
+      EXPECT_LE(most, kStiffness * (2.0 * step + 1e-4)) << speed << " m/s, y " << y;
+    }
+  }
+}
+
 // Past a floor, a millimetre above it, and then straight down: where it has been going to is not where it
 // goes.
 TEST(ProxyForce, LooksWhereItGoesAfterATurn) {
