@@ -416,12 +416,16 @@ double share_within(const Motion& wanted, const Motion& motion, double stretch, 
 
 }  // namespace
 
+/// Returns the constrained motion that moves out of none of the planes.
+Motion ProxyForce::motion_along_planes(const Motion& wanted) {
+  for (MotionConstraint& plane : obstacles_.planes) plane.gap = std::max(0.0, plane.gap);
+  return constrained_motion(wanted, obstacles_.planes, gyration_);
+}
+
 /// Blends towards `motion` as far as the spring allows, from the motion that moves out of none of the planes:
 /// that one is the nearest to the wanted one of all that go no deeper, and never lengthens the spring.
 Motion ProxyForce::less_wound(const Motion& wanted, const Motion& motion, double stretch) {
-  std::vector<MotionConstraint>& planes = obstacles_.planes;
-  for (MotionConstraint& plane : planes) plane.gap = std::max(0.0, plane.gap);
-  const Motion along = constrained_motion(wanted, planes, gyration_);
+  const Motion along = motion_along_planes(wanted);
   const Motion rest{wanted.translation - along.translation, wanted.rotation - along.rotation};
   const Motion out{motion.translation - along.translation, motion.rotation - along.rotation};
   return blend(along, motion, share_within(rest, out, stretch, gyration_));
@@ -524,10 +528,8 @@ double ProxyForce::step(const Pose& target, double longest, double stretch) {
 }
 
 Motion ProxyForce::less_owed(const Motion& pull) {
-  std::vector<MotionConstraint>& planes = obstacles_.planes;
-  if (!held_ || owed_ == 0.0 || planes.size() > kMostPlanesSolved) return pull;
-  for (MotionConstraint& plane : planes) plane.gap = std::max(0.0, plane.gap);
-  const Motion rest = constrained_motion({-pull.translation, -pull.rotation}, planes, gyration_);
+  if (!held_ || owed_ == 0.0 || obstacles_.planes.size() > kMostPlanesSolved) return pull;
+  const Motion rest = motion_along_planes({-pull.translation, -pull.rotation});
   const double share = std::min(1.0, owed_ / std::max(length_of(rest, gyration_), 1e-300));
   return {pull.translation + share * rest.translation, pull.rotation + share * rest.rotation};
 }
@@ -685,9 +687,9 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     settled = !is_late && !waits_ && gone < kSettled * step_;
     if (gone < kSettled * step_) break;
   }
-  const double behind = length_of(motion_between(proxy_, input.tool), gyration_);
+  Motion pull = motion_between(input.tool, proxy_);
   owed_ = starts                ? length_of(motion_between(target, input.tool), gyration_)
-          : trails_ && !settled ? std::clamp(way, 0.0, behind)
+          : trails_ && !settled ? std::clamp(way, 0.0, length_of(pull, gyration_))
                                 : 0.0;
   steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
@@ -698,7 +700,6 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     pull_.reset();
     return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   }
-  Motion pull = motion_between(input.tool, proxy_);
   if (!starts) pull = smoothed(less_owed(pull), 2.0 * of_tool + catch_up() * input.dt);
   pull_ = pull;
   const double length = length_of(pull, gyration_);

@@ -230,6 +230,7 @@ class ProxyForce final : public ForceModel {
   double way_of(const Motion& motion) const;
   /// Returns true if no part touches anything within `way` of its place with the tool at `there`.
   bool is_free_around(const Pose& there, double way);
+  Motion motion_along_planes(const Motion& wanted);
   Motion less_wound(const Motion& wanted, const Motion& motion, double stretch);
   /// Returns the constrained motion towards the goal, and sets `held` to the contact. \returns nothing if the
   /// budget did not suffice for all views: completed views are not repeated when it is called again for the
