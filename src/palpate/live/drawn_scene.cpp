@@ -1,43 +1,16 @@
 #include <palpate/live/drawn_scene.h>
 
-#include <cerrno>
 #include <exception>
 #include <filesystem>
-#include <system_error>
 #include <utility>
-
-#include <stdlib.h>
 
 #include <palpate/base/error.h>
 #include <palpate/live/live_scene.h>
+#include <palpate/live/own_folder.h>
 #include <palpate/scene/drawable_ply.h>
 #include <palpate/scene/ply_writer.h>
 
 namespace palpate {
-namespace {
-
-/// A folder of its own for one file, removed with this object.
-class OwnFolder {
- public:
-  OwnFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-drawn-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw_file_error(pattern, "make", errno);
-    path_ = pattern;
-  }
-  ~OwnFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-}  // namespace
 
 DrawnScene::DrawnScene(const SceneConfig& scene) : path_(scene.path) {
   if (path_.empty()) {
@@ -50,7 +23,7 @@ DrawnScene::DrawnScene(const SceneConfig& scene) : path_(scene.path) {
 
 /// Returns the copy, whose name is removed at once: it goes with the last reference.
 std::shared_ptr<const InputFile> DrawnScene::copied() const {
-  const OwnFolder folder;
+  const OwnFolder folder("palpate-drawn");
   const std::uint64_t free = std::filesystem::space(folder.path()).available;
   if (const std::uint64_t bytes = drawable_ply_bytes(path_); free < kRoom || free - kRoom < bytes)
     throw Error("not enough disk space in {} for a copy that can be displayed ({} MB)",

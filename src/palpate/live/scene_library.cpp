@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <system_error>
 #include <utility>
-
-#include <stdlib.h>
 
 #include <fmt/format.h>
 
@@ -91,11 +88,6 @@ SceneLibrary::SceneLibrary(const std::vector<std::string>& folders, std::string 
   }
 }
 
-SceneLibrary::~SceneLibrary() {
-  std::error_code ignored;
-  if (!own_.empty()) fs::remove_all(own_, ignored);
-}
-
 std::vector<SceneLibrary::Found> SceneLibrary::find() const {
   std::vector<Found> found;
   found.push_back({{kBuiltIn, "The built-in still life"}, {}});
@@ -159,18 +151,14 @@ std::string SceneLibrary::place_for(std::string_view name, std::uint64_t bytes) 
   if (const std::string refusal = refusal_of_format(name); !refusal.empty()) throw Error("{}", refusal);
   if (bytes == 0) throw Error("{} is empty", tame(name));
   const std::scoped_lock lock(mutex_);
-  if (own_.empty()) {
-    std::string pattern = (fs::temp_directory_path() / "palpate-scenes-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw_file_error(pattern, "make", errno);
-    own_ = pattern;
-  }
-  const std::uint64_t free = fs::space(own_).available;
+  if (!own_) own_.emplace("palpate-scenes");
+  const std::uint64_t free = fs::space(own_->path()).available;
   // The index file takes about as much again.
   if (free < kRoom || (free - kRoom) / 2 < bytes)
     throw Error("not enough disk space for {} ({} MB) in {}; open it from a folder of --scenes", tame(name),
-                bytes >> 20U, own_.parent_path().string());
+                bytes >> 20U, own_->path().parent_path().string());
   // A folder per upload: the name is kept, and equal names do not collide.
-  const fs::path folder = own_ / std::to_string(++count_);
+  const fs::path folder = own_->path() / std::to_string(++count_);
   fs::create_directory(folder);
   return (folder / tame(name)).string();
 }

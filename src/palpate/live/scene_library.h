@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <palpate/live/own_folder.h>
 
 namespace palpate {
 
@@ -21,10 +24,6 @@ class SceneLibrary {
   /// folder.
   SceneLibrary(const std::vector<std::string>& folders, std::string first,
                std::string_view option = "--scenes");
-  /// Deletes uploaded files.
-  ~SceneLibrary();
-  SceneLibrary(const SceneLibrary&) = delete;
-  SceneLibrary& operator=(const SceneLibrary&) = delete;
 
   struct Entry {
     std::string id;            ///< for path_of()
@@ -59,8 +58,8 @@ class SceneLibrary {
 
   std::vector<std::filesystem::path> folders_;  ///< canonical paths
   std::string first_;
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::filesystem::path own_;
+  mutable std::mutex mutex_;         ///< guards the members below
+  std::optional<OwnFolder> own_;     ///< has the uploaded files
   std::size_t count_ = 0;            ///< number of upload paths assigned so far
   std::vector<std::string> handed_;  ///< uploaded files, the newest last
 };
