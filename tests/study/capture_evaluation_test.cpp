@@ -179,6 +179,19 @@ TEST(CaptureEvaluation, SilenceIsNotAvoidableWhereNothingCanBeTouched) {
   EXPECT_EQ(figures.avoidable_5mm, 0.0);
 }
 
+// What it has passed through on the way holds nothing up.
+TEST(CaptureEvaluation, SilenceIsNotAvoidableWhereOnlySomethingFartherOutWasTouched) {
+  std::vector<test::Splat> splats = faint_sheets();
+  splats.push_back(
+      test::splat({0.0, 0.0, 0.03}, Eigen::Vector3d::Constant(0.002), Eigen::Quaterniond::Identity(), 0.3));
+  Bench bench(splats, PlaneKnowledge{.gain = 0.0});
+  const CaptureFigures figures = bench.push();
+  ASSERT_TRUE(bench.last.touched);
+  EXPECT_LT(*bench.last.touched, -0.01);
+  EXPECT_EQ(figures.silent_5mm, 1.0);
+  EXPECT_EQ(figures.avoidable_5mm, 0.0);
+}
+
 TEST(CaptureEvaluation, AJumpIsFound) {
   Bench bench(sheet(), PlaneKnowledge{.jump = 0.3});
   EXPECT_NEAR(bench.push().push_step.max, 0.3, 1e-9);

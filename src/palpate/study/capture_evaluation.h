@@ -77,7 +77,7 @@ struct CaptureFigures {
   double onset_within = 0.0;       ///< force begins within 5 mm of the seen surface
   double late = 0.0, early = 0.0;  ///< more than 5 mm behind it, or never; before it
   double silent_5mm = 0.0, silent_10mm = 0.0;
-  /// Silent at a depth of 5 mm, although an ellipsoid has been overlapped and no rigid frictionless tool
+  /// Silent at a depth of 5 mm, although an ellipsoid is overlapped there and no rigid frictionless tool
   /// outside the seen surface is so near that its spring would be silent, too: a surface met with the flank
   /// lets the proxy slip to the side.
   double avoidable_5mm = 0.0;
