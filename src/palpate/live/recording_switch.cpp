@@ -1,11 +1,9 @@
 #include <palpate/live/recording_switch.h>
 
 #include <exception>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
@@ -14,11 +12,7 @@ namespace palpate {
 
 RecordingSwitch::~RecordingSwitch() {
   if (maker_.joinable()) maker_.join();
-  job_.reset();
-  if (!folder_.empty()) {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
+  job_.reset();  // before the folder
 }
 
 void RecordingSwitch::see(const TickRecord& record, const TickTimes& times) {
@@ -51,13 +45,8 @@ void RecordingSwitch::set(State state) {
 
 /// Called on the Elsewhere thread.
 std::string RecordingSwitch::next_in_own_folder() {
-  if (folder_.empty()) {
-    std::string pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-      throw Error("cannot make a folder for recordings in {}", pattern);
-    folder_ = pattern;
-  }
-  return fmt::format("{}/recording-{}.csv", folder_, ++count_);
+  if (!folder_) folder_.emplace("palpate");
+  return folder_->path() / fmt::format("recording-{}.csv", ++count_);
 }
 
 /// Called on the Elsewhere thread: the recorder's thread inherits its normal priority.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <palpate/base/file.h>
+#include <palpate/live/own_folder.h>
 #include <palpate/record/recorder.h>
 #include <palpate/rosbridge/elsewhere.h>
 #include <palpate/servo/servo_loop.h>
@@ -100,7 +101,7 @@ class RecordingSwitch final : public TickObserver {
   std::atomic<Recorder*> used_ = nullptr;  ///< used by the servo thread from its next tick on
   std::atomic<std::uint64_t> ticks_ = 0;
   // Used by the jobs, which run one at a time:
-  std::string folder_;
+  std::optional<OwnFolder> folder_;
   int count_ = 0;
   std::vector<std::unique_ptr<Recorder>> retired_;  ///< possibly still in use by a tick
   std::thread maker_;
