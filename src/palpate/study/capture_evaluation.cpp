@@ -89,7 +89,7 @@ CapturePush CaptureEvaluation::push(const CaptureAim& aim, std::vector<CaptureTi
   result.aim = aim;
   const double before = free_before(aim), deepest = kPush * tool_.radius();
   ForceSteps steps(stiffness_);
-  bool shallow = false, deep = false, overlaps = false;
+  bool shallow = false, deep = false;
   const auto feel = [&](double depth) {
     const Vector3d position = aim.from + (aim.seen + depth) * aim.along;
     const ForceOutput felt = hand_->at(position);
@@ -109,7 +109,6 @@ CapturePush CaptureEvaluation::push(const CaptureAim& aim, std::vector<CaptureTi
     const bool silent = force < kSilent * stiffness_ * depth;
     if (!shallow && depth >= kShallow) {
       shallow = true;
-      overlaps = touches(aim.from + (aim.seen + depth) * aim.along);
       result.silent_5mm = silent;
     }
     if (!deep && depth >= kDeep) {
@@ -119,7 +118,8 @@ CapturePush CaptureEvaluation::push(const CaptureAim& aim, std::vector<CaptureTi
   }
   for (int k = down; k >= 0; --k) feel(k * kHandStep - before);
   result.step = steps.largest();
-  result.avoidable_5mm = result.silent_5mm && overlaps && !slips_off(aim, kShallow);
+  result.avoidable_5mm =
+      result.silent_5mm && touches(aim.from + (aim.seen + kShallow) * aim.along) && !slips_off(aim, kShallow);
   return result;
 }
 
