@@ -11,6 +11,7 @@ ensure_packages cmake ninja-build g++-aarch64-linux-gnu qemu-user-static
 build=$root/build/aarch64
 sysroot=$build/sysroot
 apt=$build/apt
+jobs=$(nproc)
 
 # apt-get for the arm64 packages, which are unpacked into the sysroot and not installed.
 apt_arm64() {
@@ -56,6 +57,12 @@ for processor in "with AES" "without AES"; do
   [[ $processor == "with AES" ]] || preload=(-E "LD_PRELOAD=$build/no_aes.so")
   for test in base scene collision haptics; do
     say "test_$test on aarch64, $processor"
-    (cd "$build" && qemu-aarch64-static "${preload[@]}" -L "$sysroot" "bin/test_$test" --gtest_brief=1)
+    parts=()
+    for ((part = 0; part < jobs; ++part)); do
+      (cd "$build" && GTEST_TOTAL_SHARDS=$jobs GTEST_SHARD_INDEX=$part \
+        qemu-aarch64-static "${preload[@]}" -L "$sysroot" "bin/test_$test" --gtest_brief=1) &
+      parts+=($!)
+    done
+    for part in "${parts[@]}"; do wait "$part"; done
   done
 done

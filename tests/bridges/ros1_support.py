@@ -1,6 +1,6 @@
 """A real roscore, and a driver of a haptic device that is an ordinary rospy node, for the tests of the bridge to ROS 1."""
 
-import os
+import faulthandler
 import signal
 import socket
 import subprocess
@@ -12,6 +12,16 @@ from geometry_msgs.msg import PoseStamped, WrenchStamped
 from std_msgs.msg import Header
 
 FREE, PRESSED = 0.05, 0.016  # heights of a ball of 2 cm over the wall. Unit: [m]
+
+
+def too_late(*_):
+    faulthandler.dump_traceback()
+    raise TimeoutError("these tests take too long; above is where each thread was")
+
+
+# Before the 300 s after which CTest would end them without a word, and leave their programs behind.
+signal.signal(signal.SIGALRM, too_late)
+signal.alarm(240)
 
 
 def free_port():
