@@ -100,5 +100,30 @@ TEST(GrowingFile, OfAFullDiskKeepsTheWholeLinesThatWentIn) {
   }
 }
 
+TEST(GrowingFile, SaysThatItWasRemoved) {
+  for (const bool replaced : {false, true}) {
+    const Place place;
+    GrowingFile file(place.path, "head\n");
+    std::filesystem::remove(place.path);
+    if (replaced) std::ofstream(place.path) << "another\n";
+    const auto names_it = AllOf(HasSubstr(place.path), HasSubstr("was removed"), HasSubstr("lost"));
+    EXPECT_THAT(message_of<Error>([&] { file.append("one\n"); }), names_it);
+    EXPECT_EQ(file.size(), 5U);
+    EXPECT_THAT(message_of<Error>([&] { file.finish(); }), names_it);
+    EXPECT_EQ(place.bytes(), replaced ? "another\n" : "");
+  }
+}
+
+TEST(GrowingFile, SaysAtItsEndThatItWasMoved) {
+  const Place place;
+  GrowingFile file(place.path, "head\n");
+  std::filesystem::rename(place.path, place.path + ".old");
+  file.append("one\n");
+  EXPECT_THAT(message_of<Error>([&] { file.finish(); }),
+              AllOf(HasSubstr(place.path), HasSubstr("was moved")));
+  std::filesystem::rename(place.path + ".old", place.path);
+  EXPECT_EQ(place.bytes(), "head\none\n");
+}
+
 }  // namespace
 }  // namespace palpate

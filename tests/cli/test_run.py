@@ -248,6 +248,20 @@ class Recording(Live):
         self.assertGreater(len(rows), 100)
         self.succeed("report", "run.csv", "--out", "report.html")
 
+    def test_a_recording_that_is_removed_ends_the_run_and_one_that_is_moved_is_said(self):
+        for name, change, words in (("removed.csv", os.remove, b"removed.csv: was removed while it was being written"),
+                                    ("moved.csv", lambda path: os.rename(path, path + ".old"), b"moved.csv: was moved while it was being written")):
+            path = self.path(name)
+            process = self.start("--record", name, "--seconds", "3")
+            while not os.path.exists(path) or os.path.getsize(path) < 20_000:
+                time.sleep(0.01)
+            change(path)
+            out, err = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 1, err)
+            self.assertIn(words, err.splitlines()[-1])
+            self.assertNotIn(b"wrote", out)
+        self.succeed("report", "moved.csv.old", "--out", "moved.html")
+
 
 class Hands(Live):
     def test_an_interrupt_ends_it_with_a_summary(self):

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <palpate/base/error.h>
@@ -32,7 +33,21 @@ GrowingFile::~GrowingFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
+bool GrowingFile::is_at_path() const {
+  struct stat own {
+  }, there{};
+  return ::fstat(descriptor_, &own) == 0 && ::stat(path_.c_str(), &there) == 0 &&
+         own.st_dev == there.st_dev && own.st_ino == there.st_ino;
+}
+
+void GrowingFile::require_a_name() const {
+  struct stat own {};
+  if (!is_at_path() && ::fstat(descriptor_, &own) == 0 && own.st_nlink == 0)
+    throw Error("{}: was removed while it was being written; its data is lost", path_);
+}
+
 void GrowingFile::append(std::string_view lines) {
+  require_a_name();
   std::size_t done = 0;
   while (done < lines.size()) {
     const ssize_t n = ::write(descriptor_, lines.data() + done, lines.size() - done);
@@ -50,10 +65,14 @@ void GrowingFile::append(std::string_view lines) {
 }
 
 void GrowingFile::finish() {
+  require_a_name();
+  const bool was_moved = !is_at_path();
   const int descriptor = std::exchange(descriptor_, -1);
   const int error_number = ::fsync(descriptor) == 0 ? 0 : errno;
   if (::close(descriptor) != 0 && error_number == 0) throw_file_error(path_, "write", errno);
   if (error_number != 0) throw_file_error(path_, "write", error_number);
+  if (was_moved)
+    throw Error("{}: was moved while it was being written; look for it under its new name", path_);
 }
 
 }  // namespace palpate

@@ -24,17 +24,22 @@ class GrowingFile {
   const std::string& path() const { return path_; }
 
   /// Appends whole lines. \throws Error when the disk is full or fails; the file then ends with the last
-  /// whole line written, and size() is the offset of its end.
+  /// whole line written, and size() is the offset of its end. \throws Error, and appends nothing, if the file
+  /// has been removed.
   void append(std::string_view lines);
 
   /// Size of the lines written. Unit: [bytes].
   std::uint64_t size() const { return size_; }
 
   /// Waits until all data is on disk, which may take seconds, and closes the file; nothing can be appended
-  /// afterwards. \throws Error when the disk fails.
+  /// afterwards. \throws Error when the disk fails, or if the file is no longer at path().
   void finish();
 
  private:
+  bool is_at_path() const;
+  /// \throws Error if no name refers to the file any more.
+  void require_a_name() const;
+
   std::string path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
