@@ -31,7 +31,7 @@ function initialParameters(ply) {
     tool: [{ name: 'tool', semi_axes: [0.02, 0.02, 0.02], position: [0, 0, 0], orientation: [1, 0, 0, 0] }],
     device: { name: 'omega', kind: 'simulated', force_max: 12, torque_max: 0, workspace: 0.08 },
     room: { scale: 1, rotation: [1, 0, 0, 0], translation: [0, 0, 0] },
-    paused: false, recording: '', busy: '', message: '', demo: true,
+    paused: false, recording: false, recorded: false, busy: '', message: '', demo: true,
   };
 }
 
@@ -220,7 +220,7 @@ export class MockGateway {
       this.fault = { level: 2, state: 'stopped', fault: 'emergency-stop', advice: 'resume when it is safe' };
     } else if (name === 'resume') this.fault = { level: 0, state: 'active', fault: 'none', advice: '' };
     else if (name === 'pause') this.change({ paused: args.data });
-    else if (name === 'record') this.change({ recording: args.data ? 'run.csv' : '' });
+    else if (name === 'record') this.change({ recording: args.data, recorded: !args.data });
     else if (name === 'demo') this.change({ demo: args.data });
     else if (name === 'propose_setup') {
       this.beforeProposal();

@@ -152,10 +152,14 @@ describe('panels', () => {
 
   test('a recording is begun and ended, and a configuration taken along', async () => {
     await openSection('Recording and settings');
+    const kept = desk.page.getByText('Kept until the next recording is complete');
+    assert.equal(await kept.isVisible(), false);
     await desk.page.locator('[data-action=record]').click();
     await desk.page.getByRole('button', { name: 'Stop recording' }).click();
     await waitFor(() => requests('record').length === 2, 'both');
     assert.deepEqual(requests('record').map((r) => r.args.data), [true, false]);
+    await kept.waitFor();
+    assert.equal(await desk.page.getByRole('link', { name: 'as CSV' }).getAttribute('download'), 'recording.csv');
     const [download] = await Promise.all([desk.page.waitForEvent('download'), desk.page.locator('[data-action=config]').click()]);
     assert.equal(download.suggestedFilename(), 'palpate.toml');
   });
