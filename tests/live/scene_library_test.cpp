@@ -74,6 +74,18 @@ TEST_F(SceneLibraryTest, OpensNothingThatIsNotOffered) {
               AllOf(HasSubstr(".spz cannot be read"), HasSubstr("splat-transform")));
 }
 
+TEST_F(SceneLibraryTest, OpensAFileWhoseNameIsNotUtf8) {
+  for (const char* name : {"caf\xe9.ply", "caf\xe8.ply", "caf\xc3\xa9.ply", "line\n.ply"})
+    std::ofstream(folder() / name, std::ios::binary) << inria_file(1).bytes();
+  const SceneLibrary library({folder().string()}, (folder() / "caf\xe9.ply").string());
+  EXPECT_THAT(names(library),
+              testing::IsSupersetOf({"caf%E9.ply", "caf%E8.ply", "caf\xc3\xa9.ply", "line%0A.ply"}));
+  EXPECT_EQ(library.list()[1].name, "caf%E9.ply");
+  EXPECT_EQ(library.path_of("0/caf%E9.ply"), fs::canonical(folder() / "caf\xe9.ply").string());
+  EXPECT_EQ(library.path_of("0/caf%E8.ply"), fs::canonical(folder() / "caf\xe8.ply").string());
+  EXPECT_EQ(library.path_of("0/caf\xc3\xa9.ply"), fs::canonical(folder() / "caf\xc3\xa9.ply").string());
+}
+
 TEST_F(SceneLibraryTest, SaysWhichPlyIsNoScene) {
   const auto write_bytes = [&](const std::string& name, const std::string& bytes) {
     std::ofstream(folder() / name, std::ios::binary) << bytes;

@@ -48,6 +48,20 @@ std::string tame(std::string_view name) {
   return result;
 }
 
+/// Returns `name` as it is if it is printable UTF-8; otherwise with the bytes that are no printable ASCII as
+/// %XX, so that a message can carry it, and different names stay different.
+std::string portable(const std::string& name) {
+  if (printable(name) == name) return name;
+  std::string result;
+  for (const char c : name) {
+    if (c >= ' ' && c <= '~')
+      result.push_back(c);
+    else
+      result += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return result;
+}
+
 /// Returns why the .ply `file` is not a scene that can be read, by its header; empty if it is.
 std::string refusal_of_header(const fs::path& file) {
   try {
@@ -97,7 +111,7 @@ std::vector<SceneLibrary::Found> SceneLibrary::find() const {
     return error ? 0 : bytes;
   };
   if (!first_.empty())
-    found.push_back({{kFirst, fs::path(first_).filename().string(), size(first_)}, first_});
+    found.push_back({{kFirst, portable(fs::path(first_).filename().string()), size(first_)}, first_});
   {
     const std::scoped_lock lock(mutex_);
     for (const std::string& path : handed_) {
@@ -118,7 +132,7 @@ std::vector<SceneLibrary::Found> SceneLibrary::find() const {
       if (!readable && !is_one_of(extension, kForeign)) continue;
       const fs::path whole = fs::canonical(at->path(), skipped);  // a link may point to another folder
       if (skipped || !is_inside(folders_[k], whole) || !fs::is_regular_file(whole, skipped)) continue;
-      const std::string name = at->path().lexically_relative(folders_[k]).string();
+      const std::string name = portable(at->path().lexically_relative(folders_[k]).string());
       found.push_back({{fmt::format("{}/{}", k, name), name, size(whole),
                         !readable             ? refusal_of_format(name)
                         : extension == ".ply" ? refusal_of_header(whole)

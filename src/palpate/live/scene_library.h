@@ -26,8 +26,8 @@ class SceneLibrary {
                std::string_view option = "--scenes");
 
   struct Entry {
-    std::string id;            ///< for path_of()
-    std::string name;          ///< for display
+    std::string id;            ///< for path_of(); printable UTF-8, as is `name`
+    std::string name;          ///< for display; a file name's other bytes as %XX
     std::uint64_t bytes = 0;   ///< 0: not a file
     std::string refusal = {};  ///< why it cannot be read, by name and header, and what to do; empty: readable
   };
