@@ -107,6 +107,11 @@ class Node(unittest.TestCase):
             return file.read()
 
     @classmethod
+    def newest_line(cls, words):
+        """Others may have been said since."""
+        return [line for line in cls.text().splitlines() if words in line][-1]
+
+    @classmethod
     def wait_said(cls, words, count=1):
         deadline = time.time() + 20
         while cls.text().count(words) < count:
@@ -270,7 +275,7 @@ class Node(unittest.TestCase):
             count = self.text().count("set_parameters: ")
             change.publish(text)
             self.wait_said("set_parameters: ", count + 1)
-            self.assertIn(words, self.text().splitlines()[-1])
+            self.assertIn(words, self.newest_line("set_parameters: "))
         change.publish('{"stiffness": 500, "tool": [{"semi_axes": [0.02, 0.02, 0.02]}]}')
         self.wait(lambda: self.parameters()["stiffness"] == 500)
 
@@ -353,7 +358,7 @@ class Node(unittest.TestCase):
                              ("low", "there is no scene 'low'")):
             with self.subTest(which=which):
                 self.says("open_scene: ", lambda which=which: open_scene.publish(which))
-                self.assertIn(words, self.text().splitlines()[-1])
+                self.assertIn(words, self.newest_line("open_scene: "))
         # What is wrong with a scene is found while it is read.
         refusal = "lost.ply: no Gaussian passes the filter; the current scene stays"
         for count in (1, 2):

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -21,9 +22,25 @@ export async function eventually(holds, what = holds, seconds = 20) {
   assert.fail(`never: ${typeof what === 'function' ? what() : what}`);
 }
 
+/** A domain that no other test uses while this one runs: each holds the TCP port whose number is that of its domain's discovery. The ports
+ * of these domains are not those that the system gives away. */
+async function ownDomain() {
+  const kFirst = 7400, kEach = 250, kMost = 100;
+  for (let i = 0; i < kMost; ++i) {
+    const domain = 1 + (process.pid + i) % kMost;
+    const lock = createServer().unref().listen(kFirst + kEach * domain, '127.0.0.1');
+    try {
+      await once(lock, 'listening');
+      return String(domain);
+    } catch (error) {
+      if (error.code !== 'EADDRINUSE') throw error;
+    }
+  }
+  throw new Error('every domain is in use');
+}
+
+const kDomain = await ownDomain();
 /** On loopback alone, and without multicast, which containers may not have. */
-/** One for which ports are not those that the system gives away. */
-const kDomain = String(1 + process.pid % 100);
 export const environment = {
   ...process.env,
   ROS_DOMAIN_ID: kDomain,
