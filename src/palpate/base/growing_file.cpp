@@ -34,8 +34,8 @@ GrowingFile::~GrowingFile() {
 }
 
 bool GrowingFile::is_at_path() const {
-  struct stat own {
-  }, there{};
+  struct stat own {};
+  struct stat there {};
   return ::fstat(descriptor_, &own) == 0 && ::stat(path_.c_str(), &there) == 0 &&
          own.st_dev == there.st_dev && own.st_ino == there.st_ino;
 }
