@@ -24,6 +24,11 @@ signal.signal(signal.SIGALRM, too_late)
 signal.alarm(240)
 
 
+def newest_line(text, words):
+    """The last line of `text` with those words; others may have been said since."""
+    return [line for line in text.splitlines() if words in line][-1]
+
+
 def free_port():
     with socket.socket() as s:
         s.bind(("127.0.0.1", 0))

@@ -14,7 +14,7 @@ import rospy
 
 from geometry_msgs.msg import WrenchStamped
 
-from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port, newest_line
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import ply, wall_rows  # noqa: E402
@@ -153,7 +153,7 @@ class Ros1(unittest.TestCase):
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             self.wait_said("publishes wrenches for the device, too", before + 1)
-            newest = [line for line in self.text().splitlines() if "publishes wrenches for the device, too" in line][-1]
+            newest = newest_line(self.text(), "publishes wrenches for the device, too")
             self.assertRegex(newest, "'/rostopic_.*' publishes wrenches for the device, too: no force until")
         except BaseException:
             other.kill()

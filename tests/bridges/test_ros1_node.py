@@ -22,7 +22,7 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port, newest_line
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import PALPATE, ply, threads_of, wall_rows  # noqa: E402
@@ -105,11 +105,6 @@ class Node(unittest.TestCase):
     def text(cls):
         with open(cls.said, encoding="utf-8") as file:
             return file.read()
-
-    @classmethod
-    def newest_line(cls, words):
-        """Others may have been said since."""
-        return [line for line in cls.text().splitlines() if words in line][-1]
 
     @classmethod
     def wait_said(cls, words, count=1):
@@ -275,7 +270,7 @@ class Node(unittest.TestCase):
             count = self.text().count("set_parameters: ")
             change.publish(text)
             self.wait_said("set_parameters: ", count + 1)
-            self.assertIn(words, self.newest_line("set_parameters: "))
+            self.assertIn(words, newest_line(self.text(), "set_parameters: "))
         change.publish('{"stiffness": 500, "tool": [{"semi_axes": [0.02, 0.02, 0.02]}]}')
         self.wait(lambda: self.parameters()["stiffness"] == 500)
 
@@ -358,7 +353,7 @@ class Node(unittest.TestCase):
                              ("low", "there is no scene 'low'")):
             with self.subTest(which=which):
                 self.says("open_scene: ", lambda which=which: open_scene.publish(which))
-                self.assertIn(words, self.newest_line("open_scene: "))
+                self.assertIn(words, newest_line(self.text(), "open_scene: "))
         # What is wrong with a scene is found while it is read.
         refusal = "lost.ply: no Gaussian passes the filter; the current scene stays"
         for count in (1, 2):
