@@ -63,7 +63,8 @@ SceneIndex open_index(const SceneConfig& config, IndexFiles files, const Notify&
                             *opened.not_written));
   }
   if (opened.origin == OpenedIndex::Origin::kNewFile && progress) {  // only if a user is watching
-    say(notify, fmt::format("note: wrote {}, which the next command reuses", index_path(config.path)));
+    say(notify,
+        fmt::format("note: wrote {}, reused when this scene is opened again", index_path(config.path)));
   }
   tell(opened.report, config.path, notify);
   return opened.index;
