@@ -278,6 +278,37 @@ TEST_F(ContactTrackerOnEveryTarget, OfOneContactFindsOneWhereThereIsAny) {
   });
 }
 
+// A search of a tool that moves by 4 % of its radius in a tick lasts for ticks where few Gaussians are kept.
+// Where many are, all of them would cost more in every tick than a search does.
+TEST_F(ContactTrackerOnEveryTarget, SearchesSeldomForAFastToolAmongFew) {
+  constexpr double kRadius = 0.01, kStep = 0.04 * kRadius;
+  constexpr int kTicks = 50;
+  const auto searches_on_plane = [&](double spacing) {
+    std::vector<Splat> splats;
+    const int half = static_cast<int>(0.03 / spacing);
+    for (int i = -half; i <= half; ++i)
+      for (int k = -half; k <= half; ++k)
+        splats.push_back(splat({i * spacing, k * spacing, 0.0}, {spacing, spacing, 1e-4},
+                               Eigen::Quaterniond::Identity(), 0.95));
+    const SceneIndex index(scene_of(splats), {}, {});
+    ContactTracker tracker(index);
+    ContactSet set;
+    int searches = 0;
+    for (int tick = 0; tick < kTicks; ++tick) {
+      const double x = kStep * (tick - kTicks / 2);
+      const Vector3d center(x, 0.0, 0.5 * kRadius);
+      tracker.query({center, kRadius * Eigen::Matrix3d::Identity()}, set);
+      EXPECT_FALSE(set.contacts.empty());
+      searches += tracker.searched() > 0;
+    }
+    return searches;
+  };
+  on_every_target([&] {
+    EXPECT_LE(searches_on_plane(0.006), kTicks * 2 / 3);
+    EXPECT_GT(searches_on_plane(0.0005), kTicks - 5);  // the first one, at rest, lasts
+  });
+}
+
 TEST_F(ContactTrackerOnEveryTarget, SearchesNoCrowdTwice) {
   test::Random random(24);
   const SceneIndex index(scene_of(test::sphere_of_splats(random, 20000)), {}, {});

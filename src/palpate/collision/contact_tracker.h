@@ -44,6 +44,7 @@ class ContactTracker {
   Lookahead::Line* ahead_;
   CandidateCache near_;
   std::size_t searched_ = 0;
+  Eigen::Vector3d last_center_ = Eigen::Vector3d::Zero();  ///< of the tool of the last query
 };
 
 }  // namespace palpate
