@@ -305,7 +305,7 @@ TEST_F(ContactTrackerOnEveryTarget, SearchesSeldomForAFastToolAmongFew) {
   };
   on_every_target([&] {
     EXPECT_LE(searches_on_plane(0.006), kTicks * 2 / 3);
-    EXPECT_GT(searches_on_plane(0.0005), kTicks - 5);  // the first one, at rest, lasts
+    EXPECT_GT(searches_on_plane(0.0005), kTicks - 5);  // the first one has no last step, and lasts
   });
 }
 

@@ -31,7 +31,8 @@ class CandidateCache {
   /// Least enlargement of a moving tool for a search, relative to its radii: 0.4 mm for a ball of 20 mm, two
   /// ticks of a fast hand (0.2 m/s). A larger margin keeps more: with 0.1, ticks among dense Gaussians take a
   /// third longer in the median and two thirds longer at p99.9. A smaller one searches more often: with 0.005
-  /// these improve by another tenth, and p99 on a sparse scene rises by a quarter.
+  /// these improve by another tenth, and p99 on a sparse scene rises by a quarter. ContactTracker enlarges by
+  /// more where that costs less.
   static constexpr double kMargin = 0.02;
 
   /// Searches the Gaussians that `solid` touches. \returns false if they exceed the capacity; the cache then

@@ -44,7 +44,9 @@ class ContactTracker {
   Lookahead::Line* ahead_;
   CandidateCache near_;
   std::size_t searched_ = 0;
-  Eigen::Vector3d last_center_ = Eigen::Vector3d::Zero();  ///< of the tool of the last query
+  /// Centre of the tool of the last query; the origin before the first, whose margin is thus any permitted
+  /// one.
+  Eigen::Vector3d last_center_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace palpate
