@@ -14,6 +14,7 @@
 #include <palpate/haptics/tool_query.h>
 #include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
+#include <support/effort.h>
 #include <support/random_scenes.h>
 #include <support/random_tools.h>
 
@@ -280,7 +281,7 @@ template <class MakeTool>
 double steepest_through_centres(std::uint64_t seed, double largest, const MakeTool& make_tool) {
   test::Random random(seed);
   double most = 0.0;
-  for (int scene = 0; scene < 12; ++scene) {
+  for (std::size_t scene = 0; scene < test::draws(12); ++scene) {
     const double size = scene % 2 == 0 ? 0.02 : 0.005;
     const auto splats = any_splats(random, scene % 3 == 0 ? 1 : 60, 2.0 * size, largest * size);
     const Tool tool = make_tool(random, size);
@@ -323,7 +324,7 @@ TEST(FieldForce, IsNoSteeperOnASurfaceHoweverItIsSampled) {
       test::Random random(912);
       for (const double radius : {0.02, 0.005}) {
         Felt felt(scene, Tool{Vector3d::Constant(radius)});
-        for (int i = 0; i < 10; ++i) {
+        for (std::size_t i = 0; i < test::draws(10); ++i) {
           const auto at = static_cast<std::size_t>(random.integer(0, static_cast<int>(scene.size()) - 1));
           const Pose through{scene.position[at].cast<double>(), random.rotation()};
           const Vector3d direction = random.direction();
@@ -352,7 +353,7 @@ TEST(FieldForce, OfOneDiscIsSteeperTheLargerTheDisc) {
   for (const double size : {0.25, 0.5, 1.0, 2.0, 5.0}) {
     Felt felt(test::scene_of({test::splat({0, 0, 0}, {size * kRadius, size * kRadius, 1e-7})}),
               Tool{Vector3d::Constant(kRadius)});
-    for (int i = 0; i < 2000; ++i) {
+    for (std::size_t i = 0; i < test::draws(2000); ++i) {
       const Vector3d at = (1.0 + size) * kRadius * random.in_box(1.0).cwiseProduct(Vector3d(1.0, 1.0, 0.3));
       EXPECT_LE(steepest(felt, {at, Eigen::Quaterniond::Identity()}, random.direction(), kStep, kStep),
                 14.0 + 2.0 * size * size);

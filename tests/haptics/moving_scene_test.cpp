@@ -13,6 +13,7 @@
 #include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
 #include <support/ball_on_surface.h>
+#include <support/effort.h>
 #include <support/example_tools.h>
 #include <support/smooth_places.h>
 
@@ -87,6 +88,9 @@ void expect_finite(const ForceOutput& felt) {
   ASSERT_TRUE(felt.proxy.position.allFinite() && std::isfinite(felt.stored_energy));
 }
 
+/// Places on a surface that a thing comes from.
+constexpr int kPlaces = static_cast<int>(test::draws(12));
+
 class OnMovingShapes : public testing::TestWithParam<const char*> {};
 
 // At 1 m/s and slower, until the tool's centre is as deep below the surface as the ball is thick.
@@ -94,7 +98,7 @@ TEST_P(OnMovingShapes, AThingThatMovesTowardsAStillToolPushesItAndIsNotPassed) {
   MovingThing thing(GetParam(), 41);
   Random random(42);
   for (const double step : {1e-3, 3e-4, 5e-5}) {
-    for (const SurfaceSample& s : test::smooth_places(*thing.surface, GetParam(), 12, 43)) {
+    for (const SurfaceSample& s : test::smooth_places(*thing.surface, GetParam(), kPlaces, 43)) {
       const Vector3d aside{random.normal(), random.normal(), random.normal()};
       const Vector3d along = (s.normal + 0.4 * aside.normalized()).normalized();
       thing.put_tool(s.point + 0.04 * along);
@@ -127,7 +131,7 @@ TEST_P(OnMovingShapes, AThingThatMovesTowardsAStillToolPushesItAndIsNotPassed) {
 // may be off the fit: two deviations of the noise.
 TEST_P(OnMovingShapes, OnceItStandsItIsFeltAsOneThatNeverMoved) {
   constexpr double kDepth = 0.008, kStart = 0.01;
-  for (const SurfaceSample& s : test::smooth_places(*make_surface(GetParam()), GetParam(), 12, 44)) {
+  for (const SurfaceSample& s : test::smooth_places(*make_surface(GetParam()), GetParam(), kPlaces, 44)) {
     MovingThing moves(GetParam(), 45), stands(GetParam(), 45);
     const Vector3d end = s.point + (kRadius - kDepth) * s.normal;
     moves.input.tool.position = end;
@@ -150,7 +154,7 @@ TEST_P(OnMovingShapes, OnceItStandsItIsFeltAsOneThatNeverMoved) {
 
 TEST_P(OnMovingShapes, AThingThatGoesAwayAgainNeverPulls) {
   MovingThing thing(GetParam(), 46);
-  for (const SurfaceSample& s : test::smooth_places(*thing.surface, GetParam(), 12, 47)) {
+  for (const SurfaceSample& s : test::smooth_places(*thing.surface, GetParam(), kPlaces, 47)) {
     thing.put_tool(s.point + 0.03 * s.normal);
     const auto go = [&](double way) -> const ForceOutput& { return thing.go_to(moved(way * s.normal)); };
     for (double way = 0.0; way < 0.02; way += 5e-4) go(way);
@@ -173,7 +177,7 @@ TEST_P(OnMovingShapes, AThingThatIsFittedAnewKeepsTheToolOut) {
   for (std::uint64_t seed = 0; seed < 8; ++seed)
     fits.emplace_back(make_scene(*surface, noisy(100 + seed)), SceneFilter{}, Similarity{});
   MovingThing thing(GetParam(), 48);
-  for (const SurfaceSample& s : test::smooth_places(*surface, GetParam(), 8, 49)) {
+  for (const SurfaceSample& s : test::smooth_places(*surface, GetParam(), kPlaces, 49)) {
     thing.put_tool(s.point + 0.1 * s.normal);
     for (int k = 0; k < 200; ++k) {
       const double depth = std::min(kDepth, -0.01 + 2e-4 * k);

@@ -11,6 +11,7 @@
 #include <palpate/haptics/proxy_force.h>
 #include <palpate/study/random.h>
 #include <support/ball_on_surface.h>
+#include <support/effort.h>
 #include <support/noisy_plane.h>
 
 namespace palpate {
@@ -126,7 +127,7 @@ class AtScales : public testing::TestWithParam<double> {};
 TEST_P(AtScales, NoneComesOutOfAnyClosedStroke) {
   const double scale = GetParam();
   Random random(41);
-  for (int k = 0; k < 8; ++k) {
+  for (std::size_t k = 0; k < test::draws(8); ++k) {
     ProxyParameters parameters;
     parameters.hand_scale = scale;
     parameters.friction = random.uniform(0.0, 0.8);
