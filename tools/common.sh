@@ -40,6 +40,9 @@ ensure_packages() {
 # ensure_npm: installs Debian's npm unless there is one of any origin.
 ensure_npm() { command -v npm >/dev/null || ensure_packages npm; }
 
+# CMake takes this over when it configures a new folder.
+if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}; fi
+
 # For a full build: each library and program is compiled as one source, in a third of the time.
 unity=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0)
 
