@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include <palpate/collision/splat_tracker.h>
+#include <palpate/geometry/rotation.h>
 #include <palpate/haptics/depth_view.h>
 #include <palpate/study/random.h>
 #include <palpate/study/seen_surface.h>
@@ -232,6 +234,59 @@ TEST_F(DepthViewTest, SeesTheSpecksThatAreNearest) {
         EXPECT_TRUE(seen) << clearance << " of " << count;
       }
     });
+  }
+}
+
+/// Least clearance from a ball at the origin of the places of a needle, out to `reach` of its length, and of
+/// its middle; see DepthView::clearance().
+struct NeedleBelowTheBall {
+  Vector3d middle, tip;
+
+  double clearance(double part) const {
+    const Vector3d at = middle + part * tip;
+    const double aside = at.head<2>().squaredNorm();
+    return aside < 0.97 * kRadius * kRadius ? -at.z() - std::sqrt(kRadius * kRadius - aside) : 1.0;
+  }
+  double least(double reach) const {
+    double least = 1.0;
+    for (int k = -100; k <= 100; ++k) least = std::min(least, clearance(0.01 * reach * k));
+    return least;
+  }
+};
+
+// A lone needle is seen where the ball meets it, be that its flank or its tip: where it hides half of the
+// light. What is gained by less than a tenth of the ball does not count. Nowhere is it seen where it hides
+// less than it takes to be seen.
+TEST_F(DepthViewTest, SeesALoneNeedleWhereTheBallMeetsIt) {
+  Random random(46);
+  const auto reach = [](double opacity, double left) {
+    return std::sqrt(2.0 * std::log(opacity / (1.0 - left)));
+  };
+  for (const double opacity : {0.6, 0.95}) {
+    std::vector<double> late_at_middle;
+    for (int i = 0; i < 300; ++i) {
+      const double angle = random.uniform(-std::numbers::pi, std::numbers::pi),
+                   r = random.uniform(0.0, 0.018);
+      const Vector3d middle(r * std::cos(angle), r * std::sin(angle), random.uniform(-0.035, -0.022));
+      const Vector3d along = Vector3d{random.normal(), random.normal(), random.normal()}.normalized();
+      const double length = random.uniform(0.002, 0.02);
+      const NeedleBelowTheBall needle{middle, length * along};
+      LooksDown ball(
+          test::splat(middle, {length, 2e-5, 2e-5}, rotation_between(Vector3d::UnitX(), along), opacity));
+      Vector2d anchor = Vector2d::Zero();
+      const double met = needle.least(std::min(1.0, reach(opacity, 0.5)));
+      late_at_middle.push_back(needle.clearance(0.0) - met);
+      on_every_target([&] {
+        ball.render(RayPattern::on_lattice({0, 0}, 0.018, anchor));
+        const std::size_t nearest = ball.image->nearest();
+        ASSERT_LT(nearest, DepthView::kRays);
+        const double seen = ball.image->clearance(nearest);
+        EXPECT_LT(seen, met + 0.125 * kRadius) << i;
+        EXPECT_GT(seen, needle.least(reach(opacity, DepthView::kSeen)) - 1e-4) << i;
+      });
+    }
+    std::ranges::sort(late_at_middle);
+    EXPECT_GT(late_at_middle[late_at_middle.size() * 3 / 4], 0.2 * kRadius) << "and it matters often";
   }
 }
 

@@ -494,6 +494,24 @@ TEST(ProxyForce, IsStoppedByAWallThatTheToolDoesNotTouch) {
   EXPECT_NEAR(felt.wrench.force.x(), -kStiffness * (0.04 + kRadius), 0.1 * kStiffness * 0.06);
 }
 
+// A lone needle aslant, whose tip is 17 mm nearer to the ball than its middle.
+TEST(ProxyForce, MeetsTheTipOfALoneNeedle) {
+  const Vector3d along = Vector3d(-0.5, 0.1, 0.85).normalized(), middle(0.012, 0, -0.03);
+  const SceneIndex index(test::scene_of({test::splat(middle, {0.02, 2e-4, 2e-4},
+                                                     rotation_between(Vector3d::UnitX(), along), 0.95)}),
+                         SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool{Vector3d::Constant(kRadius)}, {.stiffness = kStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  input.tool.position = {0.001, 0.002, 0.03};
+  while (model.evaluate(input).wrench.force.isZero(0.0) && input.tool.position.z() > -0.05)
+    input.tool.position.z() -= 1e-4;
+  const Vector3d tip = middle + 0.02 * along;
+  const double aside = (tip - input.tool.position).head<2>().squaredNorm();
+  const double meets = tip.z() + std::sqrt(kRadius * kRadius - aside);
+  EXPECT_NEAR(input.tool.position.z(), meets, 0.1 * kRadius);
+}
+
 TEST(ProxyForce, StandsOnTheEndOfALongTool) {
   const auto surface = make_surface("plane");
   const SceneIndex index(make_scene(*surface, {}), SceneFilter{}, Similarity{});

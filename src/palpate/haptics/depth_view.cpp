@@ -37,6 +37,7 @@ struct ViewJob {
 struct DepthViewLanes {
   DepthView& view;
 
+  using NearPlace = DepthView::NearPlace;
   static constexpr std::size_t kRegular = DepthView::kRegular, kRays = DepthView::kRays;
   /// Mahalanobis distance at which a splat ends.
   static constexpr float kEnd = CandidateCache::kDrawn;
@@ -71,7 +72,6 @@ struct DepthViewLanes {
   float* regular() { return view.regular_.data(); }
   float* half_width() { return view.half_width_.data(); }
   float* half_height() { return view.half_height_.data(); }
-  float* below() { return view.below_.data(); }
   std::uint32_t* number() { return view.number_.data(); }
   std::uint32_t* chosen() { return view.chosen_.data(); }
   std::uint32_t* chosen_blocks() { return view.chosen_blocks_.data(); }
@@ -128,9 +128,35 @@ struct Chord {
   HWY_INLINE V far() const { return hn::Mul(hn::Add(middle, half()), per_cc); }
 };
 
+/// Splats, one per lane or the same in all; see SplatImage.
+struct Drawn {
+  V t0, tx, ty, px, py, quu, quv, qvv, log_alpha;
+
+  static HWY_INLINE Drawn load(DepthViewLanes& lanes, std::size_t i) {
+    const auto at = [i](const float* from) HWY_ATTR { return hn::LoadU(D(), from + i); };
+    return {at(lanes.t0()),  at(lanes.tx()),  at(lanes.ty()),  at(lanes.px()),       at(lanes.py()),
+            at(lanes.quu()), at(lanes.quv()), at(lanes.qvv()), at(lanes.log_alpha())};
+  }
+  static HWY_INLINE Drawn in_all_lanes(const SplatImage& image) {
+    return {set(image.t0),  set(image.tx),  set(image.ty),  set(image.px),       set(image.py),
+            set(image.quu), set(image.quv), set(image.qvv), set(image.log_alpha)};
+  }
+
+  HWY_INLINE V m2(V x, V y) const {
+    const V dx = hn::Sub(x, px), dy = hn::Sub(y, py);
+    return hn::MulAdd(dx, hn::MulAdd(dx, quu, hn::Mul(dy, quv)), hn::Mul(hn::Mul(dy, dy), qvv));
+  }
+  HWY_INLINE V depth(V x, V y) const { return hn::MulAdd(x, tx, hn::MulAdd(y, ty, t0)); }
+  /// \param m2 is clamped at the end of the splat: exponentials that underflow are slow.
+  HWY_INLINE V alpha(V m2) const {
+    const D d;
+    const V drawn = hn::Min(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd));
+    return hn::Min(set(DepthViewLanes::kMostAlpha), hn::Exp(d, hn::MulAdd(drawn, set(-0.5F), log_alpha)));
+  }
+};
+
 /// Projects the splats and keeps those in the window.
-void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid, const Profile& larger,
-             DepthViewLanes lanes) {
+void Project(const LocalSplats& splats, const ViewJob& job, DepthViewLanes lanes) {
   const D d;
   const DU du;
   std::size_t size = 0;
@@ -195,12 +221,6 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     const V towards = hn::Min(set(1.0F), hn::Div(radius, hn::Max(away, set(1e-12F))));
     const V slope = hn::Neg(hn::Mul(towards, hn::MulAdd(tx, dx, hn::Mul(ty, dy))));
     const V key = hn::Add(pz, hn::Max(hn::Neg(radius), hn::Min(radius, slope)));
-    // Clearance from the solid at the projected centre.
-    const Chord chord(solid, px, py);
-    const auto is_below =
-        hn::And(hn::Gt(chord.facing, set(Profile::kLeastFacing * solid.cc)),
-                hn::And(hn::Gt(pz, set(job.start)), hn::Lt(pz, Chord(larger, px, py).far())));
-    const V below = hn::IfThenElse(is_below, hn::Sub(pz, chord.far()), set(DepthView::kNothing));
     const auto put = [&](V value, float* to) HWY_ATTR { hn::CompressStore(value, keep, d, to + size); };
     put(t0, lanes.t0());
     put(tx, lanes.tx());
@@ -215,28 +235,106 @@ void Project(const LocalSplats& splats, const ViewJob& job, const Profile& solid
     put(hn::IfThenElse(regular, set(1.0F), hn::Zero(d)), lanes.regular());
     put(hn::Mul(unit, hn::Sqrt(qvv)), lanes.half_width());
     put(hn::Mul(unit, hn::Sqrt(quu)), lanes.half_height());
-    put(below, lanes.below());
     const auto numbers = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(i)));
     size += hn::CompressStore(numbers, hn::RebindMask(du, keep), du, lanes.number() + size);
   }
   lanes.size() = size;
 }
 
-/// Finds the splats nearest below the solid, nearest first. \returns their number.
-std::size_t FindNearest(DepthViewLanes lanes, std::span<std::uint32_t> found) {
+/// Places of splats, one per lane.
+struct Places {
+  V x, y;
+  V clearance;  ///< from the solid; DepthView::kNothing if a place is not below it
+
+  /// Replaces those that others are nearer than, by `gain` at least.
+  HWY_INLINE void improve(const Places& other, V gain) {
+    const auto nearer = hn::Lt(hn::Add(other.clearance, gain), clearance);
+    x = hn::IfThenElse(nearer, other.x, x);
+    y = hn::IfThenElse(nearer, other.y, y);
+    clearance = hn::IfThenElse(nearer, other.clearance, clearance);
+  }
+};
+
+/// The way from the centre of a splat to the place nearest to the solid where it hides half of the light by
+/// itself, to first order: along -Q^-1 g, with Q of m^2 and g the gradient of the clearance.
+struct Approach {
+  V x, y;
+  V gain;  ///< of clearance, at most: that is convex
+
+  HWY_INLINE Approach(const Drawn& splat, const Profile& solid, V facing) {
+    constexpr float kLogHalf = -0.6931472F;
+    constexpr float kMostM2 = 1.0F;  // beyond the ellipsoid, nothing is a contact
+    const V steep = hn::Div(set(1.0F / solid.cc), hn::Sqrt(facing));
+    const auto slope = [&](V along, float a, float b, float linear) HWY_ATTR {
+      const V curved = hn::MulAdd(splat.px, set(a), hn::Mul(splat.py, set(b)));
+      return hn::Add(hn::MulAdd(curved, steep, along), set(linear / solid.cc));
+    };
+    const V gx = slope(splat.tx, solid.aa, solid.ab, solid.d),
+            gy = slope(splat.ty, solid.ab, solid.bb, solid.e);
+    const V half_quv = hn::Mul(set(0.5F), splat.quv);
+    const V to_x = hn::NegMulAdd(half_quv, gy, hn::Mul(splat.qvv, gx));  // det Q times Q^-1 g
+    const V to_y = hn::NegMulAdd(half_quv, gx, hn::Mul(splat.quu, gy));
+    const V det = hn::Max(hn::NegMulAdd(half_quv, half_quv, hn::Mul(splat.quu, splat.qvv)), set(1e-30F));
+    const V along = hn::Max(hn::MulAdd(gx, to_x, hn::Mul(gy, to_y)), set(1e-30F));
+    const V log_surplus = hn::Sub(splat.log_alpha, set(kLogHalf));
+    const V m2 = hn::Min(set(kMostM2), hn::ZeroIfNegative(hn::Add(log_surplus, log_surplus)));
+    const V way = hn::Neg(hn::Sqrt(hn::Div(m2, hn::Mul(along, det))));
+    x = hn::Mul(way, to_x);
+    y = hn::Mul(way, to_y);
+    gain = hn::Sqrt(hn::Div(hn::Mul(m2, along), det));
+  }
+};
+
+/// Finds the splats nearest below the solid, nearest first, and where they are nearest. Most are discs and
+/// needles, and a tool meets the rim of a lone one long before its centre. \returns their number.
+std::size_t FindNearest(const ViewJob& job, const Profile& solid, const Profile& larger, DepthViewLanes lanes,
+                        std::span<DepthViewLanes::NearPlace> found) {
+  // Nearer to the silhouette than 10 degrees, a floor that the tool slides along is not in its way, and the
+  // gradient is that at 18.
+  constexpr float kFlank = 0.03F, kSteepest = 0.1F;
+  // Only what is large for the tool: of many small ones in a surface, the nearest rims would be early.
+  const V least_gain = set(0.1F / std::sqrt(solid.cc));
   const D d;
-  const float* below = lanes.below();
+  const auto place = [&](const Drawn& splat, V x, V y, float least_facing) HWY_ATTR {
+    const V depth = splat.depth(x, y);
+    const Chord chord(solid, x, y);
+    const auto is_below =
+        hn::And(hn::Gt(chord.facing, set(least_facing * solid.cc)),
+                hn::And(hn::Gt(depth, set(job.start)), hn::Lt(depth, Chord(larger, x, y).far())));
+    return Places{x, y, hn::IfThenElse(is_below, hn::Sub(depth, chord.far()), set(DepthView::kNothing))};
+  };
   std::size_t count = 0;
   float most = DepthView::kNothing;
   for (std::size_t first = 0; first < lanes.size(); first += hn::Lanes(d)) {
-    if (hn::AllFalse(d, hn::Lt(hn::LoadU(d, below + first), set(most)))) continue;
-    const std::size_t end = std::min(first + hn::Lanes(d), lanes.size());
-    for (std::size_t i = first; i < end; ++i) {
-      if (!(below[i] < most)) continue;
+    const Drawn splat = Drawn::load(lanes, first);
+    Places nearest = place(splat, splat.px, splat.py, Profile::kLeastFacing);
+    const Chord chord(solid, splat.px, splat.py);
+    const V least_facing = set(kSteepest * solid.cc);
+    const Approach approach(splat, solid, hn::Max(chord.facing, least_facing));
+    const V least = hn::Sub(hn::Sub(splat.depth(splat.px, splat.py), chord.far()), approach.gain);
+    const auto may_gain = hn::And(hn::Gt(approach.gain, least_gain),
+                                  hn::Or(hn::Lt(chord.facing, least_facing), hn::Lt(least, set(most))));
+    if (!hn::AllFalse(d, may_gain)) {
+      const V gain = hn::IfThenElse(may_gain, least_gain, set(DepthView::kNothing));
+      // The solid is curved: half of the way may be nearer.
+      for (const float part : {0.5F, 1.0F}) {
+        nearest.improve(place(splat, hn::MulAdd(set(part), approach.x, splat.px),
+                              hn::MulAdd(set(part), approach.y, splat.py), kFlank),
+                        gain);
+      }
+    }
+    if (hn::AllFalse(d, hn::Lt(nearest.clearance, set(most)))) continue;
+    HWY_ALIGN std::array<float, hn::MaxLanes(D())> x, y, clearance;
+    hn::Store(nearest.x, d, x.data());
+    hn::Store(nearest.y, d, y.data());
+    hn::Store(nearest.clearance, d, clearance.data());
+    const std::size_t end = std::min(hn::Lanes(d), lanes.size() - first);
+    for (std::size_t i = 0; i < end; ++i) {
+      if (!(clearance[i] < most)) continue;
       std::size_t at = count < found.size() ? count++ : count - 1;
-      for (; at > 0 && below[found[at - 1]] > below[i]; --at) found[at] = found[at - 1];
-      found[at] = static_cast<std::uint32_t>(i);
-      if (count == found.size()) most = below[found[count - 1]];
+      for (; at > 0 && found[at - 1].clearance > clearance[i]; --at) found[at] = found[at - 1];
+      found[at] = {x[i], y[i], clearance[i]};
+      if (count == found.size()) most = found[count - 1].clearance;
     }
   }
   return count;
@@ -279,34 +377,6 @@ std::size_t Choose(const ViewJob& job, DepthViewLanes lanes) {
   return count;
 }
 
-/// A splat, the same in all lanes.
-struct Drawn {
-  V t0, tx, ty, px, py, quu, quv, qvv, log_alpha;
-
-  HWY_INLINE explicit Drawn(const SplatImage& image)
-      : t0(set(image.t0)),
-        tx(set(image.tx)),
-        ty(set(image.ty)),
-        px(set(image.px)),
-        py(set(image.py)),
-        quu(set(image.quu)),
-        quv(set(image.quv)),
-        qvv(set(image.qvv)),
-        log_alpha(set(image.log_alpha)) {}
-
-  HWY_INLINE V m2(V x, V y) const {
-    const V dx = hn::Sub(x, px), dy = hn::Sub(y, py);
-    return hn::MulAdd(dx, hn::MulAdd(dx, quu, hn::Mul(dy, quv)), hn::Mul(hn::Mul(dy, dy), qvv));
-  }
-  HWY_INLINE V depth(V x, V y) const { return hn::MulAdd(x, tx, hn::MulAdd(y, ty, t0)); }
-  /// \param m2 is clamped at the end of the splat: exponentials that underflow are slow.
-  HWY_INLINE V alpha(V m2) const {
-    const D d;
-    const V drawn = hn::Min(m2, set(DepthViewLanes::kEnd * DepthViewLanes::kEnd));
-    return hn::Min(set(DepthViewLanes::kMostAlpha), hn::Exp(d, hn::MulAdd(drawn, set(-0.5F), log_alpha)));
-  }
-};
-
 /// Mask of the rays from number k on that may meet the splat: whatever is outside the larger solid is
 /// ignored, as the search may not have found it.
 HWY_INLINE auto is_drawn(DepthViewLanes& lanes, std::size_t k, V t, V m2) {
@@ -346,7 +416,7 @@ HWY_INLINE void for_rays(const SplatImage& image, std::uint32_t lit, const Visit
 void Shade(const ViewJob& job, DepthViewLanes lanes) {
   const D d;
   for (const SplatImage& image : lanes.images()) {
-    const Drawn splat(image);
+    const Drawn splat = Drawn::in_all_lanes(image);
     for_rays(image, ~0U, [&](std::size_t k) HWY_ATTR {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
       const V t = splat.depth(x, y), m2 = splat.m2(x, y);
@@ -385,7 +455,7 @@ void Cast(DepthViewLanes lanes) {
   for (const SplatImage& image : lanes.images()) {
     if (count++ % kCheckEvery == 0) lit = lit_blocks(lanes);
     if (lit == 0) break;
-    const Drawn splat(image);
+    const Drawn splat = Drawn::in_all_lanes(image);
     const auto number = hn::Set(du, image.number);
     for_rays(image, lit, [&](std::size_t k) HWY_ATTR {
       const V x = hn::Load(d, lanes.x() + k), y = hn::Load(d, lanes.y() + k);
@@ -600,8 +670,10 @@ void DepthView::render(const LocalSplats& splats, const ViewFrame& view, const P
   }
   const DepthViewLanes lanes{*this};
   const Profile larger_profile(larger, view);
-  HWY_DYNAMIC_DISPATCH(Project)(splats, job, profile, larger_profile, lanes);
-  aim_extra_rays(pattern, light);
+  HWY_DYNAMIC_DISPATCH(Project)(splats, job, lanes);
+  std::array<NearPlace, kSought - kFixed> nearest;
+  const std::size_t count = HWY_DYNAMIC_DISPATCH(FindNearest)(job, profile, larger_profile, lanes, nearest);
+  aim_extra_rays(pattern, {nearest.data(), count}, light);
   HWY_DYNAMIC_DISPATCH(Bound)(job, profile, larger_profile, lanes);
   bound_blocks();
   order(HWY_DYNAMIC_DISPATCH(Choose)(job, lanes));
@@ -617,17 +689,15 @@ void DepthView::render(const LocalSplats& splats, const ViewFrame& view, const P
   HWY_DYNAMIC_DISPATCH(Clear)(profile, lanes);
 }
 
-/// Places the extra rays: in the middle, at the aim, through the splats nearest below the solid, and around
-/// the aim.
-void DepthView::aim_extra_rays(const RayPattern& pattern, const RayLight& light) {
-  constexpr std::size_t kFixed = 2;
-  std::array<std::uint32_t, kSought - kFixed> found;
-  const std::size_t count = HWY_DYNAMIC_DISPATCH(FindNearest)(DepthViewLanes{*this}, found);
+/// Places the extra rays: in the middle, at the aim, where splats are nearest to the solid, and around the
+/// aim.
+void DepthView::aim_extra_rays(const RayPattern& pattern, std::span<const NearPlace> nearest,
+                               const RayLight& light) {
   std::array<Eigen::Vector2f, kExtra> places;
   places.fill(Eigen::Vector2f::Constant(kFarAway));
   places[0] = pattern.center.cast<float>();
   places[1] = pattern.aim.cast<float>();
-  for (std::size_t k = 0; k < count; ++k) places[kFixed + k] = {px_[found[k]], py_[found[k]]};
+  for (std::size_t k = 0; k < nearest.size(); ++k) places[kFixed + k] = {nearest[k].x, nearest[k].y};
   std::copy_n(pattern.around.begin(), pattern.around_size, &places[kSought]);
   const bool even = std::ranges::count(light.left, light.left[0]) == std::ssize(light.left);
   for (std::size_t k = 0; k < kExtra; ++k) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -126,8 +127,8 @@ struct SplatImage {
 /// Splatting for touch (Kerbl et al. 2023, for a few rays instead of pixels). A ray meets a Gaussian where
 /// its Mahalanobis distance m is least, with opacity alpha exp(-m^2 / 2), at most 0.99, front to back by the
 /// depth of the centre; the Gaussian at which the transmittance falls below kSeen is the hit. Regular rays
-/// fill a window evenly; there is also one in its middle, one at RayPattern::aim, and some through the
-/// centres of the Gaussians nearest below the solid.
+/// fill a window evenly; there is also one in its middle, one at RayPattern::aim, and some that meet the
+/// Gaussians nearest below the solid, where those are nearest to it.
 ///
 /// moments() uses not that depth but the mean depth over which the transmittance falls from three quarters to
 /// one quarter, which does not jump between Gaussians.
@@ -198,7 +199,13 @@ class DepthView {
   template <typename T>
   using PerRay = std::array<T, kRays>;
 
-  void aim_extra_rays(const RayPattern& pattern, const RayLight& light);
+  /// A place of a Gaussian, with its distance from the solid along the view. Unit: [m].
+  struct NearPlace {
+    float x, y, clearance;
+  };
+  static constexpr std::size_t kFixed = 2;
+
+  void aim_extra_rays(const RayPattern& pattern, std::span<const NearPlace> nearest, const RayLight& light);
   std::size_t nearest_regular(float x, float y) const;
   void bound_blocks();
   void order(std::size_t count);
@@ -215,7 +222,7 @@ class DepthView {
   // of the way from (px, py).
   std::size_t size_ = 0;
   alignas(64) PerSplat<float> t0_, tx_, ty_, px_, py_, quu_, quv_, qvv_, log_alpha_;
-  alignas(64) PerSplat<float> key_, below_, regular_, half_width_, half_height_;
+  alignas(64) PerSplat<float> key_, regular_, half_width_, half_height_;
   alignas(64) PerSplat<std::uint32_t> number_;
   // Of those that rays may meet: number in the above, blocks of rays and part of the order.
   static constexpr std::uint32_t kBins = 512;
