@@ -130,6 +130,7 @@ class Ros1(unittest.TestCase):
                     change(message)
                     return message
                 self.driver.spoil = spoil
+                self.wait_said(words, before + 1)
                 self.wait(lambda: self.driver.force == 0.0)
                 time.sleep(0.1)
                 self.assertEqual(self.driver.force, 0.0)

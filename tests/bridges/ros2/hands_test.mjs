@@ -118,7 +118,7 @@ describe('several hands', () => {
     await eventually(async () => (await status('palpate/left: device')).level === 2, 'an error of that hand');
     await eventually(async () => Math.abs(await forceOf('first') - before_) <= 1e-3 * before_, `${before_} N`, 2);
     assert.ok((await status('palpate: device')).level < 2);
-    assert.ok(node.said.includes('hand left: ros2:/left: poses of'), node.said);
+    await node.says('hand left: ros2:/left: poses of');
     drivers.left.good();
     await lean('left');
     const ask = (name, number) => watcher().tell(`send ${name} ${encode('uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member',
