@@ -154,7 +154,7 @@ class Bag(unittest.TestCase):
 
     def test_field(self):
         # Of a pose alone, so that what is answered is answered alike, unless a busy machine was so late that the force was taken away.
-        for _ in range(3):
+        for _ in range(6):
             runs = list(self.compare("field"))
             if all(len(off) > 0.3 * pressed and quantile(off, 0.95) < 1e-3 * peak for off, peak, pressed in runs):
                 break

@@ -165,7 +165,7 @@ class Hands(unittest.TestCase):
                 # A machine that stands still takes the force of all.
                 self.assertTrue(any(self.keep_their_force(spoil) for _ in range(4)), self.text())
         self.assertIn("hand left: ros1:/left: poses of", self.text())
-        self.assertNotIn("palpate_ros1: ros1:/omni: poses of", self.text())
+        self.assertNotRegex(self.text(), "palpate_ros1: ros1:/omni: poses of .* are not finite")
 
     def test_5_a_hand_has_a_stop_of_its_own_and_the_first_one_stops_all(self):
         def call(name):
@@ -233,7 +233,7 @@ class Hands(unittest.TestCase):
             is_softer = wrench < 1.05 * shown  # by what it is late
             return shown > 1.0 and models > 500 and answered > 500 and is_of_the_model and is_softer
 
-        for _ in range(4):  # on a busy machine a pose may be late, after which a hand that leans on feels nothing: it comes down again
+        for _ in range(8):  # on a busy machine a pose may be late, after which a hand that leans on feels nothing: it comes down again
             with subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True) as process:
                 lines = [process.stdout.readline() for _ in range(6)]
                 process.send_signal(signal.SIGINT)
