@@ -225,6 +225,12 @@ class Refusals(unittest.TestCase):
                 self.assertIn(words, result.stderr)
                 self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
 
+    def test_a_hand_without_a_device_of_its_own_is_refused(self):
+        result = subprocess.run([PALPATE, "run", "--no-gateway", "--device", "ros1:/omni,rate=20", "--hands", "left", "--seconds", "1"],
+                                capture_output=True, text=True, check=False, timeout=60)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertRegex(result.stderr, "hand left: .*device 'ros1:/omni': another hand of this program uses it")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -509,6 +509,41 @@ TEST(CrtkDevice, NoReadingIsOlderThanTheOneBefore) {
   EXPECT_GT(came, 10);
 }
 
+/// A network that cannot be reached.
+class NoNetwork final : public CrtkTransport {
+ public:
+  void start(CrtkDevice&) override { throw Error("there is no network"); }
+  void stop() noexcept override {}
+  void send(const CrtkWrench&, const std::string&) override {}
+  bool wants_local_model() override { return false; }
+  void send_local_model(const LocalModel&, double) override {}
+  void send_echo(std::uint64_t) override {}
+  void say(const std::string&) override {}
+};
+
+TEST(CrtkDevice, IsOpenedByOneHandOfAProgramAtATime) {
+  CrtkDevice first(crtk_options(), std::make_unique<CrtkPeer>());
+  first.open();
+  CrtkDevice second(crtk_options(), std::make_unique<CrtkPeer>());
+  EXPECT_THROW(open_device(second, {}), Error);
+  EXPECT_EQ(second.status(), DeviceStatus::kClosed);
+  CrtkDevice third(crtk_options(), std::make_unique<CrtkPeer>());
+  EXPECT_THROW(third.open(), Error) << "the one that was refused has not freed the name";
+  CrtkOptions other = crtk_options();
+  other.capabilities.name = "another";
+  CrtkDevice fourth(other, std::make_unique<CrtkPeer>());
+  EXPECT_NO_THROW(fourth.open());
+  first.close();
+  EXPECT_NO_THROW(second.open());
+}
+
+TEST(CrtkDevice, ThatCouldNotBeOpenedMayBeOpenedByAnother) {
+  CrtkDevice none(crtk_options(), std::make_unique<NoNetwork>());
+  EXPECT_THROW(none.open(), Error);
+  CrtkDevice some(crtk_options(), std::make_unique<CrtkPeer>());
+  EXPECT_NO_THROW(some.open());
+}
+
 TEST(CrtkDevice, MayBeOpenForLongBeforeTheLoopBegins) {
   auto made = std::make_unique<CrtkPeer>();
   CrtkDevice device(crtk_options(), std::move(made));

@@ -418,5 +418,21 @@ TEST(LiveSystem, TellsWhatAPersonShouldKnow) {
   EXPECT_THAT(told, testing::Contains(testing::HasSubstr("no Gaussian passes the filter")));
 }
 
+TEST(LiveSystem, TellsOfAToolInMillimetresAndOfNoneInMetres) {
+  for (const double unit : {1.0, 1e3}) {
+    LiveConfig config = plane_config();
+    config.tool = Tool(unit * Eigen::Vector3d(0.1, 0.1, 0.02));
+    std::vector<std::string> told;
+    LiveSystem system(config, own_device(), [&](const std::string& line) { told.push_back(line); });
+    const auto line = testing::Contains(testing::HasSubstr("the tool is 100 m large"));
+    const auto any = testing::Contains(testing::HasSubstr("m large"));
+    if (unit > 1.0) {
+      EXPECT_THAT(told, line);
+    } else {
+      EXPECT_THAT(told, testing::Not(any));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate::test

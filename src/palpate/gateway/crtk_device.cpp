@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,6 +37,30 @@ bool is_stamp(double seconds) { return std::isfinite(seconds) && seconds >= 0.0;
 
 bool is_unit(const Eigen::Quaterniond& q) { return std::abs(q.norm() - 1.0) <= kNotUnit; }
 
+/// Names of the devices that this process has open: two hands on one device would feel the sum of two forces,
+/// and publishers of one process look like one to the network.
+class OpenNames {
+ public:
+  /// \returns false if the name is there already
+  bool insert(const std::string& name) {
+    const std::scoped_lock lock(mutex_);
+    return names_.insert(name).second;
+  }
+  void erase(const std::string& name) {
+    const std::scoped_lock lock(mutex_);
+    names_.erase(name);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::set<std::string> names_;
+};
+
+OpenNames& open_names() {
+  static OpenNames names;
+  return names;
+}
+
 }  // namespace
 
 CrtkDevice::CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> transport)
@@ -58,7 +83,15 @@ CrtkDevice::CrtkDevice(CrtkOptions options, std::unique_ptr<CrtkTransport> trans
 void CrtkDevice::open() {
   if (status() != DeviceStatus::kClosed)
     throw Error("device '{}': is open already; close it first", options_.capabilities.name);
-  transport_->start(*this);
+  if (!open_names().insert(options_.capabilities.name))
+    throw Error("device '{}': another hand of this program uses it; give each hand a device of its own",
+                options_.capabilities.name);
+  try {
+    transport_->start(*this);
+  } catch (...) {
+    open_names().erase(options_.capabilities.name);
+    throw;
+  }
   set_status(DeviceStatus::kOpen);
 }
 
@@ -79,7 +112,9 @@ void CrtkDevice::close() noexcept {
   ends_.store(true, std::memory_order_relaxed);
   written_.set();
   if (sender_.joinable()) sender_.join();
-  if (status() != DeviceStatus::kClosed) transport_->stop();
+  if (status() == DeviceStatus::kClosed) return;
+  transport_->stop();
+  open_names().erase(options_.capabilities.name);
   set_status(DeviceStatus::kClosed);
 }
 

@@ -295,11 +295,10 @@ std::size_t FindNearest(const ViewJob& job, const Profile& solid, const Profile&
   // Only what is large for the tool: of many small ones in a surface, the nearest rims would be early.
   const V least_gain = set(0.1F / std::sqrt(solid.cc));
   const D d;
-  const auto place = [&](const Drawn& splat, V x, V y, float least_facing) HWY_ATTR {
+  const auto place = [&](const Drawn& splat, V x, V y, const Chord& chord, float flank) HWY_ATTR {
     const V depth = splat.depth(x, y);
-    const Chord chord(solid, x, y);
     const auto is_below =
-        hn::And(hn::Gt(chord.facing, set(least_facing * solid.cc)),
+        hn::And(hn::Gt(chord.facing, set(flank * solid.cc)),
                 hn::And(hn::Gt(depth, set(job.start)), hn::Lt(depth, Chord(larger, x, y).far())));
     return Places{x, y, hn::IfThenElse(is_below, hn::Sub(depth, chord.far()), set(DepthView::kNothing))};
   };
@@ -307,8 +306,8 @@ std::size_t FindNearest(const ViewJob& job, const Profile& solid, const Profile&
   float most = DepthView::kNothing;
   for (std::size_t first = 0; first < lanes.size(); first += hn::Lanes(d)) {
     const Drawn splat = Drawn::load(lanes, first);
-    Places nearest = place(splat, splat.px, splat.py, Profile::kLeastFacing);
     const Chord chord(solid, splat.px, splat.py);
+    Places nearest = place(splat, splat.px, splat.py, chord, Profile::kLeastFacing);
     const V least_facing = set(kSteepest * solid.cc);
     const Approach approach(splat, solid, hn::Max(chord.facing, least_facing));
     const V least = hn::Sub(hn::Sub(splat.depth(splat.px, splat.py), chord.far()), approach.gain);
@@ -318,9 +317,9 @@ std::size_t FindNearest(const ViewJob& job, const Profile& solid, const Profile&
       const V gain = hn::IfThenElse(may_gain, least_gain, set(DepthView::kNothing));
       // The solid is curved: half of the way may be nearer.
       for (const float part : {0.5F, 1.0F}) {
-        nearest.improve(place(splat, hn::MulAdd(set(part), approach.x, splat.px),
-                              hn::MulAdd(set(part), approach.y, splat.py), kFlank),
-                        gain);
+        const V x = hn::MulAdd(set(part), approach.x, splat.px),
+                y = hn::MulAdd(set(part), approach.y, splat.py);
+        nearest.improve(place(splat, x, y, Chord(solid, x, y), kFlank), gain);
       }
     }
     if (hn::AllFalse(d, hn::Lt(nearest.clearance, set(most)))) continue;

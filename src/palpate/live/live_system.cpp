@@ -40,6 +40,8 @@ constexpr double kCloses = 5.0;
 constexpr const char* kFollows = "the first hand owns the scene; change it there";
 /// Number of Gaussians across a tool above which a search is slow enough for a thread of its own.
 constexpr double kManyContacts = 200.0;
+/// Number of Gaussians across a tool above which its size or the scale of the scene is taken to be a mistake.
+constexpr double kMistaken = 1e5;
 
 /// Estimates how many Gaussians lie side by side under a tool that is pressed into a surface.
 double contacts_across(const Tool& tool, double extent) {
@@ -116,13 +118,20 @@ LiveSystem::LiveSystem(const LiveConfig& config, const SharedScene* scene,
   device_kind_ = owns_device_ ? to_string(kind) : "external";
   if (owns_device_) read_motion();
   scene != nullptr ? take(*scene) : read_scene(progress);
+  const double extent = scene_.index->usual_extent();
+  const double across = extent > 0.0 ? contacts_across(config.tool, extent) : 0.0;
+  if (across > kMistaken) {
+    notify_(
+        fmt::format("warning: the tool is {:.3g} m large and the Gaussians of the scene {:.2g} m: lengths "
+                    "are in metres; give a smaller --tool or a larger --scale",
+                    config.tool.radius(), extent));
+  }
   if (owns_device_ && is_giant(kind)) place_giant();
   explores_ = owns_device_ && path_.empty() && (kind == DeviceKind::kSimulated || is_giant(kind));
   if (explores_) find_way();
   if (contacts_ == ContactSearch::kAuto) {
-    const bool many = contacts_across(config.tool, scene_.index->usual_extent()) > kManyContacts;
-    contacts_ =
-        many && std::thread::hardware_concurrency() > 1 ? ContactSearch::kWorker : ContactSearch::kInline;
+    contacts_ = across > kManyContacts && std::thread::hardware_concurrency() > 1 ? ContactSearch::kWorker
+                                                                                  : ContactSearch::kInline;
   }
   const std::string& driver = config.device.driver;
   if (device == nullptr && !driver.empty()) device = make_plugin_device(driver);
