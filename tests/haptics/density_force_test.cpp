@@ -239,6 +239,17 @@ TEST(DensityForce, VelocityIsFiltered) {
   EXPECT_NEAR(after({10.0}), 5.0, kClose);
 }
 
+TEST(DensityForce, WithoutTimeConstantsOnlyTheMomentCounts) {
+  const ContactSet before = contacts({contact({0.3, 0, 0}, 0.1, 0.9)}),
+                   now = contacts({contact({0, 0, -0.2}, 0.4, 0.5)});
+  const ForceInput moment = input(now, 1e-3, {0.1, 0.2, -0.3});
+  DensityForce model(plain()), fresh(plain());
+  model.evaluate(input(before, 1e-3, {1.0, 2.0, 3.0}));
+  const Wrench felt = model.evaluate(moment).wrench, alone = fresh.evaluate(moment).wrench;
+  EXPECT_LT((felt.force - alone.force).norm(), kClose);
+  EXPECT_GT(alone.force.norm(), 0.5);
+}
+
 TEST(DensityForce, TheFirstVelocityCountsInFull) {
   DensityParameters p = plain();
   p.tau_velocity = 1e9;

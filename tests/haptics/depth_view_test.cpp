@@ -290,6 +290,37 @@ TEST_F(DepthViewTest, SeesALoneNeedleWhereTheBallMeetsIt) {
   }
 }
 
+// A disc whose centre is beside the ball, or at its flank, and which reaches below it, is seen where the ball
+// meets it, however steep it is. The search is of first order: of some, it misses that place.
+TEST_F(DepthViewTest, SeesADiscThatReachesBelowTheBallFromTheSide) {
+  Random random(47);
+  int discs = 0, late = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = random.uniform(-std::numbers::pi, std::numbers::pi), r = random.uniform(0.019, 0.03),
+                 radius = random.uniform(0.012, 0.02);
+    const Vector3d middle(r * std::cos(angle), r * std::sin(angle), random.uniform(-0.03, -0.01));
+    const Vector3d normal =
+        (Vector3d::UnitZ() + 3.0 * Vector3d{random.normal(), random.normal(), 0.0}).normalized();
+    const Eigen::Quaterniond turn = rotation_between(Vector3d::UnitZ(), normal);
+    double met = 1.0;
+    for (int k = 0; k < 360; ++k) {
+      const double way = std::numbers::pi / 180.0 * k;
+      const Vector3d rim = turn * Vector3d(radius * std::cos(way), radius * std::sin(way), 0.0);
+      met = std::min(met, NeedleBelowTheBall{middle, rim}.least(1.0));
+    }
+    if (met < 0.0 || met > 0.02) continue;
+    LooksDown ball(test::splat(middle, {radius, radius, 2e-5}, turn, 0.95));
+    Vector2d anchor = Vector2d::Zero();
+    ball.render(RayPattern::on_lattice({0, 0}, 0.018, anchor));
+    const std::size_t nearest = ball.image->nearest();
+    const double seen = nearest < DepthView::kRays ? ball.image->clearance(nearest) : 1.0;
+    ++discs;
+    late += seen > met + 0.125 * kRadius ? 1 : 0;
+  }
+  EXPECT_GT(discs, 100);
+  EXPECT_LT(late, discs / 4);
+}
+
 // Thin ones that stand between two rows of rays, nearer to the one than to the other, and reach both: each
 // hides little of the ray in the farther row that is straight above them, and all together hide it.
 TEST_F(DepthViewTest, SeesWhatReachesARowOfRaysThatIsNotTheNearest) {

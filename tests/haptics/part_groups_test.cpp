@@ -1,6 +1,7 @@
 // Groups of parts that one search of the scene serves.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -79,6 +80,29 @@ TEST(PartGroups, AreAsFlatAsWhatTheyHold) {
     const double thickness = parts[0].semi_axes.maxCoeff() + 0.001;
     EXPECT_LT(group.around.semi_axes.z(), 1.4 * thickness);
   }
+}
+
+// The solid is the least of its family: axes b_i^2 = (1 + 1/c) d h_i^2 + (1 + c) r^2 about a box with half
+// sides h_i, d of them not zero, and balls of radius r at its corners.
+TEST(PartGroups, AreNoLargerThanTheyMustBe) {
+  int checked = 0;
+  for (const double spacing : {0.004, 0.008, 0.012}) {
+    const std::vector<ToolPart> parts = plate(9, spacing);
+    for (const PartGroup& group : group_parts(parts)) {
+      if (group.members.size() == 1) continue;
+      Eigen::AlignedBox3d box;
+      for (const std::size_t k : group.members) box.extend(parts[k].pose.position);
+      const Eigen::Array3d sides = box.sizes().array(), h2 = 0.25 * sides.square();
+      const auto d = static_cast<double>((sides > 0.0).count());
+      const double r2 = std::pow(parts[0].semi_axes.maxCoeff(), 2);
+      double least = 1.0;
+      for (double c = 0.07; c < 4.0; c *= 1.001)
+        least = std::min(least, std::sqrt(((1.0 + 1.0 / c) * d * h2 + (1.0 + c) * r2).prod()));
+      EXPECT_LT(group.around.semi_axes.prod(), 1.02 * least);
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 10);
 }
 
 TEST(PartGroups, LeavePartsThatAreFarApartAlone) {

@@ -121,6 +121,27 @@ TEST(ProxyEnergy, StripesAreFeltOneAfterTheOther) {
   EXPECT_GT(stiff.back(), 2.0 * soft.back());
 }
 
+// For a hand whose world is twice as large, a way there is half as long, and what changes with it changes in
+// half of the time.
+TEST(ProxyEnergy, StiffnessChangesAtThePaceOfTheHand) {
+  std::vector<int> ticks;
+  for (const double scale : {1.0, 2.0}) {
+    ProxyParameters parameters;
+    parameters.hand_scale = scale;
+    parameters.materials = stripes(0.2, 300.0, 3000.0);
+    Stroke stroke(parameters);
+    stroke.to(0.04, 0.0, -0.01);
+    stroke.to(0.04, 0.0, 0.01);
+    EXPECT_GT(stroke.force().z(), 0.8 * 3000.0 * 0.01);
+    stroke.to(-0.04, 0.0, 0.01, 8.0);
+    int count = 0;
+    for (; stroke.force().z() > 2.0 * 300.0 * 0.01 && count < 5000; ++count) stroke.rest(kTick);
+    ticks.push_back(count);
+  }
+  EXPECT_GT(ticks[0], 20);
+  EXPECT_LT(ticks[1], 0.7 * ticks[0]);
+}
+
 class AtScales : public testing::TestWithParam<double> {};
 
 /// Random strokes, in and out of the surface and along it, over stripes of any stiffness, at any speed.

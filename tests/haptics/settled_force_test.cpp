@@ -16,23 +16,29 @@
 namespace palpate {
 namespace {
 
-/// Pushes up with a force that depends only on the number of the step since reset().
+/// Pushes up with a force that depends only on the number of the step since reset(), and turns with a torque
+/// that does.
 class ScriptedForce final : public ForceModel {
  public:
-  explicit ScriptedForce(std::function<double(int)> force) : force_(std::move(force)) {}
+  using OfStep = std::function<double(int)>;
+  explicit ScriptedForce(
+      OfStep force, OfStep torque = [](int) { return 0.5; })
+      : force_(std::move(force)), torque_(std::move(torque)) {}
 
   void reset() override { times.clear(); }
   ForceOutput evaluate(const ForceInput& input) override {
     times.push_back(input.dt);
     ForceOutput felt;
-    felt.wrench.force.z() = force_(static_cast<int>(times.size()) - 1);
+    const int step = static_cast<int>(times.size()) - 1;
+    felt.wrench.force.z() = force_(step);
+    felt.wrench.torque.x() = torque_(step);
     return felt;
   }
 
   std::vector<double> times;  ///< ForceInput::dt of each step
 
  private:
-  std::function<double(int)> force_;
+  OfStep force_, torque_;
 };
 
 Pose on_plane(double height) {
@@ -47,6 +53,12 @@ TEST(SettledForce, WaitsForAForceThatComesLate) {
   EXPECT_EQ(model.times.size(), 49U + 51U) << "the first step with the last force, and 50 more";
   EXPECT_EQ(model.times[0], 0.0);
   for (std::size_t k = 1; k < model.times.size(); ++k) EXPECT_EQ(model.times[k], 1e-3);
+}
+
+TEST(SettledForce, WaitsForATorqueThatComesLate) {
+  ScriptedForce model([](int) { return 1.0; }, [](int step) { return step < 40 ? 0.0 : 0.2; });
+  EXPECT_EQ(settled_force(model, Pose{}, {}).wrench.torque.x(), 0.2);
+  EXPECT_EQ(model.times.size(), 40U + 51U);
 }
 
 TEST(SettledForce, StartsAnewAndEndsWhereTheForceNeverSettles) {

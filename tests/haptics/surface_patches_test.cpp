@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -235,6 +236,27 @@ TEST(SurfacePatches, OnePlaneIsOnePatch) {
   EXPECT_EQ(rod.patches.patches().size(), 1U);
 }
 
+// Of a slope that a rod touches far from its middle, what is nearest to the foot counts most.
+TEST(SurfacePatches, WitnessesCountByTheirDistanceFromTheFoot) {
+  const Eigen::Quaterniond slope(Eigen::AngleAxisd(0.35, Vector3d::UnitY()));
+  std::vector<test::Splat> splats;
+  for (int i = -50; i <= 50; ++i)
+    for (int k = -20; k <= 20; ++k)
+      splats.push_back(
+          test::splat(slope * Vector3d(0.002 * i, 0.002 * k, 0.0), {0.0016, 0.0016, 1e-5}, slope));
+  const Vector3d up = slope * Vector3d::UnitZ(), axes(0.08, 0.02, 0.02);
+  Feeler rod(splats, axes, 0.01);
+  const Vector3d at = (axes.cwiseProduct(up).norm() + 0.0005) * up;
+  rod.look_down(at, 0.002);
+  ASSERT_EQ(rod.patches.patches().size(), 1U);
+  const SurfacePatch& patch = rod.patches.patches()[0];
+  ASSERT_GT((patch.foot - at).cross(up).norm(), 0.03);
+  const auto witnesses = rod.patches.witnesses(0);
+  ASSERT_GT(witnesses.size(), 30U);
+  const PatchWitness heaviest = std::ranges::max(witnesses, {}, &PatchWitness::weight);
+  EXPECT_LT((heaviest.position - patch.foot).cross(up).norm(), 0.003);
+}
+
 // What a patch is mostly made of: of a wide Gaussian beside small ones, that where it is most of what is
 // seen.
 TEST(SurfacePatches, KnowWhatTheyAreMostlyMadeOf) {
@@ -253,6 +275,19 @@ TEST(SurfacePatches, KnowWhatTheyAreMostlyMadeOf) {
   };
   EXPECT_EQ(mostly_at(-0.015), wide);
   EXPECT_EQ(mostly_at(0.030), std::nullopt);
+  // Between them, it is what has more than half of the weight.
+  int mixed = 0;
+  for (double x = -0.01; x < 0.02; x += 0.0005) {
+    Feeler ball(splats, Vector3d::Constant(kRadius), 0.008);
+    ball.look_down({x, 0.0, kRadius + 0.0005}, 0.002);
+    ASSERT_EQ(ball.patches.patches().size(), 1U);
+    double share = 0.0;
+    for (const PatchWitness& witness : ball.patches.witnesses(0))
+      share += witness.id == wide ? witness.weight : 0.0;
+    mixed += share > 0.5 && share < 0.9 ? 1 : 0;
+    EXPECT_EQ(ball.patches.patches()[0].mostly, share > 0.5 ? std::optional(wide) : std::nullopt) << x;
+  }
+  EXPECT_GT(mixed, 3);
 }
 
 // Half a detail, 5 mm, above a plane that it has touched, a solid has a patch yet; it sees the plane ahead
@@ -409,6 +444,46 @@ TEST(SurfacePatches, ASpeckIsFeltWhereItIs) {
                 0.1 * kUsualStiffness * 0.005)
         << step;
   }
+}
+
+// A speck has the usual material, and not that of what was touched before.
+TEST(SurfacePatches, ASpeckHasTheUsualMaterial) {
+  constexpr double kFloor = -0.1, kDepth = 0.004;
+  std::vector<test::Splat> splats;
+  for (int i = -10; i <= 10; ++i)
+    for (int k = -10; k <= 10; ++k)
+      splats.push_back(test::splat({kFloor + kSpacing * i, kSpacing * k, 0.0},
+                                   {0.65 * kSpacing, 0.65 * kSpacing, 0.0002}));
+  splats.push_back(test::splat({0.003, 0.002, 0}, {1e-4, 1e-4, 1e-4}, Eigen::Quaterniond::Identity(), 0.95));
+  const SceneIndex index(test::scene_of(splats), SceneFilter{}, Similarity{});
+  const Eigen::AlignedBox3d floor(Vector3d(-1, -1, -1), Vector3d(-0.04, 1, 1));
+  ProxyParameters parameters{.stiffness = kUsualStiffness};
+  parameters.materials =
+      std::make_shared<MaterialMap>(std::vector<MaterialRegion>{{floor, {.stiffness = 3000.0}}});
+  ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), parameters);
+  ForceInput input;
+  input.dt = 1e-3;
+  ForceOutput felt;
+  const auto press_at = [&](double x, double touches) {
+    for (int k = -100; k <= 40; ++k) {
+      input.tool.position = {x, 0.0, touches - 1e-4 * k};
+      felt = model.evaluate(input);
+    }
+    const ForceOutput deepest = felt;
+    for (int k = 40; k >= -100; --k) {
+      input.tool.position = {x, 0.0, touches - 1e-4 * k};
+      felt = model.evaluate(input);
+    }
+    return deepest;
+  };
+  EXPECT_NEAR(press_at(kFloor, kRadius).wrench.force.z(), 3000.0 * kDepth, 0.05 * 3000.0 * kDepth);
+  for (double x = kFloor; x < 0.0; x += 1e-3) {
+    input.tool.position.x() = x;
+    model.evaluate(input);
+  }
+  const ForceOutput speck = press_at(0.0, std::sqrt(kRadius * kRadius - 1.3e-5));
+  EXPECT_NEAR(speck.wrench.force.z(), speck.confidence * kUsualStiffness * kDepth,
+              0.15 * kUsualStiffness * kDepth);
 }
 
 // A lone Gaussian, larger than the tool and thick: from the side it is seen in another plane through its
@@ -739,6 +814,30 @@ TEST(Haze, IsNotLostWhileItIsPressed) {
   }
   EXPECT_GT(felt, 40);
   EXPECT_LT(4 * lost, felt) << felt;
+}
+
+// What a client is told of a surface that the tool has just left: its stiffness as it was felt.
+TEST(Confidence, IsInTheStiffnessOfWhatIsNotTouched) {
+  for (const double opacity : {0.5, 0.95}) {
+    const SceneIndex index(test::scene_of(sheet(opacity)), SceneFilter{}, Similarity{});
+    ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kUsualStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    const auto go = [&](int from, int to) {
+      ForceOutput felt;
+      for (int k = from; k != to; k += from < to ? 1 : -1) {
+        input.tool.position = {0.0, 0.0, kRadius - 1e-4 * k};
+        felt = model.evaluate(input);
+      }
+      return felt;
+    };
+    const ForceOutput felt = go(-100, 30), left = go(30, -2);  // 0.1 mm above: the ellipsoids reach there
+    ASSERT_GE(left.local.count, 1U);
+    EXPECT_EQ(left.wrench.force.norm(), 0.0);
+    EXPECT_NEAR(left.local.stiffness, felt.local.stiffness, 0.1 * felt.local.stiffness);
+    EXPECT_NEAR(felt.local.stiffness, felt.confidence * kUsualStiffness, 0.01 * kUsualStiffness);
+    if (opacity < 0.9) EXPECT_LT(felt.confidence, 0.9);
+  }
 }
 
 TEST(ProxyMaterials, StiffnessIsThatOfWhatIsTouched) {

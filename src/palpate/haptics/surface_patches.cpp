@@ -280,10 +280,10 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
                 RayPattern::over_ellipse(root, image_of(view, about)), start_of_all(profile, solid, along),
                 light_);
   budget_.spend_on_view(splats.size, view_->in_window(), view_->drawn());
-  double first = std::numeric_limits<double>::infinity();
+  double first = DepthView::kNothing;
   for (std::size_t k = 0; k < DepthView::kRays; ++k) {
     const double clearance = view_->clearance(k);
-    if (clearance >= first || clearance >= DepthView::kNothing) continue;
+    if (clearance >= first) continue;
     const Vector3d point = view.at(view_->x(k), view_->y(k), view_->depth(k));
     if (head_on > 0.0 && -inward_normal(solid, point - clearance * along).dot(along) < head_on) continue;
     // Patches do not extend far ahead.
