@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <palpate/base/nonblocking_stderr.h>
 #include <palpate/live/live_gateway.h>
 #include <palpate/live/live_hands.h>
 #include <palpate/servo/live_view.h>
 
 #include "keyboard.h"
-#include "terminal.h"
 
 namespace palpate::cli {
 

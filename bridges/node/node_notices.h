@@ -3,13 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <mutex>
 #include <string>
 
+#include <palpate/base/nonblocking_stderr.h>
+
 namespace palpate::node {
 
-/// Writes lines to the terminal, and remembers the last one for diagnostics. Any thread.
+/// Writes lines to the terminal, without waiting for it, and remembers the last one for diagnostics. Any
+/// thread.
 class NodeNotices {
  public:
   /// Notices of the node and its first hand. \param program name printed before each line
@@ -19,7 +21,7 @@ class NodeNotices {
       : speaker_(node.speaker_ + ": hand " + hand) {}
 
   void say(const std::string& line) {
-    std::fprintf(stderr, "%s: %s\n", speaker_.c_str(), line.c_str());
+    write_to_stderr(speaker_ + ": " + line + "\n");
     const std::scoped_lock lock(mutex_);
     newest_ = line;
     ++count_;

@@ -1,13 +1,17 @@
 #include "dds_entities.h"
 
+#include <atomic>
 #include <charconv>
 #include <cstdlib>
 #include <mutex>
 #include <set>
 
+#include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 
+#include <palpate/base/clock.h>
 #include <palpate/base/error.h>
+#include <palpate/base/nonblocking_stderr.h>
 #include <palpate/base/real_time.h>
 
 #include "dds_security.h"
@@ -64,6 +68,19 @@ std::string policy_name(std::uint32_t policy) {
   }
 }
 
+/// Shows what DDS logs on its own threads, such as messages that it cannot decode: one line a second at most,
+/// and without waiting for the terminal.
+void show_log(void*, const dds_log_data_t* data) {
+  constexpr double kPause = 1.0;  // s
+  static std::atomic<double> told = -kPause;
+  const double now = monotonic_now();
+  double last = told.load(std::memory_order_relaxed);
+  if (now - last < kPause || !told.compare_exchange_strong(last, now, std::memory_order_relaxed)) return;
+  std::string_view text(data->message);
+  while (text.ends_with('\n')) text.remove_suffix(1);
+  write_to_stderr(fmt::format("palpate: note: DDS: {}\n", message_line(text)));
+}
+
 std::string topic_of(dds_entity_t endpoint) {
   std::string name(256, '\0');
   const dds_entity_t topic = dds_get_topic(endpoint);
@@ -106,6 +123,7 @@ dds_return_t checked(dds_return_t code, std::string_view what) {
 
 Participant::Participant(Say say, const std::string& enclave) : told_(std::make_unique<Told>()) {
   told_->say = std::move(say);
+  dds_set_log_sink(show_log, nullptr);
   const Enclave security = enclave_of_environment(enclave);
   if (!security.notice.empty()) told_->say(security.notice);
   const Qos qos(dds_create_qos());

@@ -6,9 +6,10 @@
 
 namespace palpate::ros2 {
 
-OtherWriters::OtherWriters(const Participant& participant, std::vector<std::string> topics)
-    : topics_(std::move(topics)) {
-  checked(dds_get_guid(participant.id(), &own_), "read its own GUID");
+OtherWriters::OtherWriters(const Participant& participant, std::vector<std::string> topics,
+                           const std::vector<dds_entity_t>& own)
+    : topics_(std::move(topics)), own_(own.size()) {
+  for (std::size_t k = 0; k < own.size(); ++k) checked(dds_get_guid(own[k], &own_[k]), "read its own GUID");
   news_ = checked(dds_create_reader(participant.id(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                   "watch for other writers");
 }
@@ -18,7 +19,8 @@ void OtherWriters::take(const dds_builtintopic_endpoint_t& writer, const dds_sam
     writers_.erase(info.instance_handle);
     return;
   }
-  const bool own = std::equal(std::begin(own_.v), std::end(own_.v), std::begin(writer.participant_key.v));
+  const bool own = std::ranges::any_of(
+      own_, [&](const dds_guid_t& guid) { return std::ranges::equal(guid.v, writer.key.v); });
   if (info.valid_data && !own && std::count(topics_.begin(), topics_.end(), writer.topic_name) > 0)
     writers_[info.instance_handle] = text_of(writer.participant_key);
 }

@@ -10,12 +10,15 @@
 
 namespace palpate::ros2 {
 
-/// Writers of given topics that belong to other participants, as DDS discovers them: a writer is gone once
-/// its participant deletes it, or has been silent for its lease. One thread at a time.
+/// Writers of given topics but one's own, as DDS discovers them, those of other hands of the process
+/// included: a writer is gone once its participant deletes it, or has been silent for its lease. One thread
+/// at a time.
 class OtherWriters {
  public:
-  /// \param topics full names ("rt/omni/spatial/servo_cf") \param participant must outlive it \throws Error
-  OtherWriters(const Participant& participant, std::vector<std::string> topics);
+  /// \param topics full names ("rt/omni/spatial/servo_cf") \param own writers \param participant must outlive
+  /// it \throws Error
+  OtherWriters(const Participant& participant, std::vector<std::string> topics,
+               const std::vector<dds_entity_t>& own);
   ~OtherWriters() { dds_delete(news_); }
   OtherWriters(const OtherWriters&) = delete;
   OtherWriters& operator=(const OtherWriters&) = delete;
@@ -29,7 +32,7 @@ class OtherWriters {
   void take(const dds_builtintopic_endpoint_t& writer, const dds_sample_info_t& info);
 
   std::vector<std::string> topics_;
-  dds_guid_t own_{};  ///< of the participant
+  std::vector<dds_guid_t> own_;
   dds_entity_t news_ = 0;
   std::map<dds_instance_handle_t, std::string> writers_;  ///< GUIDs of their participants
 };

@@ -1,6 +1,5 @@
 // Device plug-in of `palpate run --device ros2:/omni`: a device with a CRTK driver on ROS 2.
-#include <cstdio>
-
+#include <palpate/base/nonblocking_stderr.h>
 #include <palpate/device/export_device.h>
 #include <palpate/gateway/crtk_device.h>
 #include <palpate/gateway/crtk_options.h>
@@ -10,7 +9,7 @@
 namespace palpate {
 namespace {
 
-void say(const std::string& line) { std::fprintf(stderr, "palpate: note: %s\n", line.c_str()); }
+void say(const std::string& line) { write_to_stderr("palpate: note: " + line + "\n"); }
 
 std::unique_ptr<HapticDevice> make(const std::string& text) {
   CrtkArguments arguments = parse_crtk_arguments("ros2", text);

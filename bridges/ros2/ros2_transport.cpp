@@ -48,7 +48,8 @@ class Ros2Transport final : public CrtkTransport {
     echo_ = writer("/palpate/echo", std_msgs_msg_dds__Header__desc);
     local_model_ = writer("/palpate/local_model", std_msgs_msg_dds__Float64MultiArray__desc);
     others_ = std::make_unique<OtherWriters>(
-        *participant_, std::vector{topic(prefix_ + "/spatial/servo_cf"), topic(prefix_ + "/body/servo_cf")});
+        *participant_, std::vector{topic(prefix_ + "/spatial/servo_cf"), topic(prefix_ + "/body/servo_cf")},
+        std::vector{spatial_, body_});
     set_ = checked(dds_create_waitset(participant_->id()), "wait for messages");
     end_ = checked(dds_create_guardcondition(participant_->id()), "wait for messages");
     for (const dds_entity_t entity : {poses_, velocities_, echoes_, others_->news(), end_}) {

@@ -205,3 +205,45 @@ describe('how fast, and how many are lost', () => {
     });
   }
 });
+
+/** A node with a wall and these parameters besides, and a driver for it; both end with the test. */
+function nodeWith(context, ...more) {
+  const driver = new Driver('/omni');
+  const node = new Program(process.env.PALPATE_ROS2, '--ros-args', '-p', `scene:=${makeWall(makeFolder()).path}`, '-p', 'no_index_file:=true',
+    '-p', 'tool:=[0.02, 0.02, 0.02]', '-p', 'device:=/omni,force_max=8,rate=20', ...more);
+  context.after(async () => {
+    await driver.kill();
+    node.process.kill('SIGKILL');
+  });
+  return { node, driver };
+}
+
+test('two hands that are mapped onto one device have no force', async (context) => {
+  const maps = ['measured_cp', 'spatial/servo_cf', 'body/servo_cf'].flatMap((name) => ['-r', `/left/${name}:=/omni/${name}`]);
+  const { node, driver } = nodeWith(context, '-p', 'hands:=left', '-p', 'left.device:=/left', ...maps);
+  await node.says('publishes wrenches for the device, too', 2);
+  driver.tell(`to ${PRESSED}`);
+  for (let k = 0; k < 100; k += 1) {
+    assert.equal(await driver.force(), 0);
+    await wait(10);
+  }
+  assert.equal(await node.end(), 0, node.said);
+});
+
+test('a terminal that nobody reads holds up neither poses nor a stop', async (context) => {
+  const { node, driver } = nodeWith(context);
+  driver.tell(`writer set rt/palpate/set_parameters ${ddsType('std_msgs/String')} reliable`);
+  driver.tell('writer stop rq/palpate/emergency_stopRequest std_srvs::srv::dds_::Trigger_Request_ reliable');
+  await eventually(async () => await driver.number('matched set') > 0 && await driver.number('matched stop') > 0, 'services');
+  node.process.stderr.pause();
+  const nonsense = encode('string data', { data: `{"nonsense": ${'x'.repeat(500)}` }); // each is a line on the terminal
+  for (let k = 0; k < 3000; k += 1) {
+    driver.tell(`send set ${nonsense}`);
+    await wait(1);
+  }
+  await driver.lean();
+  driver.tell(`send stop ${encode('uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member',
+    { client: 7n, number: 1n, structure_needs_at_least_one_member: 0 })}`);
+  await driver.noForce();
+  assert.equal(await node.end(), 0);
+});
