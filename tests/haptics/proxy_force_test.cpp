@@ -1165,6 +1165,12 @@ class Lies {
       model_.evaluate(input_);
     }
   }
+  /// As if it had never been anywhere else.
+  ForceOutput begin_anew(const Vector3d& at) {
+    model_.reset();
+    input_.tool.position = at;
+    return model_.evaluate(input_);
+  }
   ForceOutput go(const Vector3d& by, const Vector3d& turn = Vector3d::Zero()) {
     input_.tool.position += by;
     input_.tool.orientation = (rotation_by(turn) * input_.tool.orientation).normalized();
@@ -1240,6 +1246,19 @@ TEST(ProxyForce, AToolThatIsTooFastForATickIsNotDragged) {
       for (int k = 0; k < 150; ++k) felt = lies.go(Vector3d::Zero());
       EXPECT_LE(felt.wrench.force.head<2>().norm(), friction * normal + 0.1 * near) << speed;
     }
+  }
+}
+
+// A tick that was to be continued in the next one is not, where the tool begins anew.
+TEST(ProxyForce, WhatItHadNoTimeForEndsWithAReset) {
+  const Tool hand = read_tool(test::example_tool("open-hand"));
+  for (int ticks = 1; ticks <= 12; ++ticks) {
+    Lies lies(hand, 0.005, {-0.08, 0.0, 0.0});
+    for (int k = 0; k < ticks; ++k) lies.go({5e-3, 0.0, 0.0});
+    const Vector3d above(0.0, 0.0, 0.4);
+    const ForceOutput felt = lies.begin_anew(above);
+    EXPECT_EQ(felt.proxy.position, above) << ticks;
+    EXPECT_EQ(felt.wrench.force.norm(), 0.0);
   }
 }
 
