@@ -257,6 +257,39 @@ TEST(CrtkDevice, ANewPublisherMayHaveAnotherClock) {
   EXPECT_EQ(link.device->dropped(), 0U);
 }
 
+// They reach a terminal: neither an escape sequence nor a second line, nor a frame_id of a megabyte.
+TEST(CrtkDevice, NamesOfTheNetworkAreSaidAsOnePrintableLine) {
+  const auto expect_line = [](const std::string& line, const char* words) {
+    EXPECT_TRUE(std::none_of(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; })) << line;
+    EXPECT_THAT(line, HasSubstr(words));
+    EXPECT_LT(line.size(), 500U);
+  };
+  const std::string hostile = "\x1b[2J\nno force", endless(1'000'000, 'x');
+  const std::string source = "/arm" + hostile, frame = "base" + hostile;
+  CrtkLink link;
+  const auto pose = [&](const std::string& in, const std::string& from, double age = 0.0) {
+    link.pose(Pose(), driver_now() - age, in.c_str(), from.c_str());
+  };
+  pose(frame, source);
+  pose("world" + hostile, source);
+  pose(frame, "/other" + hostile);
+  link.device->set_other_writer("/teleoperation" + hostile);
+  pose(frame, source);
+  link.device->set_other_writer("");
+  for (const double since = monotonic_now(); monotonic_now() - since < 1.1 * StampClock::kSettle;) {
+    pose(frame, source, 1000.0);
+    sleep_until(monotonic_now() + kMilli);
+  }
+  pose(endless, source);
+  ASSERT_EQ(link.peer->said.size(), 6U);
+  expect_line(link.peer->said[0], "in the frame 'world?[2J?no force', not 'base?[2J?no force'");
+  expect_line(link.peer->said[1], "poses of '/other?[2J?no force' are dropped: '/arm?[2J?no force' controls");
+  expect_line(link.peer->said[2], "'/teleoperation?[2J?no force' publishes wrenches");
+  expect_line(link.peer->said[3], "late, repeated or out of order");
+  expect_line(link.peer->said[4], "the clock of '/arm?[2J?no force' was set");
+  expect_line(link.peer->said[5], "set the driver's frame_id");
+}
+
 TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Pose> bad{{{nan, 0, 0}, Eigen::Quaterniond::Identity()},

@@ -186,8 +186,8 @@ CrtkDevice::Problem CrtkDevice::check_stamp(const CrtkHeader& header, bool anew,
     check = stamps_.check(header.stamp, now);
   }
   if (check.clock_set)
-    transport_->say(fmt::format("{}: the clock of '{}' was set; its latency is taken to be {:.1f} ms",
-                                options_.capabilities.name, header.source, 1e3 * options_.one_way));
+    say(fmt::format("{}: the clock of '{}' was set; its latency is taken to be {:.1f} ms",
+                    options_.capabilities.name, header.source, 1e3 * options_.one_way));
   age_ = check.age;
   switch (check.verdict) {
     case StampClock::Verdict::kLate: return Problem::kStale;
@@ -247,8 +247,11 @@ void CrtkDevice::refuse(Problem problem, const CrtkHeader& header, double now) {
   if (problem == Problem::kBad) hand_.change_hand();
   if (problem != Problem::kSecond) reason_.store(problem, std::memory_order_relaxed);
   double& told = said_at_[static_cast<std::size_t>(problem)];
-  if (now - std::exchange(told, now) >= kSilence) transport_->say(line_of(problem, header));
+  if (now - std::exchange(told, now) >= kSilence) say(line_of(problem, header));
 }
+
+/// Names of frames and of other programs come from the network.
+void CrtkDevice::say(const std::string& line) const { transport_->say(message_line(line)); }
 
 std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const {
   std::string who = fmt::format("{}: poses of '{}'", options_.capabilities.name, header.source);

@@ -61,7 +61,7 @@ class CrtkTransport {
   /// Requests an echo of the publisher's time, to be answered through CrtkDevice::take_echo() with the same
   /// number.
   virtual void send_echo(std::uint64_t number) = 0;
-  /// Shows one line to the user. Any thread except the loop's.
+  /// Shows one line, which is printable, to the user. Any thread except the loop's.
   virtual void say(const std::string& line) = 0;
 };
 
@@ -155,6 +155,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   Problem check_stamp(const CrtkHeader& header, bool anew, double now);
   void refuse(Problem problem, const CrtkHeader& header, double now);
   std::string line_of(Problem problem, const CrtkHeader& header) const;
+  void say(const std::string& line) const;
   void accept(const Pose& pose, double stamp, double now);
   void send_until_closed();
   void send(const CrtkWrench& wrench);
