@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
+#include <palpate/gateway/crtk_options.h>
 #include <palpate/servo/servo_tick.h>
 #include <support/crtk_link.h>
 
@@ -288,6 +289,19 @@ TEST(CrtkDevice, NamesOfTheNetworkAreSaidAsOnePrintableLine) {
   expect_line(link.peer->said[3], "late, repeated or out of order");
   expect_line(link.peer->said[4], "the clock of '/arm?[2J?no force' was set");
   expect_line(link.peer->said[5], "set the driver's frame_id");
+}
+
+// What keeps the age limit, and so the time of a dead driver, short: 0.15 s and the fall.
+TEST(CrtkDevice, OfTheLeastRateIsAFaultSoonAfterItsDriverHasDied) {
+  CrtkOptions o = crtk_options();
+  o.capabilities.rate = parse_crtk_arguments("ros1", "/omni,rate=20").options.capabilities.rate;
+  CrtkLink link(o);
+  link.ticks(5, 0.0);
+  const double since = link.clock.now();
+  while (link.device->status() == DeviceStatus::kEnabled && link.clock.now() - since < 3.0) link.tick();
+  EXPECT_EQ(link.device->status_text(), "no poses received");
+  EXPECT_GT(link.clock.now() - since, 0.15);
+  EXPECT_LT(link.clock.now() - since, 1.0) << "far more than it takes, on a busy machine";
 }
 
 TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {

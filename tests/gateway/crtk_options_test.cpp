@@ -56,8 +56,40 @@ TEST(CrtkOptions, ThatAreWrongAreNamed) {
            {"/omni,rate=nan", "'nan' is not a number"},
            {"/omni,rate=-5", "'-5' is not a number"},
            {"/omni,rate=0", "rate must be positive"},
+           {"/omni,rate=0.001", "rate must be at least 20 Hz"},
+           {"/omni,rate=1", "rate must be at least 20 Hz"},
+           {"/omni,rate=19.9", "ros1:/omni,rate=19.9: rate must be at least 20 Hz"},
+           {"/omni,force_max=1e9", "force_max must be at most 1000 N"},
            {"/omni,force_max=2,force_sustained=3", "force_sustained must be 0 to force_max"}})
     EXPECT_THAT(message_of<Error>([&] { parse_crtk_arguments("ros1", text); }), HasSubstr(words)) << text;
+}
+
+TEST(CrtkOptions, MayBeWhatADeviceCanJustBe) {
+  const DeviceCapabilities can =
+      parse_crtk_arguments("ros2", "/omni,rate=20,force_max=1000").options.capabilities;
+  EXPECT_EQ(can.rate, 20.0);
+  EXPECT_EQ(can.force_max, 1000.0);
+}
+
+TEST(CrtkOptions, ThePrefixIsANameOfRos) {
+  const auto is_accepted = [](const char* kind, const char* prefix) {
+    try {
+      return parse_crtk_arguments(kind, prefix).prefix == prefix;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("needs the prefix"));
+      return false;
+    }
+  };
+  for (const char* kind : {"ros1", "ros2"}) {
+    for (const char* good : {"/omni", "/_a/B2/c_", "/a"}) EXPECT_TRUE(is_accepted(kind, good)) << good;
+    for (const char* bad : {"/", "//omni", "/a//b", "/a/", "a/b", "/~omni", "/a~b", "/a/~", "/1bad~x//y",
+                            "/a-b", "/h\xc3\xa4nd"})
+      EXPECT_FALSE(is_accepted(kind, bad)) << kind << ' ' << bad;
+  }
+  for (const char* number : {"/1", "/arm/1", "/2nd/arm"}) {
+    EXPECT_TRUE(is_accepted("ros1", number)) << number;
+    EXPECT_FALSE(is_accepted("ros2", number)) << number;
+  }
 }
 
 }  // namespace

@@ -13,6 +13,10 @@ namespace palpate {
 namespace {
 
 constexpr double kWeakest = 3.3;  // N, of a Touch, the weakest commercial device
+/// More than any haptic device has; a larger number has another unit. Unit: [N].
+constexpr double kStrongest = 1000.0;
+/// A driver that has died is felt for three periods: 0.15 s. Unit: [Hz].
+constexpr double kLeastRate = 20.0;
 
 struct NumberOption {
   std::string_view name;
@@ -39,11 +43,28 @@ double number_of(const std::string& where, const std::string& text) {
   return number;
 }
 
-bool is_prefix(const std::string& text) {
-  return text.size() > 1 && text[0] == '/' && text.back() != '/' &&
-         std::all_of(text.begin(), text.end(), [](unsigned char c) {
-           return std::isalnum(c) != 0 || c == '/' || c == '_' || c == '~';
-         });
+/// \param digits whether tokens may begin with a digit: in names of ROS 1, but not of ROS 2
+bool is_prefix(const std::string& text, bool digits) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  bool begins = false;  // a token, at c
+  for (const char c : text) {
+    const bool fits = is_letter(c) || (is_digit(c) && (digits || !begins)) || (c == '/' && !begins);
+    if (!fits) return false;
+    begins = c == '/';
+  }
+  return text.size() > 1 && text[0] == '/' && !begins;
+}
+
+/// What check_capabilities() cannot know to be a mistake.
+void check_units(const std::string& where, const DeviceCapabilities& can) {
+  if (can.force_max > kStrongest)
+    throw Error("{}: force_max must be at most {} N; correct its unit", where, kStrongest);
+  if (can.rate < kLeastRate)
+    throw Error(
+        "{}: rate must be at least {} Hz, since the force ends only after three missing poses; correct its "
+        "unit, or the driver",
+        where, kLeastRate);
 }
 
 void set(const std::string& where, CrtkOptions& options, const std::string& name, const std::string& value) {
@@ -69,7 +90,7 @@ CrtkArguments parse_crtk_arguments(const std::string& kind, const std::string& t
   CrtkArguments result;
   std::getline(parts, result.prefix, ',');
   const std::string where = "--device " + kind + ":" + printable(text);
-  if (!is_prefix(result.prefix))
+  if (!is_prefix(result.prefix, kind == "ros1"))
     throw Error("{}: needs the prefix of the device's topics, such as {}:/omni for /omni/measured_cp", where,
                 kind);
   DeviceCapabilities& can = result.options.capabilities;
@@ -83,6 +104,7 @@ CrtkArguments parse_crtk_arguments(const std::string& kind, const std::string& t
   if (can.torque_max > 0.0) can.actuated.rotation = 3;
   if (can.damping > 0.0) can.damping_source = DampingSource::kMeasured;
   check_capabilities(can);
+  check_units(where, can);
   return result;
 }
 

@@ -16,13 +16,13 @@ struct CrtkArguments {
 
 /// Parses text such as "/omni,force_max=3.3,rate=500": a prefix, then any of
 ///
-///     force_max         N (3.3, the weakest commercial device)
+///     force_max         N, at most 1000 (3.3, the weakest commercial device)
 ///     force_sustained   N (equal to force_max)
 ///     torque_max        N m (0: no motors for the orientation)
 ///     stiffness_max     N/m (0: unknown)
 ///     damping           N s/m (0: unknown)
 ///     workspace         m
-///     rate              Hz, minimum rate of its poses (1000)
+///     rate              Hz, minimum rate of its poses, at least 20 (1000)
 ///     frame             frame_id of its poses (that of the first pose)
 ///     delay             s, from the arrival of a wrench until the motors apply it (0)
 ///     one_way           s, latency of the network, if echoes are not answered (0.0005)
