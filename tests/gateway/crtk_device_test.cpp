@@ -225,6 +225,44 @@ TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   EXPECT_NE(link.reading.hand, hand);
 }
 
+// A stray pose, as of `ros2 topic pub --once`, does not decide for the driver.
+TEST(CrtkDevice, ANewPublisherMayHaveAnotherFrame) {
+  CrtkLink link;
+  link.pose(0.1, 0.0, "", "/stray");
+  ASSERT_TRUE(link.tick());
+  link.pose(0.2, 0.0, "base", "/driver");
+  EXPECT_FALSE(link.tick()) << "not while the first may go on";
+  const std::uint32_t hand = link.reading.hand;
+  sleep_until(monotonic_now() + 1.05 * CrtkDevice::kSilence);
+  link.pose(std::numeric_limits<double>::quiet_NaN(), 0.0, "world", "/driver");
+  link.pose(0.2, 0.0, "base", "/driver");
+  ASSERT_TRUE(link.tick());
+  EXPECT_NE(link.reading.hand, hand) << "through the gate";
+  EXPECT_EQ(link.reading.pose.position.x(), 0.2);
+  const std::uint64_t before = link.peer->sent();
+  link.device->write({});
+  for (int k = 0; k < 5000 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
+  EXPECT_EQ(link.peer->frame(), "base");
+  for (const char* other : {"", "world"}) {
+    link.pose(0.3, 0.0, other, "/driver");
+    EXPECT_FALSE(link.tick()) << "the frame is set again";
+  }
+  EXPECT_THAT(link.peer->said.back(), HasSubstr("in the frame '', not 'base'"));
+}
+
+TEST(CrtkDevice, NoPublisherHasAnotherFrameThanTheOneThatIsGiven) {
+  CrtkOptions o = crtk_options();
+  o.frame = "base";
+  CrtkLink link(o);
+  link.ticks(3, 0.1);
+  sleep_until(monotonic_now() + 1.05 * CrtkDevice::kSilence);
+  link.pose(0.2, 0.0, "world", "/other");
+  EXPECT_FALSE(link.tick());
+  link.pose(0.2, 0.0, "base", "/other");
+  EXPECT_TRUE(link.tick());
+  EXPECT_THAT(link.peer->said.at(0), HasSubstr("or the option frame"));
+}
+
 // A line, and no force, until it has ended; then through the gate.
 TEST(CrtkDevice, AnotherPublisherOfWrenchesEndsTheForce) {
   CrtkLink link;

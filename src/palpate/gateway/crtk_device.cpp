@@ -209,10 +209,12 @@ std::string CrtkDevice::other_writer() const {
 CrtkDevice::Problem CrtkDevice::problem_of(const CrtkHeader& header, const Pose& pose, double now) {
   if (!other_writer().empty()) return Problem::kWriter;
   if (is_other_source(header.source, now)) return Problem::kSecond;
-  if (frame_ && header.frame != *frame_) return Problem::kFrame;
+  const bool anew = taken_ > 0 && header.source != source_;
+  const bool any_frame = !frame_ || (anew && options_.frame.empty());
+  if (!any_frame && header.frame != *frame_) return Problem::kFrame;
   if (!is_finite(pose) || !is_unit(pose.orientation)) return Problem::kBad;
   if (!is_stamp(header.stamp)) return Problem::kStamp;
-  return check_stamp(header, taken_ > 0 && header.source != source_, now);
+  return check_stamp(header, anew, now);
 }
 
 void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
@@ -225,7 +227,7 @@ void CrtkDevice::take_pose(const CrtkHeader& header, const Pose& pose) {
   } else if (t - heard_ > age_limit_ && taken_ > 0) {
     hand_.change_hand();
   }
-  if (!frame_) {
+  if (frame_ != header.frame) {
     const std::scoped_lock lock(mutex_);
     frame_ = header.frame;
   }
@@ -262,8 +264,10 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
              "correct the driver";
     case Problem::kStamp: return who + " have invalid stamps and are dropped; correct the driver";
     case Problem::kFrame:
-      return fmt::format("{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id",
-                         who, header.frame, *frame_);
+      return fmt::format(
+          "{} are in the frame '{}', not '{}', and are dropped; set the driver's frame_id{}", who,
+          header.frame, *frame_,
+          options_.frame.empty() ? " or, if it is another one now, restart Palpate" : " or the option frame");
     case Problem::kStale:
       return fmt::format(
           "{} are late, repeated or out of order (age limit {:.0f} ms) and are dropped; if this persists, "

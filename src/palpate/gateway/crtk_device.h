@@ -70,7 +70,9 @@ struct CrtkOptions {
   /// The rate is the minimum rate of poses: the age limit is three periods, at least 20 ms. Without a pose
   /// for that long there is no force, and a pose that is older on arrival is dropped.
   DeviceCapabilities capabilities;
-  std::string frame;      ///< expected frame_id of poses; empty: that of the first accepted pose
+  /// Expected frame_id of poses; empty: that of the publisher's first accepted pose, and so another one once
+  /// another publisher has taken over.
+  std::string frame;
   double one_way = 5e-4;  ///< as for StampClock, if echoes are not answered. Unit: [s].
   /// Maximum extrapolation of a pose by its velocity when the next is late; 0: none. Counted as delay. Unit:
   /// [s], at most kMostExtrapolation.
@@ -88,7 +90,8 @@ struct CrtkOptions {
 ///    dropped.
 ///  - An invalid or negative stamp: dropped.
 ///  - Another frame_id than expected: dropped.
-///  - A second publisher: dropped, until the first has been silent for kSilence.
+///  - A second publisher: dropped, until the first has been silent for kSilence. It takes over through the
+///    start gate, with its own clock and, unless CrtkOptions::frame tells it, its own frame_id.
 ///  - A pose while another program publishes wrenches for the device: dropped, since the sum of two forces
 ///    has no limit, and neither program can stop the other's.
 ///  - NaN, infinity, a quaternion that is not of unit norm: dropped, and no force until it returns through
@@ -173,7 +176,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   /// @{
   ClientHand hand_;
   StampClock stamps_;
-  std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted, then constant
+  std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted
   std::string source_;
   double age_ = 0.0;          ///< of the pose being checked
   double heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].

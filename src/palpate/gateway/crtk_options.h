@@ -23,7 +23,7 @@ struct CrtkArguments {
 ///     damping           N s/m (0: unknown)
 ///     workspace         m
 ///     rate              Hz, minimum rate of its poses, at least 20 (1000)
-///     frame             frame_id of its poses (that of the first pose)
+///     frame             frame_id of its poses (that of a publisher's first pose)
 ///     delay             s, from the arrival of a wrench until the motors apply it (0)
 ///     one_way           s, latency of the network, if echoes are not answered (0.0005)
 ///     extrapolation     s, at most 0.01 (0: none)
