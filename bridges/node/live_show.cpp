@@ -114,6 +114,9 @@ SinkStatus LiveShow::device_status(std::string name, double now) {
   } else if (hand_.view.newest().fault == Fault::kStalePose) {
     status.level = 1;
     status.message = "no poses received";
+  } else if (!device.has_listener()) {
+    status.level = 1;
+    status.message = "nothing subscribes to the wrenches: no force";
   }
   status.values = {{"taken", fmt::format("{}", device.taken())},
                    {"dropped", fmt::format("{}", dropped)},

@@ -101,6 +101,11 @@ class Link::Implementation {
     echo_.publish(echo);
   }
 
+  bool has_listener() const {
+    return connected_.load(std::memory_order_acquire) &&
+           (spatial_.getNumSubscribers() > 0 || body_.getNumSubscribers() > 0);
+  }
+
   bool wants_local_model() const {
     return connected_.load(std::memory_order_acquire) && local_model_.getNumSubscribers() > 0;
   }
@@ -271,6 +276,7 @@ void Link::publish_echo(std::uint64_t number) { implementation_->publish_echo(nu
 void Link::publish_local_model(const std::vector<double>& numbers, std::size_t head, std::size_t row) {
   implementation_->publish_local_model(numbers, head, row);
 }
+bool Link::has_listener() const { return implementation_->has_listener(); }
 bool Link::wants_local_model() const { return implementation_->wants_local_model(); }
 
 }  // namespace palpate::ros1

@@ -61,6 +61,8 @@ class Link {
   /// @{
   /// \param spatial in the frame `frame` \param body in the handle's frame
   void publish(const StampedWrench& spatial, const std::string& frame, const StampedWrench& body);
+  /// Returns whether either wrench has subscribers.
+  bool has_listener() const;
   /// Publishes `number` as `seq` of a std_msgs/Header; the peer answers with its own time as stamp.
   void publish_echo(std::uint64_t number);
   /// \param numbers `head` numbers, then rows of `row` numbers

@@ -77,6 +77,7 @@ class Ros2Transport final : public CrtkTransport {
     write(body_, wrench.body, wrench.stamp, "tool");
   }
 
+  bool has_listener() override { return is_matched(spatial_) || is_matched(body_); }
   bool wants_local_model() override { return is_matched(local_model_); }
   void send_local_model(const LocalModel& model, double stamp) override {
     if (!wants_local_model()) return;

@@ -86,10 +86,18 @@ class Driver:
         self.publisher = rospy.Publisher(prefix + "/measured_cp", PoseStamped, queue_size=4, tcp_nodelay=True)
         self.echoed = rospy.Publisher(prefix + "/palpate/echoed", Header, queue_size=4, tcp_nodelay=True)
         rospy.Subscriber(prefix + "/palpate/echo", Header, self.answer, tcp_nodelay=True)
-        rospy.Subscriber(prefix + "/spatial/servo_cf", WrenchStamped, self.hear, tcp_nodelay=True)
-        rospy.Subscriber(prefix + "/body/servo_cf", WrenchStamped, self.hear_body, tcp_nodelay=True)
+        self.prefix, self.listeners = prefix, []
+        self.listen()
         self.times = {}
         threading.Thread(target=self.speak, daemon=True).start()
+
+    def listen(self):
+        self.listeners = [rospy.Subscriber(self.prefix + "/spatial/servo_cf", WrenchStamped, self.hear, tcp_nodelay=True),
+                          rospy.Subscriber(self.prefix + "/body/servo_cf", WrenchStamped, self.hear_body, tcp_nodelay=True)]
+
+    def stop_listening(self):
+        for listener in self.listeners:
+            listener.unregister()
 
     def answer(self, echo):
         self.echoed.publish(Header(seq=echo.seq, stamp=rospy.Time.now(), frame_id=""))

@@ -87,8 +87,8 @@ TEST(CrtkDevice, WhatComesOutOfOrderOrTwiceOrLateIsDroppedAndSaidOnce) {
   ASSERT_TRUE(link.tick());
   EXPECT_EQ(link.reading.pose.position.x(), 0.1);
   EXPECT_EQ(link.device->dropped(), 3U);
-  ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("late, repeated or out of order"));
+  ASSERT_EQ(link.peer->said().size(), 1U);
+  EXPECT_THAT(link.peer->said()[0], HasSubstr("late, repeated or out of order"));
 }
 
 TEST(CrtkDevice, AnAgeCountsTheJitterAndTheWayBack) {
@@ -110,7 +110,7 @@ TEST(CrtkDevice, StampsOfTheFutureAreDroppedUntilTheClockIsKnownToBeSet) {
   link.ticks(5, 0.0);
   link.pose(0.1, -10.0);
   EXPECT_FALSE(link.tick());
-  EXPECT_THAT(link.peer->said.at(0), HasSubstr("stamps in the future"));
+  EXPECT_THAT(link.peer->said().at(0), HasSubstr("stamps in the future"));
   link.pose(0.2);
   EXPECT_TRUE(link.tick()) << "one of them changes nothing";
   for (int k = 0; k < 1200; ++k) {  // nor another, long after
@@ -142,8 +142,8 @@ TEST(CrtkDevice, InvalidStampsAreDroppedAndNeverReturned) {
     link.pose(Pose(), stamp);
     EXPECT_FALSE(link.tick());
     EXPECT_EQ(link.device->dropped(), 3U);
-    ASSERT_EQ(link.peer->said.size(), 1U);
-    EXPECT_THAT(link.peer->said[0], HasSubstr("have invalid stamps and are dropped"));
+    ASSERT_EQ(link.peer->said().size(), 1U);
+    EXPECT_THAT(link.peer->said()[0], HasSubstr("have invalid stamps and are dropped"));
     link.pose(0.0);
     EXPECT_TRUE(link.tick());
   }
@@ -168,8 +168,8 @@ TEST(CrtkDevice, AnotherFrameIsDropped) {
   }
   EXPECT_EQ(link.device->status(), DeviceStatus::kFault);
   EXPECT_EQ(link.device->status_text(), "poses have a wrong frame_id");
-  ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("in the frame 'world', not 'base'"));
+  ASSERT_EQ(link.peer->said().size(), 1U);
+  EXPECT_THAT(link.peer->said()[0], HasSubstr("in the frame 'world', not 'base'"));
   const std::uint32_t hand = link.reading.hand;
   link.pose(0.0);
   EXPECT_TRUE(link.tick());
@@ -212,8 +212,8 @@ TEST(CrtkDevice, ASecondPublisherWaitsForTheFirstToBeSilent) {
   const std::uint32_t hand = link.reading.hand;
   link.pose(0.9, 0.0, "base", "/other");
   EXPECT_FALSE(link.tick());
-  ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("'/other' are dropped: '/arm' controls the device"));
+  ASSERT_EQ(link.peer->said().size(), 1U);
+  EXPECT_THAT(link.peer->said()[0], HasSubstr("'/other' are dropped: '/arm' controls the device"));
   bool read = false;
   double since = monotonic_now();
   while (!read && monotonic_now() - since < 3.0) {
@@ -247,7 +247,7 @@ TEST(CrtkDevice, ANewPublisherMayHaveAnotherFrame) {
     link.pose(0.3, 0.0, other, "/driver");
     EXPECT_FALSE(link.tick()) << "the frame is set again";
   }
-  EXPECT_THAT(link.peer->said.back(), HasSubstr("in the frame '', not 'base'"));
+  EXPECT_THAT(link.peer->said().back(), HasSubstr("in the frame '', not 'base'"));
 }
 
 TEST(CrtkDevice, NoPublisherHasAnotherFrameThanTheOneThatIsGiven) {
@@ -260,7 +260,7 @@ TEST(CrtkDevice, NoPublisherHasAnotherFrameThanTheOneThatIsGiven) {
   EXPECT_FALSE(link.tick());
   link.pose(0.2, 0.0, "base", "/other");
   EXPECT_TRUE(link.tick());
-  EXPECT_THAT(link.peer->said.at(0), HasSubstr("or the option frame"));
+  EXPECT_THAT(link.peer->said().at(0), HasSubstr("or the option frame"));
 }
 
 // A line, and no force, until it has ended; then through the gate.
@@ -275,8 +275,8 @@ TEST(CrtkDevice, AnotherPublisherOfWrenchesEndsTheForce) {
   }
   EXPECT_EQ(link.device->status(), DeviceStatus::kFault);
   EXPECT_EQ(link.device->status_text(), "another program publishes wrenches for the device");
-  ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("'/teleoperation' publishes wrenches for the device, too"));
+  ASSERT_EQ(link.peer->said().size(), 1U);
+  EXPECT_THAT(link.peer->said()[0], HasSubstr("'/teleoperation' publishes wrenches for the device, too"));
   link.device->set_other_writer("");
   link.pose(0.1);
   EXPECT_TRUE(link.tick());
@@ -320,13 +320,14 @@ TEST(CrtkDevice, NamesOfTheNetworkAreSaidAsOnePrintableLine) {
     sleep_until(monotonic_now() + kMilli);
   }
   pose(endless, source);
-  ASSERT_EQ(link.peer->said.size(), 6U);
-  expect_line(link.peer->said[0], "in the frame 'world?[2J?no force', not 'base?[2J?no force'");
-  expect_line(link.peer->said[1], "poses of '/other?[2J?no force' are dropped: '/arm?[2J?no force' controls");
-  expect_line(link.peer->said[2], "'/teleoperation?[2J?no force' publishes wrenches");
-  expect_line(link.peer->said[3], "late, repeated or out of order");
-  expect_line(link.peer->said[4], "the clock of '/arm?[2J?no force' was set");
-  expect_line(link.peer->said[5], "set the driver's frame_id");
+  ASSERT_EQ(link.peer->said().size(), 6U);
+  expect_line(link.peer->said()[0], "in the frame 'world?[2J?no force', not 'base?[2J?no force'");
+  expect_line(link.peer->said()[1],
+              "poses of '/other?[2J?no force' are dropped: '/arm?[2J?no force' controls");
+  expect_line(link.peer->said()[2], "'/teleoperation?[2J?no force' publishes wrenches");
+  expect_line(link.peer->said()[3], "late, repeated or out of order");
+  expect_line(link.peer->said()[4], "the clock of '/arm?[2J?no force' was set");
+  expect_line(link.peer->said()[5], "set the driver's frame_id");
 }
 
 // What keeps the age limit, and so the time of a dead driver, short: 0.15 s and the fall.
@@ -356,8 +357,8 @@ TEST(CrtkDevice, NanAndQuaternionsOfAnotherNormEndTheForce) {
     link.pose(pose, driver_now());
     link.pose(pose, driver_now());
     EXPECT_FALSE(link.tick());
-    ASSERT_EQ(link.peer->said.size(), 1U);
-    EXPECT_THAT(link.peer->said[0], HasSubstr("no force until valid poses arrive"));
+    ASSERT_EQ(link.peer->said().size(), 1U);
+    EXPECT_THAT(link.peer->said()[0], HasSubstr("no force until valid poses arrive"));
     link.pose(0.0);
     ASSERT_TRUE(link.tick());
     EXPECT_NE(link.reading.hand, hand);
@@ -425,15 +426,17 @@ TEST(CrtkDevice, ATickWithoutAPoseIsNoFault) {
   EXPECT_TRUE(stays);
 }
 
+/// The force along x that is sent for a wrench.
+double shown(const CrtkLink& link, double force) {
+  const std::uint64_t before = link.peer->sent();
+  link.device->write({{force, 0, 0}, {0, 0, 0}});
+  for (int k = 0; k < 5000 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
+  return link.peer->last().spatial.force.x();
+}
+
 // The force that was asked for meanwhile does not come all at once.
 TEST(CrtkDevice, ShowsNothingAfterAFaultUntilNothingIsAskedFor) {
   CrtkLink link;
-  const auto shown = [&](double force) {
-    const std::uint64_t before = link.peer->sent();
-    link.device->write({{force, 0, 0}, {0, 0, 0}});
-    for (int k = 0; k < 5000 && link.peer->sent() == before; ++k) sleep_until(monotonic_now() + kMilli);
-    return link.peer->last().spatial.force.x();
-  };
   const auto comes = [&] {
     bool read = false;
     for (int k = 0; k < 1000 && !read; ++k) {
@@ -443,14 +446,69 @@ TEST(CrtkDevice, ShowsNothingAfterAFaultUntilNothingIsAskedFor) {
     return read && link.device->status() == DeviceStatus::kEnabled;
   };
   ASSERT_TRUE(comes());
-  EXPECT_EQ(shown(1.0), 1.0);
+  EXPECT_EQ(shown(link, 1.0), 1.0);
   for (int k = 0; k < 2000 && link.device->status() != DeviceStatus::kFault; ++k) link.tick();
   ASSERT_EQ(link.device->status(), DeviceStatus::kFault);
-  EXPECT_EQ(shown(1.0), 0.0);
+  EXPECT_EQ(shown(link, 1.0), 0.0);
   ASSERT_TRUE(comes());
-  EXPECT_EQ(shown(1.0), 0.0) << "it has come back";
-  EXPECT_EQ(shown(0.0), 0.0);
-  EXPECT_EQ(shown(1.0), 1.0);
+  EXPECT_EQ(shown(link, 1.0), 0.0) << "it has come back";
+  EXPECT_EQ(shown(link, 0.0), 0.0);
+  EXPECT_EQ(shown(link, 1.0), 1.0);
+}
+
+/// While poses arrive.
+void listens(CrtkLink& link, bool whether) {
+  link.peer->listens = whether;
+  for (int k = 0; k < 5000 && link.device->has_listener() != whether; ++k) link.ticks(1, 0.0);
+  ASSERT_EQ(link.device->has_listener(), whether);
+}
+
+// Whoever subscribes in contact gets no step.
+TEST(CrtkDevice, ShowsNothingToNobodyAndAListenerThatComesNothingUntilNothingIsAskedFor) {
+  CrtkLink link;
+  link.ticks(3, 0.0);
+  EXPECT_EQ(shown(link, 1.0), 1.0);
+  const std::uint32_t hand = link.reading.hand;
+  listens(link, false);
+  for (const double force : {1.0, 0.0, 1.0}) EXPECT_EQ(shown(link, force), 0.0) << "nobody listens";
+  link.pose(0.0);
+  EXPECT_TRUE(link.tick()) << "poses are used all the same";
+  listens(link, true);
+  EXPECT_EQ(shown(link, 1.0), 0.0);
+  EXPECT_EQ(shown(link, 0.0), 0.0);
+  EXPECT_EQ(shown(link, 1.0), 1.0);
+  link.pose(0.0);
+  ASSERT_TRUE(link.tick());
+  EXPECT_NE(link.reading.hand, hand) << "the governor's gate closes";
+}
+
+TEST(CrtkDevice, WhoTakesOnlyTheLocalModelListensToo) {
+  CrtkLink link;
+  listens(link, false);
+  link.peer->wants = true;
+  for (int k = 0; k < 5000 && !link.device->has_listener(); ++k) link.tick();
+  EXPECT_TRUE(link.device->has_listener());
+}
+
+TEST(CrtkDevice, SaysThatNothingSubscribesToItsWrenchesWhilePosesArrive) {
+  CrtkLink link;
+  listens(link, false);
+  const auto waits = [&](double seconds, bool poses) {
+    for (const double since = monotonic_now(); monotonic_now() - since < seconds;) {
+      if (poses) link.pose(0.0);
+      link.tick();
+    }
+    return link.peer->said().size();
+  };
+  EXPECT_EQ(waits(1.2 * CrtkDevice::kDiscovery, false), 0U) << "there is no driver";
+  const double since = monotonic_now();
+  while (link.peer->said().empty() && monotonic_now() - since < 10.0) {
+    link.pose(0.0);
+    link.tick();
+  }
+  EXPECT_GT(monotonic_now() - since, 0.9 * CrtkDevice::kDiscovery);
+  ASSERT_EQ(waits(0.5, true), 1U);
+  EXPECT_THAT(link.peer->said()[0], HasSubstr("nothing subscribes to spatial/servo_cf or body/servo_cf"));
 }
 
 TEST(CrtkDevice, IsCarriedOnNoFartherThanItsBound) {
@@ -553,9 +611,9 @@ TEST(CrtkDevice, APublisherWhoseClockWasSetBackIsTakenAfterASecondThroughTheGate
   EXPECT_TRUE(read);
   EXPECT_GT(monotonic_now() - since, 0.99 * StampClock::kSettle);
   EXPECT_NE(link.reading.hand, hand);
-  ASSERT_EQ(link.peer->said.size(), 2U);
-  EXPECT_THAT(link.peer->said[0], HasSubstr("late, repeated or out of order"));
-  EXPECT_THAT(link.peer->said[1],
+  ASSERT_EQ(link.peer->said().size(), 2U);
+  EXPECT_THAT(link.peer->said()[0], HasSubstr("late, repeated or out of order"));
+  EXPECT_THAT(link.peer->said()[1],
               HasSubstr("the clock of '/arm' was set; its latency is taken to be 0.5 ms"));
 }
 
@@ -569,8 +627,8 @@ TEST(CrtkDevice, PosesThatComeLateStayDroppedHoweverLong) {
     ASSERT_FALSE(link.tick()) << k;
   }
   EXPECT_EQ(link.device->status_text(), "poses are late or out of order");
-  ASSERT_EQ(link.peer->said.size(), 1U);
-  EXPECT_THAT(link.peer->said[0],
+  ASSERT_EQ(link.peer->said().size(), 1U);
+  EXPECT_THAT(link.peer->said()[0],
               HasSubstr("shorten the latency or, if the driver's clock was set, restart"));
   link.pose(0.1);
   EXPECT_TRUE(link.tick()) << "the latency is short again";
@@ -600,6 +658,7 @@ class NoNetwork final : public CrtkTransport {
   void start(CrtkDevice&) override { throw Error("there is no network"); }
   void stop() noexcept override {}
   void send(const CrtkWrench&, const std::string&) override {}
+  bool has_listener() override { return false; }
   bool wants_local_model() override { return false; }
   void send_local_model(const LocalModel&, double) override {}
   void send_echo(std::uint64_t) override {}

@@ -29,6 +29,7 @@ class CrtkPeer final : public CrtkTransport {
     frame_ = frame;
     ++sent_;
   }
+  bool has_listener() override { return listens; }
   bool wants_local_model() override { return wants; }
   void send_local_model(const LocalModel& model, double stamp) override {
     const std::scoped_lock lock(mutex_);
@@ -38,7 +39,10 @@ class CrtkPeer final : public CrtkTransport {
     const std::scoped_lock lock(mutex_);
     echo_ = number;
   }
-  void say(const std::string& line) override { said.push_back(line); }
+  void say(const std::string& line) override {
+    const std::scoped_lock lock(mutex_);
+    said_.push_back(line);
+  }
 
   CrtkWrench last() const {
     const std::scoped_lock lock(mutex_);
@@ -62,8 +66,13 @@ class CrtkPeer final : public CrtkTransport {
     return models_;
   }
 
-  std::vector<std::string> said;
+  std::vector<std::string> said() const {
+    const std::scoped_lock lock(mutex_);
+    return said_;
+  }
+
   std::atomic<bool> wants = false;
+  std::atomic<bool> listens = true;  ///< to wrenches
 
  private:
   CrtkDevice* device_ = nullptr;
@@ -71,6 +80,7 @@ class CrtkPeer final : public CrtkTransport {
   CrtkWrench last_;
   std::string frame_;
   std::vector<std::pair<LocalModel, double>> models_;
+  std::vector<std::string> said_;
   std::uint64_t echo_ = 0, sent_ = 0;
 };
 

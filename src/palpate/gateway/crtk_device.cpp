@@ -98,7 +98,10 @@ void CrtkDevice::open() {
 void CrtkDevice::enable() {
   if (status() != DeviceStatus::kOpen)
     throw Error("device '{}': is not open; open it first", options_.capabilities.name);
-  read_ = came_back_ = false;
+  read_ = came_back_ = said_alone_ = false;
+  had_listener_ = transport_->has_listener();
+  has_listener_.store(had_listener_, std::memory_order_relaxed);
+  alone_since_ = monotonic_now();
   good_at_ = told_ = 0.0;
   begin_ = std::numeric_limits<double>::infinity();
   stopped_.store(true, std::memory_order_relaxed);
@@ -135,7 +138,7 @@ void CrtkDevice::send_until_closed() {
     if (const double now = monotonic_now(); now - echoed >= kEchoPeriod) {
       echoed = now;
       transport_->send_echo(ask_echo(now));
-      wants_local_model_.store(transport_->wants_local_model(), std::memory_order_relaxed);
+      look_for_listener(now);
     }
     const bool fresh = wrench_.update(), stopped = stopped_.load(std::memory_order_relaxed);
     if (surface_.update()) send_surface(stopped);
@@ -149,6 +152,22 @@ void CrtkDevice::send_until_closed() {
   none.stamp = wrench_.front().stamp;
   send(none);
   if (wants_local_model_.load(std::memory_order_relaxed)) send_surface(true);
+}
+
+void CrtkDevice::look_for_listener(double now) {
+  const bool wants = transport_->wants_local_model(), listens = transport_->has_listener() || wants;
+  wants_local_model_.store(wants, std::memory_order_relaxed);
+  has_listener_.store(listens, std::memory_order_relaxed);
+  if (listens || now - heard_ >= kSilence) {
+    alone_since_ = now;
+    said_alone_ = false;
+  } else if (!said_alone_ && now - alone_since_ >= kDiscovery) {
+    said_alone_ = true;
+    say(fmt::format(
+        "{}: poses arrive, but nothing subscribes to spatial/servo_cf or body/servo_cf: no force until a "
+        "driver does; check the names of its topics",
+        options_.capabilities.name));
+  }
 }
 
 void CrtkDevice::send(const CrtkWrench& wrench) {
@@ -329,7 +348,12 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
   constexpr double kAfter = 1e-6;  // s, step past an extrapolated reading that is later than this one
   const double begin = loop_begin(t);
   velocity_.update();
+  // The governor's start gate takes whoever comes to listen as another hand.
+  const bool listens = has_listener();
+  if (listens && !had_listener_) ++listeners_;
+  had_listener_ = listens;
   if (reader_.read(t, last_)) {
+    last_.hand += listeners_;
     read_ = true;
     good_at_ = t;
     last_.t = std::min(last_.t - begin, t);
@@ -362,6 +386,7 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
 void CrtkDevice::write(const Wrench& wrench) {
   if (status() == DeviceStatus::kClosed || status() == DeviceStatus::kOpen) return;
   if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) came_back_ = false;
+  if (!has_listener()) came_back_ = true;
   shows_ = status() == DeviceStatus::kEnabled && !came_back_;
   CrtkWrench& out = wrench_.back();
   out.spatial = shows_ ? wrench : Wrench{};

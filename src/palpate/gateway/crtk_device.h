@@ -50,6 +50,9 @@ class CrtkTransport {
   virtual void start(CrtkDevice& device) = 0;
   /// Stops delivery. No message is delivered after it returns.
   virtual void stop() noexcept = 0;
+  /// Returns whether a topic of wrenches has subscribers. Polled by the device's own thread, and by enable()
+  /// before that runs.
+  virtual bool has_listener() = 0;
   /// Publishes a wrench; called for every tick, on the device's own thread. \param frame frame_id of valid
   /// poses, that of `wrench.spatial`; empty if it is not known yet
   virtual void send(const CrtkWrench& wrench, const std::string& frame) = 0;
@@ -101,6 +104,10 @@ struct CrtkOptions {
 /// status then becomes kFault with the reason. Valid poses clear the fault automatically, through the start
 /// gate. Late poses stay dropped however long they are late: nothing but echoes, another publisher, or a
 /// clock that was set (StampClock) makes them valid, and the latter is reported.
+///
+/// While nothing subscribes to the wrenches or the local model, zero wrenches are sent, so that whoever
+/// subscribes in contact gets no step: the force then returns through the start gate, too. This is reported
+/// if poses have arrived for kDiscovery.
 class CrtkDevice final : public HapticDevice, public TickObserver {
  public:
   /// \throws Error if the extrapolation is too long.
@@ -132,12 +139,17 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   /// the loop's.
   void set_other_writer(std::string_view name);
 
+  /// Returns whether anything subscribes to the wrenches or the local model. Any thread.
+  bool has_listener() const { return has_listener_.load(std::memory_order_relaxed); }
+
   /// Number of poses used and dropped. Any thread.
   std::uint64_t taken() const { return taken_.load(std::memory_order_relaxed); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   /// Silence of a publisher after which another publisher is accepted. Unit: [s].
   static constexpr double kSilence = 1.0;
+  /// Time that a driver has to subscribe to the wrenches. Unit: [s].
+  static constexpr double kDiscovery = 2.0;
 
  private:
   enum class Problem : std::uint8_t {
@@ -161,6 +173,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   void say(const std::string& line) const;
   void accept(const Pose& pose, double stamp, double now);
   void send_until_closed();
+  void look_for_listener(double now);
   void send(const CrtkWrench& wrench);
   void send_surface(bool stopped);
   bool extrapolate(double t, DeviceReading& reading);
@@ -178,8 +191,8 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   StampClock stamps_;
   std::optional<std::string> frame_;  ///< expected; unset until a pose has been accepted
   std::string source_;
-  double age_ = 0.0;          ///< of the pose being checked
-  double heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].
+  double age_ = 0.0;                       ///< of the pose being checked
+  std::atomic<double> heard_ = -kSilence;  ///< arrival of the last valid pose. Unit: [s].
   std::array<double, static_cast<std::size_t>(Problem::kCount)> said_at_{};  ///< last occurrence of each
   std::atomic<std::uint64_t> taken_ = 0, dropped_ = 0;
   std::array<std::atomic<double>, 256> stamp_of_{};  ///< indexed by the number of the pose, modulo 256
@@ -195,9 +208,11 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   DeviceReading last_;  ///< as measured, on the loop's clock
   double told_ = 0.0;   ///< DeviceReading::t of the last reading. Unit: [s].
   bool read_ = false, came_back_ = false, shows_ = false;
-  double good_at_ = 0.0;   ///< Unit: [s].
-  double answered_ = 0.0;  ///< stamp of the pose that the last wrench answers. Unit: [s].
-  double begin_ = 0.0;     ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
+  bool had_listener_ = false;
+  std::uint32_t listeners_ = 0;  ///< how often a listener has come
+  double good_at_ = 0.0;         ///< Unit: [s].
+  double answered_ = 0.0;        ///< stamp of the pose that the last wrench answers. Unit: [s].
+  double begin_ = 0.0;           ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
   TripleBuffer<CrtkWrench> wrench_;
   struct Surface {
     LocalModel model;
@@ -205,7 +220,12 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   };
   TripleBuffer<Surface> surface_;
   /// @}
-  std::atomic<bool> wants_local_model_ = false;
+  /// \name The device's own thread
+  /// @{
+  double alone_since_ = 0.0;  ///< since when poses have arrived without a listener. Unit: [s].
+  bool said_alone_ = false;
+  /// @}
+  std::atomic<bool> wants_local_model_ = false, has_listener_ = false;
   std::atomic<bool> stopped_ = true, ends_ = true;
   std::atomic<Problem> reason_ = Problem::kNone;
   Wake written_;

@@ -4,7 +4,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import { ddsType, encode, typeHash } from './messages.mjs';
-import { Driver, Peer, Program, environment, eventually, makeFolder, makeWall, poseMessage, wait } from './program.mjs';
+import { Driver, FREE, PRESSED, Peer, Program, environment, eventually, makeFolder, makeWall, poseMessage, wait } from './program.mjs';
 
 
 test('types have the hashes that their definitions give', () => {
@@ -134,6 +134,29 @@ describe('a driver on ROS 2', () => {
     other.tell(`reader late rt/omni/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} reliable kept`);
     await palpate.says('a subscriber of rt/omni/spatial/servo_cf has an incompatible quality of service (durability)');
   });
+});
+
+test('a driver that does not listen is told, and feels no step once it does, in contact', async (context) => {
+  const { path } = makeWall(makeFolder());
+  const palpate = new Program(process.env.PALPATE, 'run', path, '--no-gateway', '--no-index-file', '--tool', '0.02,0.02,0.02',
+    '--device', 'ros2:/deaf,force_max=8,rate=20');
+  context.after(() => palpate.end());
+  const driver = new Driver('/deaf', 'reliable', true, undefined, '/misspelt');
+  context.after(() => driver.kill());
+  driver.tell(`to ${FREE}`);
+  await palpate.says('nothing subscribes to spatial/servo_cf or body/servo_cf');
+  driver.tell(`to ${PRESSED}`);
+  await wait(1000);
+  driver.tell(`reader heard rt/deaf/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} reliable`);
+  driver.reader = 'heard';
+  const newest = () => driver.newest('heard', 'geometry_msgs/WrenchStamped');
+  await eventually(newest, 'a wrench');
+  for (let k = 0; k < 20; k += 1) {
+    assert.equal((await newest()).wrench.force.z, 0);
+    await wait(50);
+  }
+  await driver.lean();
+  assert.equal(palpate.said.split('nothing subscribes').length, 2, palpate.said);
 });
 
 test('bad settings are one line', () => {

@@ -129,13 +129,13 @@ const kHeight = 4 + 24 + 16;
 
 /** What drives a device that speaks CRTK: a peer with its topics, which sends poses 1000 times a second. */
 export class Driver extends Peer {
-  constructor(prefix, reliability = 'reliable', walks = true, enclave = undefined) {
+  constructor(prefix, reliability = 'reliable', walks = true, enclave = undefined, listens = prefix) {
     super(enclave);
     this.tell(`writer pose rt${prefix}/measured_cp ${ddsType('geometry_msgs/PoseStamped')} ${reliability}`);
     this.tell(`writer echoed rt${prefix}/palpate/echoed ${ddsType('std_msgs/Header')} ${reliability}`);
     this.tell(`reader echo rt${prefix}/palpate/echo ${ddsType('std_msgs/Header')} ${reliability}`);
-    this.tell(`reader spatial rt${prefix}/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} ${reliability}`);
-    this.tell(`reader body rt${prefix}/body/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} ${reliability}`);
+    this.tell(`reader spatial rt${listens}/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} ${reliability}`);
+    this.tell(`reader body rt${listens}/body/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} ${reliability}`);
     this.tell('answer echo echoed');
     this.good();
     this.reader = 'spatial';
