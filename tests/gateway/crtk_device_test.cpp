@@ -159,6 +159,23 @@ TEST(CrtkDevice, AnEchoWithAnInvalidStampIsNotUsed) {
   EXPECT_LT(link.reading.t, link.clock.now() - 0.01) << "its age is known";
 }
 
+// 28 h behind, as a clock that is not set, or ahead by an hour, as one of another time zone.
+TEST(CrtkDevice, EchoesThatAnotherClockAnswersAreNamedAsTheReason) {
+  for (const double ahead : {1e5, -4e3, 11.0, -11.0}) {
+    CrtkLink link;
+    link.ticks(3, 0.0);
+    for (int k = 0; k < 200 && link.peer->echo() == 0; ++k) sleep_until(monotonic_now() + kMilli);
+    link.device->take_echo(link.peer->echo(), {driver_now() + ahead, "", "/arm"});
+    for (int k = 0; k < 100; ++k) {
+      link.pose(0.1);
+      ASSERT_FALSE(link.tick()) << ahead << ' ' << k;
+    }
+    EXPECT_EQ(link.device->status_text(), "poses are stamped by another clock than echoes");
+    ASSERT_EQ(link.peer->said().size(), 1U) << ahead;
+    EXPECT_THAT(link.peer->said()[0], HasSubstr("answer echoes with the clock of the poses"));
+  }
+}
+
 TEST(CrtkDevice, AnotherFrameIsDropped) {
   CrtkLink link;
   link.ticks(3, 0.0);

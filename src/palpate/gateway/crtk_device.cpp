@@ -208,6 +208,7 @@ CrtkDevice::Problem CrtkDevice::check_stamp(const CrtkHeader& header, bool anew,
     say(fmt::format("{}: the clock of '{}' was set; its latency is taken to be {:.1f} ms",
                     options_.capabilities.name, header.source, 1e3 * options_.one_way));
   age_ = check.age;
+  if (check.other_clock) return Problem::kOtherClock;
   switch (check.verdict) {
     case StampClock::Verdict::kLate: return Problem::kStale;
     case StampClock::Verdict::kFuture: return Problem::kFuture;
@@ -296,6 +297,11 @@ std::string CrtkDevice::line_of(Problem problem, const CrtkHeader& header) const
       return who +
              " have stamps in the future and are dropped; if the clock was set, they are accepted after a "
              "second";
+    case Problem::kOtherClock:
+      return who +
+             " are stamped by another clock than its answers to echoes, and are dropped; unless the clock "
+             "was "
+             "just set, answer echoes with the clock of the poses";
     case Problem::kSecond:
       return fmt::format(
           "{} are dropped: '{}' controls the device until it is silent for {:.0f} s; stop one of the "
@@ -375,6 +381,7 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
         "poses have a wrong frame_id",
         "poses are late or out of order",
         "pose stamps are in the future",
+        "poses are stamped by another clock than echoes",
         "two publishers of poses",
         "another program publishes wrenches for the device"};
     set_status(DeviceStatus::kFault,

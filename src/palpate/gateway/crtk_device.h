@@ -92,6 +92,7 @@ struct CrtkOptions {
 ///  - A stamp that is older than the last (reordering, duplicates) or than the age limit, or of the future:
 ///    dropped.
 ///  - An invalid or negative stamp: dropped.
+///  - A stamp of another clock than the one that answers echoes: dropped.
 ///  - Another frame_id than expected: dropped.
 ///  - A second publisher: dropped, until the first has been silent for kSilence. It takes over through the
 ///    start gate, with its own clock and, unless CrtkOptions::frame tells it, its own frame_id.
@@ -159,6 +160,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
     kFrame,
     kStale,
     kFuture,
+    kOtherClock,
     kSecond,
     kWriter,
     kCount

@@ -1,6 +1,7 @@
 #include <palpate/gateway/stamp_clock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace palpate {
@@ -66,6 +67,7 @@ StampClock::Check StampClock::check(double stamp, double now) {
   else if (was_set(stamp, now, result.verdict))
     result = set_clock(stamp, now);
   late_ = result.verdict == Verdict::kLate;
+  result.other_clock = echoed && std::abs(*echoed) > kOtherClock;
   return result;
 }
 

@@ -37,8 +37,9 @@ class StampClock {
   };
   struct Check {
     Verdict verdict = Verdict::kUsable;
-    double age = 0.0;        ///< Unit: [s]. >= 0
-    bool clock_set = false;  ///< with this message the publisher's clock is known to have been set
+    double age = 0.0;          ///< Unit: [s]. >= 0
+    bool other_clock = false;  ///< by echoes, the stamp is more than kOtherClock from the present
+    bool clock_set = false;    ///< with this message the publisher's clock is known to have been set
   };
 
   /// \param one_way shortest delay from the publisher to this host. Unit: [s]. \param age_limit of usable
@@ -56,6 +57,9 @@ class StampClock {
 
   /// Maximum lead of a stamp. Unit: [s].
   static constexpr double kFuture = 0.05;
+  /// Age by echoes beyond which no latency explains it, nor a clock that is ahead: unless the clock was set
+  /// within the last two seconds, echoes are answered with another one. Unit: [s].
+  static constexpr double kOtherClock = 10.0;
   /// Relative drift of two clocks, each of which is wrong by up to 50 ppm.
   static constexpr double kDrift = 1e-4;
   /// Time for which the messages of a clock that was set are watched before they are used, and the longest
