@@ -240,7 +240,8 @@ class Refusals(unittest.TestCase):
 
     def test_a_hand_without_a_device_of_its_own_is_refused(self):
         result = subprocess.run([PALPATE, "run", "--no-gateway", "--device", "ros1:/omni,rate=20", "--hands", "left", "--seconds", "1"],
-                                capture_output=True, text=True, check=False, timeout=60)
+                                env={**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}, capture_output=True,
+                                text=True, check=False, timeout=60)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertRegex(result.stderr, "hand left: .*device 'ros1:/omni': another hand of this program uses it")
 
