@@ -32,9 +32,12 @@ class MovingThing {
  public:
   MovingThing(const std::string& shape, std::uint64_t seed, const Tool& tool = ball_tool(),
               Lookahead* lookahead = nullptr)
+      : MovingThing(shape, noisy(seed), tool, lookahead) {}
+  MovingThing(const std::string& shape, const ProceduralOptions& options, const Tool& tool,
+              Lookahead* lookahead = nullptr, double friction = 0.0)
       : surface(make_surface(shape)),
-        index_(make_scene(*surface, noisy(seed)), SceneFilter{}, Similarity{}),
-        model_(index_, tool, {.stiffness = kStiffness}, lookahead) {
+        index_(make_scene(*surface, options), SceneFilter{}, Similarity{}),
+        model_(index_, tool, {.stiffness = kStiffness, .friction = friction}, lookahead) {
     input.dt = 1e-3;
     input.contacts = &none_;
   }
@@ -90,6 +93,17 @@ void expect_finite(const ForceOutput& felt) {
 
 /// Places on a surface that a thing comes from.
 constexpr int kPlaces = static_cast<int>(test::draws(12));
+
+/// `count` balls side by side, as a plate.
+Tool plate_of_balls(int count, double radius = kRadius) {
+  const int side = static_cast<int>(std::ceil(std::sqrt(count)));
+  std::vector<ToolPart> parts;
+  for (int i = 0; i < count; ++i) {
+    const Vector3d at = 1.5 * radius * Vector3d(i % side, i / side, 0.0);
+    parts.push_back({"", Vector3d::Constant(radius), {at, Eigen::Quaterniond::Identity()}});
+  }
+  return Tool(parts);
+}
 
 class OnMovingShapes : public testing::TestWithParam<const char*> {};
 
@@ -169,6 +183,44 @@ TEST_P(OnMovingShapes, AThingThatGoesAwayAgainNeverPulls) {
   }
 }
 
+// In the frame of a thing, it is the tool that moves: the same is felt.
+TEST_P(OnMovingShapes, AThingThatMovesIsFeltAsAStillOneIsByAToolThatMoves) {
+  MovingThing moves(GetParam(), 61), stands(GetParam(), 61);
+  Random random(62);
+  double most = 0.0;
+  for (const SurfaceSample& s : test::smooth_places(*moves.surface, GetParam(), kPlaces, 63)) {
+    const Vector3d aside = s.normal.unitOrthogonal();
+    const Vector3d about{random.normal(), random.normal(), random.normal()};
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(2.0, about.normalized()));
+    moves.put_tool({0.3, -0.2, 0.1});
+    stands.put_tool({});
+    for (int k = 0; k < 150; ++k) {
+      const Vector3d place = s.point + (kRadius + 0.01 - 2e-4 * k) * s.normal + 1e-4 * k * aside;
+      const Eigen::Quaterniond turned(Eigen::AngleAxisd(1e-3 * k, s.normal));
+      stands.input.tool = {place, turned};
+      // The tool stays where it is and turns, the thing comes to it.
+      moves.input.tool.orientation = turn * turned;
+      const Similarity where{1.0, turn, moves.input.tool.position - turn * place};
+      const ForceOutput &felt = moves.go_to(where), &expected = stands.stay();
+      const Wrench &is = felt.wrench, &was = expected.wrench;
+      ASSERT_LE((is.force - turn * was.force).norm(), 1e-6) << k;
+      ASSERT_LE((is.torque - turn * was.torque).norm(), 1e-6) << k;
+      ASSERT_LE((moves.in_thing(felt.proxy.position) - expected.proxy.position).norm(), 1e-9) << k;
+      if (expected.proxy == stands.input.tool) {
+        ASSERT_EQ(felt.proxy, moves.input.tool) << "to the last bit, " << k;
+      }
+      ASSERT_EQ(felt.local.count, expected.local.count) << k;
+      for (std::size_t i = 0; i < felt.local.count; ++i) {
+        const ContactPlane &plane = felt.local.planes[i], &same = expected.local.planes[i];
+        ASSERT_LE((moves.in_thing(plane.point) - same.point).norm(), 1e-9) << k;
+        ASSERT_LE((plane.normal - turn * same.normal).norm(), 1e-9) << k;
+      }
+      most = std::max(most, was.force.norm());
+    }
+  }
+  EXPECT_GT(most, 0.5 * kStiffness * 0.015);
+}
+
 // Another memory a tick, with noise of its own: what is known of the one before would not fit.
 TEST_P(OnMovingShapes, AThingThatIsFittedAnewKeepsTheToolOut) {
   constexpr double kDepth = 0.01;
@@ -239,6 +291,122 @@ TEST(ProxyInAMovingScene, AToolOfSeveralPartsIsPushed) {
       EXPECT_GT(last, 0.5 * kStiffness * 0.01) << name << ", step " << step;
       for (double way = reach + 0.03; way > -0.1; way -= 1e-3) thing.go_to(moved({0.0, 0.0, way}));
     }
+  }
+}
+
+// Splats 1.6 mm apart: more than a tick has time to look at, for more than one ball of this size.
+TEST(ProxyInAMovingScene, ADenseSceneThatComesInEveryTickIsFeltByManyParts) {
+  for (const int count : {1, 2, 8, 9, 16}) {
+    MovingThing thing("plane", noisy(55, 0.0016), plate_of_balls(count));
+    thing.put_tool({0.0, 0.0, kRadius + 0.01});
+    thing.stay();
+    for (double way = 0.0; way < 0.02; way += 2e-4) {
+      const ForceOutput& felt = thing.go_to(moved({0.0, 0.0, way}));
+      const double depth = way - 0.01;
+      ASSERT_GE(thing.distance(), kRadius - 0.0045) << count << " at " << way;
+      if (depth > 0.006) {
+        ASSERT_GT(felt.wrench.force.z(), 0.6 * kStiffness * (depth - 0.003)) << count;
+      }
+    }
+  }
+}
+
+// The same where each tick brings other Gaussians: what a tick has no time to look at is not passed either.
+TEST(ProxyInAMovingScene, ADenseSceneThatIsFittedAnewInEveryTickIsFeltByManyParts) {
+  const auto surface = make_surface("plane");
+  std::vector<SceneIndex> fits;
+  for (const std::uint64_t seed : {56, 57, 58})
+    fits.emplace_back(make_scene(*surface, noisy(seed, 0.0016)), SceneFilter{}, Similarity{});
+  for (const int count : {1, 2, 8, 9, 20}) {
+    MovingThing thing("plane", noisy(55, 0.0016), plate_of_balls(count));
+    thing.put_tool({0.0, 0.0, kRadius + 0.01});
+    thing.stay();
+    std::size_t tick = 0;
+    for (double way = 0.0; way < 0.02; way += 2e-4) {
+      const Similarity where = moved({0.0, 0.0, way});
+      const ForceOutput& felt = thing.become(fits[++tick % fits.size()].registered(where), where);
+      const double depth = way - 0.01;
+      ASSERT_GE(thing.distance(), kRadius - 0.0045) << count << " at " << way;
+      if (depth > 0.006) {
+        ASSERT_GT(felt.wrench.force.z(), 0.6 * kStiffness * (depth - 0.003)) << count;
+      }
+    }
+  }
+}
+
+// Which takes several ticks where there are many parts: none is pushed out twice.
+TEST(ProxyInAMovingScene, IsNoFartherOutThanItMustBeWhereItStartsInASceneThatIsFittedAnew) {
+  constexpr double kRise = 0.009, kAbove = 0.005, kDepth = kRise - kAbove;
+  constexpr double kSmall = 0.01;
+  MovingThing thing("plane", noisy(55, 0.0016), plate_of_balls(256, kSmall));
+  const SceneIndex other(make_scene(*thing.surface, noisy(56, 0.0016)), SceneFilter{}, Similarity{});
+  thing.put_tool({0.0, 0.0, kSmall + 0.005});
+  thing.stay();
+  // Touches it, and is free again: planes that do not hold it stay known.
+  for (double depth = -0.005; depth < 0.004; depth += 1e-4) thing.lead({0.0, 0.0, kSmall - depth});
+  for (double depth = 0.004; depth > -kAbove; depth -= 1e-4) thing.lead({0.0, 0.0, kSmall - depth});
+  for (int k = 0; k < 50; ++k) thing.lead({0.0, 0.0, kSmall + kAbove});
+  const Similarity up = moved({0.0, 0.0, kRise});
+  thing.become(other.registered(up), up);
+  for (int k = 0; k < 100; ++k) {
+    EXPECT_GE(thing.felt().wrench.force.z(), kStiffness * 0.5 * kDepth) << k;
+    ASSERT_LE(thing.felt().wrench.force.z(), kStiffness * (kDepth + 0.006)) << k;
+    ASSERT_GE(thing.distance(), 0.5 * kSmall) << k;
+    thing.stay();
+  }
+  EXPECT_GE(thing.distance(), kSmall - 0.003);
+  EXPECT_GE(thing.felt().wrench.force.z(), kStiffness * (kDepth - 0.003));
+}
+
+// The part that is touched is the last of all, and has its turn.
+TEST(ProxyInAMovingScene, EveryPartHasItsTurnWhereTheSceneIsFittedAnewInEveryTick) {
+  constexpr double kSmall = 0.005;
+  const double tilt = 0.3, low = 15.0 * 1.5 * kSmall * std::sin(tilt);  // of the last row
+  const auto surface = make_surface("plane");
+  std::vector<SceneIndex> fits;
+  for (const std::uint64_t seed : {56, 57})
+    fits.emplace_back(make_scene(*surface, noisy(seed, 0.0016)), SceneFilter{}, Similarity{});
+  const Tool tool = plate_of_balls(256, kSmall);
+  MovingThing thing("plane", noisy(55, 0.0016), tool);
+  thing.put_tool({0.0, 0.0, low + kSmall + 0.005});
+  thing.input.tool.orientation = Eigen::AngleAxisd(-tilt, Vector3d::UnitX());
+  thing.stay();
+  std::size_t tick = 0;
+  for (double way = 0.0; way < 0.015; way += 2e-4) {
+    const Similarity where = moved({0.0, 0.0, way});
+    const ForceOutput& felt = thing.become(fits[++tick % fits.size()].registered(where), where);
+    const Pose last = felt.proxy * tool.parts().back().pose;
+    ASSERT_GE(thing.surface->distance(thing.in_thing(last.position)), 0.0) << way;
+  }
+  EXPECT_GT(thing.felt().wrench.force.z(), 0.5);
+}
+
+// Both friction's cone and its direction: a floor that slides under a tool at rest takes it along.
+TEST(ProxyInAMovingScene, AFloorThatSlidesDragsTheToolByFriction) {
+  constexpr double kFriction = 0.4, kDepth = 0.005;
+  MovingThing thing("plane", ProceduralOptions{}, ball_tool(), nullptr, kFriction);
+  thing.put_tool({0.0, 0.0, kRadius + 0.002});
+  thing.stay();
+  for (double depth = -0.002; depth < kDepth; depth += 1e-4) thing.lead({0.0, 0.0, kRadius - depth});
+  for (double way = 0.0; way < 0.03; way += 1e-4) thing.go_to(moved({way, 0.0, 0.0}));
+  const Vector3d force = thing.felt().wrench.force;
+  EXPECT_NEAR(force.z(), kStiffness * kDepth, 0.05 * kStiffness * kDepth);
+  EXPECT_NEAR(force.x(), kFriction * force.z(), 0.05 * force.z());
+  EXPECT_NEAR(force.y(), 0.0, 0.02 * force.z());
+}
+
+// At 50 m/s, a tick takes a thin sheet from one side of the ball to the other.
+TEST(ProxyInAMovingScene, ASheetThatComesAtAnySpeedIsNotPassed) {
+  for (const double step : {0.05, 0.013, 0.003}) {
+    MovingThing thing("plane", 59);
+    thing.put_tool({0.0, 0.0, 0.1});
+    thing.stay();
+    double way = 0.0;
+    for (; way < 0.15; way += step) thing.go_to(moved({0.0, 0.0, way}));
+    for (int k = 0; k < 20; ++k) thing.stay();
+    const double depth = way - step - 0.1 + kRadius;
+    EXPECT_GE(thing.distance(), kRadius - 0.0045) << step;
+    EXPECT_NEAR(thing.felt().wrench.force.z(), kStiffness * depth, kStiffness * 0.0045) << step;
   }
 }
 

@@ -836,7 +836,9 @@ TEST(Confidence, IsInTheStiffnessOfWhatIsNotTouched) {
     EXPECT_EQ(left.wrench.force.norm(), 0.0);
     EXPECT_NEAR(left.local.stiffness, felt.local.stiffness, 0.1 * felt.local.stiffness);
     EXPECT_NEAR(felt.local.stiffness, felt.confidence * kUsualStiffness, 0.01 * kUsualStiffness);
-    if (opacity < 0.9) EXPECT_LT(felt.confidence, 0.9);
+    if (opacity < 0.9) {
+      EXPECT_LT(felt.confidence, 0.9);
+    }
   }
 }
 

@@ -28,7 +28,10 @@ SceneIndex::SceneIndex(const GaussianScene& scene, const SceneFilter& filter,
     : SceneIndex(build(scene, filter, world_from_scene, progress), world_from_scene) {}
 
 SceneIndex::SceneIndex(std::shared_ptr<const IndexStorage> storage, const Similarity& world_from_scene)
-    : storage_(std::move(storage)), view_(storage_->view()), frame_(world_from_scene, view_.origin) {}
+    : storage_(std::move(storage)),
+      view_(storage_->view()),
+      world_from_scene_(world_from_scene),
+      frame_(world_from_scene, view_.origin) {}
 
 void SceneIndex::query(const Ellipsoid& tool, ContactSet& result) const {
   query(tool, Precision::kDouble, result);

@@ -49,6 +49,9 @@ class SceneIndex final : public ContactQuery {
   void query(const Ellipsoid& tool, Precision precision, ContactSet& result, QueryLimit limit = {}) const;
 
   const IndexView& view() const { return view_; }
+  const Similarity& world_from_scene() const { return world_from_scene_; }
+  /// True if both index the same Gaussians in the same memory, however registered.
+  bool shares_memory_with(const SceneIndex& other) const { return storage_ == other.storage_; }
   /// Pose and scale of the captured frame in the world.
   const CapturedFrame& frame() const { return frame_; }
 
@@ -65,6 +68,7 @@ class SceneIndex final : public ContactQuery {
  private:
   std::shared_ptr<const IndexStorage> storage_;
   IndexView view_;
+  Similarity world_from_scene_;
   CapturedFrame frame_;
 };
 

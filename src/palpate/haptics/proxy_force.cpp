@@ -27,6 +27,24 @@ Pose after(const Pose& from, const Motion& motion) {
   return {from.position + motion.translation, (rotation_by(motion.rotation) * from.orientation).normalized()};
 }
 
+/// Input in the anchor frame of a scene, from that in the world.
+ForceInput in_anchor(const Pose& X_WA, ForceInput input) {
+  const Eigen::Quaterniond back = X_WA.orientation.conjugate();
+  input.tool = {back * (input.tool.position - X_WA.position), back * input.tool.orientation};
+  input.velocity = {back * input.velocity.linear, back * input.velocity.angular};
+  return input;
+}
+
+/// Output in the world, from that in the anchor frame of a scene.
+ForceOutput in_world(const Pose& X_WA, ForceOutput output) {
+  const Eigen::Quaterniond& to_world = X_WA.orientation;
+  output.wrench = {to_world * output.wrench.force, to_world * output.wrench.torque};
+  output.proxy = X_WA * output.proxy;
+  for (ContactPlane& plane : output.local.planes)
+    plane = {to_world * plane.point + X_WA.position, to_world * plane.normal};
+  return output;
+}
+
 Motion blend(const Motion& a, const Motion& b, double of_b) {
   return {a.translation + of_b * (b.translation - a.translation),
           a.rotation + of_b * (b.rotation - a.rotation)};
@@ -126,8 +144,7 @@ std::size_t enough_for(const ToolPart& part, double detail) {
 
 ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyParameters& parameters,
                        Lookahead* lookahead)
-    : index_(index),
-      epoch_(index.epoch()),
+    : scene_(index),
       parameters_(parameters),
       gyration_(kTurning * tool.gyration()),
       radius_(tool.radius()),
@@ -136,7 +153,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
   const std::size_t capacity = CandidateCache::capacity_for(tool.parts().size());
   std::vector<ToolPart> larger;
   for (const ToolPart& part : tool.parts()) {
-    parts_.emplace_back(index, part, parameters, extent, lookahead, capacity, budget_);
+    parts_.emplace_back(scene_.scene(), part, parameters, extent, lookahead, capacity, budget_);
     step_ = std::min(step_, 0.5 * parts_.back().reach);
     larger.push_back(parts_.back().larger);
   }
@@ -146,7 +163,7 @@ ProxyForce::ProxyForce(const SceneIndex& index, const Tool& tool, const ProxyPar
     const bool single = group.members.size() == 1;
     const std::size_t enough =
         single ? enough_for(group.around, parts_[group.members[0]].patches.detail()) : splat_capacity;
-    groups_.emplace_back(index, group.around, single, lookahead, std::min(enough, splat_capacity));
+    groups_.emplace_back(scene_.scene(), group.around, single, lookahead, std::min(enough, splat_capacity));
     for (const std::size_t k : group.members) parts_[k].join(groups_.back(), capacity);
   }
   contacts_.contacts.reserve(kMostPairs + 2 * PairBuffer::kCapacity);
@@ -168,7 +185,6 @@ void ProxyForce::reset() {
 }
 
 void ProxyForce::forget_surface() {
-  epoch_ = index_.epoch();
   waits_ = false;
   obstacles_.planes.clear();
   obstacles_.properties.clear();
@@ -180,6 +196,7 @@ void ProxyForce::forget_surface() {
 }
 
 void ProxyForce::start_at_proxy() {
+  first_ = (first_ + starting_) % parts_.size();
   starting_ = 0;
   start_ = proxy_;
   knows_start_ = false;
@@ -214,11 +231,24 @@ void ProxyForce::find_deepest(Part& part, const Ellipsoid& solid) {
 
 bool ProxyForce::start() {
   for (; starting_ < parts_.size(); ++starting_) {
-    const bool at_once = replaced_ && parts_.size() <= kFewParts;
+    const bool at_once = replaced_ && starting_ < kFewParts;
     if (!at_once && budget_.is_half_spent()) return false;
-    if (!start_patches(parts_[starting_], at_once)) return false;
+    if (!start_patches(parts_[(first_ + starting_) % parts_.size()], at_once)) return false;
   }
   return true;
+}
+
+void ProxyForce::leave_known() {
+  for (Part& part : parts_) part.meets = true;
+  find_obstacles();
+  budget_.spend_on_motion(obstacles_.planes.size());
+  const Motion motion = constrained_motion({}, obstacles_.planes, gyration_);
+  const Hold held = hold();
+  if (held.push == 0.0) return;
+  held_ = trails_ = true;
+  hold_ = held;
+  proxy_ = after(proxy_, motion);
+  for (Part& part : parts_) part.patches.carry(part.solid.at(proxy_));
 }
 
 bool ProxyForce::start_patches(Part& part, bool at_once) {
@@ -468,7 +498,8 @@ double ProxyForce::way_of(const Motion& motion) const {
 
 bool ProxyForce::is_free_around(const Pose& there, double way) {
   for (const Part& part : parts_) {
-    index_.query(containing(part.solid.at(there), way), Precision::kSingle, contacts_, {.contacts = 1});
+    scene_.scene().query(containing(part.solid.at(there), way), Precision::kSingle, contacts_,
+                         {.contacts = 1});
     budget_.spend_on_touch(contacts_.filtered);
     if (!contacts_.contacts.empty()) return false;
   }
@@ -638,6 +669,18 @@ void ProxyForce::head(Part& part, const Eigen::Vector3d& moved) {
 }
 
 ForceOutput ProxyForce::evaluate(const ForceInput& input) {
+  if (!scene_.follow()) {
+    forget_surface();
+    start_at_proxy();
+    replaced_ = true;
+  }
+  if (!scene_.has_moved()) return evaluate_in_scene(input);
+  ForceOutput output = in_world(scene_.X_WA(), evaluate_in_scene(in_anchor(scene_.X_WA(), input)));
+  if (proxy_ == tool_) output.proxy = input.tool;  // exactly, without rounding
+  return output;
+}
+
+ForceOutput ProxyForce::evaluate_in_scene(const ForceInput& input) {
   budget_.refill();
   const bool jumped =
       !trails_ && (input.tool.position - tool_.position).norm() > kJump * parameters_.hand_scale;
@@ -646,12 +689,11 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
     proxy_ = tool_ = input.tool;
     started_ = true;
     start_at_proxy();
-  } else if (epoch_ != index_.epoch()) {
-    forget_surface();
-    start_at_proxy();
-    replaced_ = true;
   }
-  if (!start()) {
+  const std::size_t started = starting_;
+  const bool knows_all = start();
+  if (replaced_ && starting_ > started) leave_known();
+  if (!knows_all && !trails_) {
     tool_ = input.tool;
     return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
   }
@@ -679,7 +721,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   int held_steps = 0;
   bool settled = false;
   way -= cross_free_space(target, way);
-  for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0; ++k) {
+  for (int k = 0; k < kMostFreeSteps && held_steps < most_held && way > 0.0 && knows_all; ++k) {
     const bool is_late = waits_;  // then it ends the step of the last tick
     const double gone = step(target, way, stretch);
     way -= gone;
@@ -691,7 +733,7 @@ ForceOutput ProxyForce::evaluate(const ForceInput& input) {
   owed_ = starts                ? length_of(motion_between(target, input.tool), gyration_)
           : trails_ && !settled ? std::clamp(way, 0.0, length_of(pull, gyration_))
                                 : 0.0;
-  steps_out_ = waits_ ? std::max(0, steps_out_ - held_steps) : 0;
+  steps_out_ = waits_ || !knows_all ? std::max(0, steps_out_ - held_steps) : 0;
   replaced_ = replaced_ && steps_out_ > 0;
   remember(proxy_.position - before);
   // No force on the way through free space.

@@ -2,7 +2,6 @@
 /// Constraint-based force model: a proxy of the tool that stays on the surface.
 #pragma once
 
-#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 #include <palpate/collision/contact_tracker.h>
 #include <palpate/collision/scene_index.h>
 #include <palpate/collision/splat_tracker.h>
+#include <palpate/haptics/anchored_scene.h>
 #include <palpate/haptics/constrained_motion.h>
 #include <palpate/haptics/force_model.h>
 #include <palpate/haptics/material.h>
@@ -83,12 +83,15 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach);
 /// Stiffness, friction and damping are those of that surface: means over the Gaussians of each patch, and
 /// over the patches, weighted by their pushes.
 ///
-/// If another index is assigned to the referenced one (ContactQuery::epoch()), the surface is discarded and
-/// the model restarts at the proxy's pose, from which the proxy leaves the new surface at once. A ball is
-/// pushed by an approaching surface that moves by 1 mm or less per epoch and is not passed by it (tested); a
-/// surface that moves by more than the tool's shortest semi-axis may pass it. Friction restarts, too: moving
-/// surfaces do not drag. Each epoch costs a restart, 1 ms on average on a capture (decision 29). The reach
-/// remains that of the index at construction.
+/// Another index may be assigned to the referenced one between two calls (ContactQuery::epoch()). Where that
+/// has the same Gaussians at another pose (SceneIndex::registered()), the scene has moved as a whole: all of
+/// the above is then done in its frame, in which only the tool moves, so that a moving scene pushes the tool,
+/// drags it by friction and is not passed, at the cost of a still one (AnchoredScene, decision 34). Damping
+/// remains that of the tool's velocity in the world. With other Gaussians, or at another scale, the surface
+/// is discarded and the model restarts at the proxy's pose, from which the proxy leaves the new surface at
+/// once: 1 ms on average on a capture, and a surface that moves by more than the tool's shortest semi-axis
+/// may pass it (decision 29). The reach remains that of the index at construction, and regions of materials
+/// move with the scene.
 ///
 /// The proxy stays on the side it came from, however thin the surface and however deep the push. Its path is
 /// state: an object serves one tool on one thread. If a tool starts inside an object, some ticks may pass
@@ -215,6 +218,8 @@ class ProxyForce final : public ForceModel {
     double reserve = kReserve;  ///< energy it may still gain without work of the hand. Unit: [J].
   };
 
+  /// evaluate(), with input and output in the anchor frame of the scene.
+  ForceOutput evaluate_in_scene(const ForceInput& input);
   /// Moves the proxy one step towards `target`, by at most `longest`; or towards the previous goal if the
   /// budget ran out before it was viewed. \returns the distance moved. Unit: [m].
   double step(const Pose& target, double longest, double stretch);
@@ -269,6 +274,9 @@ class ProxyForce final : public ForceModel {
   bool may_meet(Part& part, const Goal& goal);
   /// Continues with the parts that have not started yet. \returns false if some are left
   bool start();
+  /// Moves the proxy out of what the parts that have started are in, without a view: a motion shorter than
+  /// they are deep reaches nothing that they do not touch.
+  void leave_known();
   /// Finds the contacts of `part`, as `solid`, into contacts_; see ContactTracker.
   void find_contacts(Part& part, const Ellipsoid& solid, QueryLimit limit);
   /// The same, as a heap with the deepest on top; if there are more than kMostPairs, those of a smaller
@@ -296,8 +304,7 @@ class ProxyForce final : public ForceModel {
   /// Returns the factor on the push that adds damping of the motion.
   double damped(const Eigen::Vector3d& push) const;
 
-  const SceneIndex& index_;
-  std::uint64_t epoch_;  ///< of the index when last used
+  AnchoredScene scene_;
   ProxyParameters parameters_;
   double gyration_;  ///< Unit: [m].
   double radius_;    ///< radius of the tool about its handle. Unit: [m].
@@ -312,7 +319,8 @@ class ProxyForce final : public ForceModel {
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< of the handle, filtered. Unit: [m/s].
   double damping_max_ = 0.0;                            ///< ForceInput::damping_max
   bool started_ = false;
-  std::size_t starting_ = 0;  ///< the first part that has not viewed the scene at the start
+  std::size_t first_ = 0;     ///< the part that starts first: one that had no time before
+  std::size_t starting_ = 0;  ///< number of parts that have viewed the scene at the start
   bool knows_start_ = false;  ///< contacts_ holds contacts at the start not yet viewed
   int steps_out_ = 0;         ///< remaining steps out of the objects it started in
   bool held_ = false;         ///< in contact in the last step

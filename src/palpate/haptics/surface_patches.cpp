@@ -238,6 +238,10 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   }
 }
 
+void SurfacePatches::carry(const Ellipsoid& solid) {
+  for (std::size_t i = 0; i < size_; ++i) stay(solid, patches_[i]);
+}
+
 bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point,
                                std::optional<std::uint32_t> of) const {
   for (std::size_t i = 0; i < size_; ++i) {

@@ -93,6 +93,8 @@ class SurfacePatches {
   /// Refits the patches at the present pose of `solid`, and drops those that no longer exist. If the budget
   /// is spent, the remaining ones are kept unchanged.
   void follow(const LocalSplats& splats, const Ellipsoid& solid);
+  /// Moves the feet of the patches with `solid`, without a view.
+  void carry(const Ellipsoid& solid);
 
   /// Searches along the unit vector `along` for surfaces that the solid, moved that way by `way`, would touch
   /// and no patch covers, at highest resolution about the point `about`; each becomes a patch if `admit()`
