@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 
+#include <node_help.h>
 #include <node_notices.h>
 #include <node_settings.h>
 #include <run_node.h>
@@ -14,6 +15,9 @@ namespace palpate {
 namespace {
 
 constexpr const char* kProgram = "palpate_ros2";
+constexpr node::NodeCommand kCommand{
+    "ROS 2 node that renders a Gaussian Splatting scene on a CRTK haptic device",
+    "palpate_ros2 [--ros-args [-p PARAMETER:=VALUE]... [-r FROM:=TO]... [--enclave NAME]]", "."};
 
 void run(int argc, char** argv) {
   const ros2::NodeArguments arguments = ros2::read_arguments(argc, argv);
@@ -40,6 +44,7 @@ void run(int argc, char** argv) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
+  if (palpate::node::print_help(palpate::kCommand, argc, argv)) return 0;
   try {
     palpate::run(argc, argv);
     return 0;

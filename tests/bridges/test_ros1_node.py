@@ -476,10 +476,17 @@ class Refusals(unittest.TestCase):
             "_scenes:=/nowhere": "parameter 'scenes': /nowhere",
             "_scene:=/nowhere.ply": "/nowhere.ply",
             "_config:=/nowhere.toml": "/nowhere.toml",
-            "--help": "'--help' is not an argument",
+            "--halp": "'--halp' is not an argument",
         }.items():
             with self.subTest(argument=argument):
                 self.refuse(words, argument)
+
+    def test_help_needs_no_master(self):
+        for argument in ("--help", "-h"):
+            result = subprocess.run([NODE, argument], env={**os.environ, "ROS_MASTER_URI": ""}, capture_output=True, text=True, timeout=60)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertIn("Usage: palpate_ros1 [_PARAMETER:=VALUE]... [FROM:=TO]...\n", result.stdout)
+            self.assertIn("left/stiffness", result.stdout)
 
     def test_no_master_is_named(self):
         self.refuse("ROS_MASTER_URI is not set", env={"ROS_MASTER_URI": ""})

@@ -283,6 +283,15 @@ describe('the node', () => {
   });
 });
 
+test('help is printed', async () => {
+  for (const argument of ['--help', '-h']) {
+    const node = new Program(process.env.PALPATE_ROS2, argument);
+    const [code] = await node.ended;
+    assert.equal(code, 0, node.said);
+    assert.ok(node.said.includes('Usage: palpate_ros2 [--ros-args [-p PARAMETER:=VALUE]...') && node.said.includes('left.stiffness'), node.said);
+  }
+});
+
 test('bad arguments are one line', async () => {
   for (const [words, ...args] of [
     ["there is no parameter 'stifness'", '-p', 'stifness:=300'],
