@@ -224,6 +224,36 @@ TEST_P(OnShapes, IsNeverPulledThrough) {
 
 INSTANTIATE_TEST_SUITE_P(Proxy, OnShapes, testing::Values("sphere", "cylinder", "torus", "plane", "shell"));
 
+// 64 a squared detail of pi a b: 64 pi 0.1 0.03 / 0.02^2 = 1507.96.
+TEST(EnoughForAView, IsByTheLargestCrossSection) {
+  EXPECT_EQ(enough_for({"", Vector3d(0.03, 0.1, 0.03)}, 0.02), 1507U);
+  EXPECT_EQ(enough_for({"", Vector3d(0.01, 0.03, 0.1)}, 0.02), 1507U);
+  EXPECT_EQ(enough_for({"", Vector3d::Constant(0.04)}, 0.01), 3216U);
+  EXPECT_EQ(enough_for({"", Vector3d::Constant(0.04)}, 0.1), CandidateCache::kLeastCapacity);
+  EXPECT_EQ(enough_for({"", Vector3d::Constant(0.04)}, 1e-9), CandidateCache::kCapacity);
+}
+
+// It is free, but knows the sheet that it has touched, and nothing is new to be seen on its way.
+TEST(ProxyForce, AFreeToolDoesNotPassASheetThatItHasTouched) {
+  const auto surface = make_surface("plane");
+  const SceneIndex index(make_scene(*surface, ProceduralOptions{}), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  const auto go_to = [&](double above) {
+    input.tool.position = {0.003, 0.002, kRadius + above};
+    return model.evaluate(input);
+  };
+  for (int k = 30; k > -10; --k) go_to(1e-4 * k);
+  for (int k = -10; k < 10; ++k) go_to(1e-4 * k);
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(go_to(1e-3).wrench.force, Vector3d(0, 0, 0)) << k;
+  const double deep = 3.0 * kRadius;  // beyond it, where it touches nothing
+  ForceOutput felt = go_to(-deep);
+  for (int k = 0; k < 20; ++k) felt = go_to(-deep);
+  EXPECT_NEAR(felt.proxy.position.z(), kRadius, 0.001);
+  EXPECT_NEAR(felt.wrench.force.z(), kStiffness * deep, 0.02 * kStiffness * deep);
+}
+
 // What a patch looks at is looked up, wherever the tool touches: at the tip of a rod, too.
 TEST(EnlargedPart, HoldsTheWindowThatATipTouchesWith) {
   constexpr double kDetail = 0.004, kReach = 0.001, kFar = 0.02;

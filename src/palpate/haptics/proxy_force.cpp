@@ -133,8 +133,6 @@ ToolPart enlarged(const ToolPart& part, double detail, double reach) {
   return larger;
 }
 
-/// Number of Gaussians of a view, for a spacing of an eighth of a detail over the largest cross-section of a
-/// part: 1,500 for a ball. With two thirds of them, pushes at a dense capture are silent; see decision 31.
 std::size_t enough_for(const ToolPart& part, double detail) {
   constexpr double kPerDetail = 64.0;
   const double wanted = kPerDetail * std::numbers::pi * section(part) / (detail * detail);

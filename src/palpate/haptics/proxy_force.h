@@ -2,6 +2,7 @@
 /// Constraint-based force model: a proxy of the tool that stays on the surface.
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -51,6 +52,11 @@ double reach_of(const ToolPart& part, double detail, double extent);
 /// Returns a part enlarged by `reach` on all sides, and by enough that it contains the window of a patch at
 /// every contact point, also at the tip of a rod, just beyond which a body of longer semi-axes ends.
 ToolPart enlarged(const ToolPart& part, double detail, double reach);
+
+/// Returns the number of Gaussians that a view of a part, enlarged, needs: those at a spacing of an eighth of
+/// a detail over its largest cross-section, as far as a CandidateCache holds them. 1,500 for a ball; with two
+/// thirds of them, pushes at a dense capture are silent (decision 31).
+std::size_t enough_for(const ToolPart& part, double detail);
 
 /// A god-object (Zilles and Salisbury 1995), in six degrees of freedom (Ortega, Redon and Coquillart 2007),
 /// on a surface fitted to the scene around the proxy (Ryden and Chizeck 2013 do so on points):
