@@ -48,10 +48,15 @@ struct SinkStatus {
 /// Service callbacks. Each Pace has its own thread in the sink. The return value is the message of the
 /// response; the text of a thrown std::exception is the reason of a failure.
 struct NodeServices {
+  /// \name Pace::kAtOnce
+  /// @{
+  std::function<void()> emergency_stop;
+  std::function<void(bool)> pause;
+  /// @}
   /// \name Pace::kQuick
   /// @{
-  std::function<void()> emergency_stop, resume;
-  std::function<void(bool)> pause, clutch;
+  std::function<void()> resume;
+  std::function<void(bool)> clutch;
   std::function<std::string()> get_parameters;  ///< settings and current scene as JSON
   std::function<std::string()> config;          ///< a --config file with the current settings
   /// Changes the settings given in JSON. Reports errors as notices; does not throw.
@@ -70,9 +75,10 @@ struct NodeServices {
   /// @}
 };
 
-/// Whether a service may block, for example on a disk, and delay others of the same pace. Services that end
-/// the force are quick.
-enum class Pace { kQuick, kSlow };
+/// How long a service may take, and so delay others of the same pace, however often it is called: services
+/// that end the force are at once, and wait for nothing else; slow ones may wait for a disk.
+enum class Pace { kAtOnce, kQuick, kSlow };
+inline constexpr std::array kPaces{Pace::kAtOnce, Pace::kQuick, Pace::kSlow};
 
 /// Topics and services of a hand.
 struct SinkHand {
@@ -116,17 +122,22 @@ std::function<Answer(bool)> answering(std::function<Result(bool)> work) {
 template <class Trigger, class SetBool>
 void make_services(const SinkHand& hand, Pace pace, const Trigger& trigger, const SetBool& set_bool) {
   const auto& [prefix, services] = hand;
-  if (pace == Pace::kSlow) {
-    set_bool(prefix + "/record", answering(services.record));
-    if (services.list_scenes) trigger(prefix + "/list_scenes", answering(services.list_scenes));
-    return;
+  switch (pace) {
+    case Pace::kAtOnce:
+      trigger(prefix + "/emergency_stop", answering(services.emergency_stop));
+      set_bool(prefix + "/pause", answering(services.pause));
+      break;
+    case Pace::kQuick:
+      trigger(prefix + "/resume", answering(services.resume));
+      trigger(prefix + "/get_parameters", answering(services.get_parameters));
+      trigger(prefix + "/config", answering(services.config));
+      set_bool(prefix + "/clutch", answering(services.clutch));
+      break;
+    case Pace::kSlow:
+      set_bool(prefix + "/record", answering(services.record));
+      if (services.list_scenes) trigger(prefix + "/list_scenes", answering(services.list_scenes));
+      break;
   }
-  trigger(prefix + "/emergency_stop", answering(services.emergency_stop));
-  trigger(prefix + "/resume", answering(services.resume));
-  trigger(prefix + "/get_parameters", answering(services.get_parameters));
-  trigger(prefix + "/config", answering(services.config));
-  set_bool(prefix + "/pause", answering(services.pause));
-  set_bool(prefix + "/clutch", answering(services.clutch));
 }
 
 /// Creates the text subscriptions of a hand that have this pace, with

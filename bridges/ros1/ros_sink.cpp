@@ -1,5 +1,6 @@
 #include "ros_sink.h"
 
+#include <array>
 #include <cstring>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -126,12 +127,11 @@ class Ros1Sink final : public node::NodeSink {
   Ros1Sink(std::string world, std::vector<node::SinkHand> hands)
       : world_(std::move(world)), hands_(std::move(hands)) {
     // Separate queues: Link serves the queue of the device.
-    node_.setCallbackQueue(&queue_);
-    slow_node_.setCallbackQueue(&slow_queue_);
+    for (Served& served : served_) served.node.setCallbackQueue(&served.queue);
     for (const node::SinkHand& hand : hands_) {
       contacts_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/contacts", 2));
       tools_.push_back(node_.advertise<visualization_msgs::MarkerArray>(hand.prefix + "/tool", 2));
-      for (const Pace pace : {Pace::kQuick, Pace::kSlow})
+      for (const Pace pace : node::kPaces)
         node::make_listeners(hand, pace,
                              [&](const auto& name, const auto& work) { listen(node_of(pace), name, work); });
     }
@@ -139,8 +139,11 @@ class Ros1Sink final : public node::NodeSink {
     diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 2);
     centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
     serve();
-    spinner_.start();
-    slow_spinner_.start();
+    for (Served& served : served_) served.spinner.start();
+  }
+
+  ~Ros1Sink() override {
+    for (Served& served : served_) served.spinner.stop();
   }
 
   bool wants_contacts(std::size_t hand) const override { return contacts_[hand].getNumSubscribers() > 0; }
@@ -175,11 +178,18 @@ class Ros1Sink final : public node::NodeSink {
   }
 
  private:
-  ros::NodeHandle& node_of(Pace pace) { return pace == Pace::kQuick ? node_ : slow_node_; }
+  /// What is served on a thread of its own.
+  struct Served {
+    ros::CallbackQueue queue;
+    ros::NodeHandle node;
+    ros::AsyncSpinner spinner{1, &queue};
+  };
+
+  ros::NodeHandle& node_of(Pace pace) { return served_[static_cast<std::size_t>(pace)].node; }
   void serve() {
     servers_.clear();
     for (const node::SinkHand& hand : hands_)
-      for (const Pace pace : {Pace::kQuick, Pace::kSlow})
+      for (const Pace pace : node::kPaces)
         node::make_services(
             hand, pace, [&](const auto& name, const auto& work) { trigger(node_of(pace), name, work); },
             [&](const auto& name, const auto& work) { set_bool(node_of(pace), name, work); });
@@ -209,13 +219,12 @@ class Ros1Sink final : public node::NodeSink {
 
   std::string world_;
   std::vector<node::SinkHand> hands_;
-  ros::CallbackQueue queue_, slow_queue_;
-  ros::NodeHandle node_, slow_node_;
+  ros::NodeHandle node_;
+  std::array<Served, node::kPaces.size()> served_;
   std::vector<ros::Publisher> contacts_, tools_;
   ros::Publisher transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
   std::vector<ros::Subscriber> listeners_;
-  ros::AsyncSpinner spinner_{1, &queue_}, slow_spinner_{1, &slow_queue_};
   /// Advertises the services again after a restart of the master; Link does so for topics.
   MasterWatch watch_{[] {},
                      [this](bool another) {

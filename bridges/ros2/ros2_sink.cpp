@@ -1,6 +1,6 @@
 #include "ros2_sink.h"
 
-#include <optional>
+#include <deque>
 #include <vector>
 
 #include "dds_time.h"
@@ -80,8 +80,7 @@ class Ros2Sink final : public node::NodeSink {
     transforms_ = writer("/tf", tf2_msgs_msg_dds__TFMessage__desc, kTf);
     diagnostics_ = writer("/diagnostics", diagnostic_msgs_msg_dds__DiagnosticArray__desc, kShown);
     centers_ = writer("palpate/centers", sensor_msgs_msg_dds__PointCloud2__desc, kLatched);
-    services_.emplace(participant, resolve, hands, node::Pace::kQuick);
-    slow_services_.emplace(participant, resolve, hands, node::Pace::kSlow);
+    for (const node::Pace pace : node::kPaces) services_.emplace_back(participant, resolve, hands, pace);
   }
   ~Ros2Sink() override {
     for (const Hand& hand : hands_) {
@@ -167,7 +166,7 @@ class Ros2Sink final : public node::NodeSink {
   std::string world_;
   std::vector<Hand> hands_;
   dds_entity_t transforms_ = 0, diagnostics_ = 0, centers_ = 0;
-  std::optional<Services> services_, slow_services_;
+  std::deque<Services> services_;  ///< one for each pace
 };
 
 }  // namespace
