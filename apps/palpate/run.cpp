@@ -196,10 +196,11 @@ void run(const RunOptions& options) {
     warn(hand, tell);
   }
   if (const auto refused = lock_memory(); refused && talks) tell("note: " + *refused);
+  hands.enable();
+  std::optional<RunSignals> signals(std::in_place, systems);
   hands.start(observers);
   const LoopEnd end(hands);
   if (gateway) gateway->start();
-  std::optional<RunSignals> signals(std::in_place, systems);
   if (talks) {
     for (const LiveHands::Hand& hand : hands.all()) introduce(hand, tell);
     if (gateway) tell_viewer(gateway->url(), options.live.gateway.address);

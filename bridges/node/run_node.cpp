@@ -162,8 +162,9 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
     parts[k].recording = std::make_unique<NodeRecording>(settings.recordings, hand.name, *hand.system);
     observers.push_back({parts[k].view.get(), devices[k], &parts[k].recording->observer()});
   }
-  hands.start(observers);
+  hands.enable();
   const RunSignals signals(systems);  // outlives `end`: a signal during the stop still ramps the force down
+  hands.start(observers);
   const LoopEnd end(hands);
   for (const std::string& line : systems.front()->loop().refused()) notices.say("note: " + line);
   const auto sink = network.sink(settings, sink_hands(node));

@@ -98,6 +98,21 @@ class Plugin(Case):
         self.assertEqual(process.returncode, -signal.SIGINT, err)
         self.assertEqual(err.splitlines()[-1], b"palpate: ended by a signal before the run began; a device that was being opened is not closed")
 
+    def test_no_hand_has_a_force_while_the_driver_of_another_hangs(self):
+        motors = self.write("motors", b"")
+        left = self.write("left.toml", f'device = "{plugin("bad_enable_hangs")}"\n'.encode())
+        process = subprocess.Popen([PALPATE, "run", *self.common, "--device", plugin("logged_motors") + ":" + motors, "--hands", "left=" + left],
+                                   cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        for _ in range(60):  # alone, it has one after two seconds
+            time.sleep(0.05)
+            self.assertNotEqual(self.read("motors"), b"1")
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, -signal.SIGINT, err)
+        self.assertNotEqual(self.read("motors"), b"1")
+
     def test_what_is_no_name_is_bad_usage(self):
         self.refuse(2, "--device", "run", *self.common, "--device", "arm.so", "--seconds", "1")
 

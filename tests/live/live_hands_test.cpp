@@ -249,6 +249,39 @@ class Closes final : public HapticDevice {
   Stepper stepper_;
 };
 
+TEST(LiveHands, NoneTicksBeforeAllAreEnabled) {
+  struct Ticks final : HapticDevice {
+    const DeviceCapabilities& capabilities() const override { return stepper.capabilities(); }
+    bool read(double t, DeviceReading& reading) override {
+      ++count;
+      return stepper.read(t, reading);
+    }
+    void write(const Wrench& wrench) override { stepper.write(wrench); }
+    Stepper stepper;
+    std::atomic<int> count = 0;
+  };
+  struct Slow final : HapticDevice {
+    explicit Slow(const Ticks& other_) : other(other_) {}
+    const DeviceCapabilities& capabilities() const override { return other.capabilities(); }
+    bool read(double, DeviceReading&) override { return false; }
+    void write(const Wrench&) override {}
+    void enable() override {
+      sleep_until(monotonic_now() + 0.1);
+      ticks = other.count;
+      throw Error("no power");
+    }
+    const Ticks& other;
+    int ticks = -1;
+  };
+  auto first = std::make_unique<Ticks>();
+  auto last = std::make_unique<Slow>(*first);
+  const Slow& slow = *last;
+  LiveHands hands(
+      setups(hand("", field_config(), std::move(first)), hand("last", field_config(), std::move(last))));
+  EXPECT_EQ(message_of<Error>([&] { hands.start({{}, {}}); }), "hand last: no power");
+  EXPECT_EQ(slow.ticks, 0);
+}
+
 TEST(LiveHands, EndWithoutTheOneWhoseDriverHangs) {
   bool closed = false;
   LiveView first, last;

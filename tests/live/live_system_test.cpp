@@ -279,6 +279,24 @@ TEST(LiveSystem, DoesNotStartADeviceThatIsNotEnabled) {
               testing::HasSubstr("'odd': its status is open, not enabled"));
 }
 
+TEST(LiveSystem, TurnsOffMotorsThatHaveNotStarted) {
+  struct Motors final : OddDevice {
+    explicit Motors(int& stops_) : stops(stops_) {}
+    void stop() noexcept override { ++stops; }
+    int& stops;
+  };
+  int stops = 0;
+  LiveSystem system(plane_config(), std::make_unique<Motors>(stops));
+  system.enable();
+  EXPECT_EQ(system.device().name, "odd");
+  system.stop_motors();
+  EXPECT_EQ(stops, 1);
+  system.enable();
+  system.start({});
+  system.stop_motors();
+  EXPECT_GE(stops, 2);
+}
+
 LiveConfig giant_config() {
   LiveConfig config = plane_config();
   config.device.kind = DeviceKind::kGiant;

@@ -25,6 +25,18 @@ void for_hand(const std::string& name, const Work& work) {
   }
 }
 
+/// Runs `work` for all hands; if it fails for one, stops all.
+template <class Work>
+void for_all_or_stop(LiveHands& hands, const Work& work) {
+  try {
+    for (std::size_t k = 0; k < hands.all().size(); ++k)
+      for_hand(hands.all()[k].name, [&] { work(*hands.all()[k].system, k); });
+  } catch (const Error&) {
+    hands.stop();
+    throw;
+  }
+}
+
 /// Returns `notify` with the name of a hand inserted into each line, after the kind of line.
 Notify notify_of(const std::string& name, const Notify& notify) {
   if (name.empty() || !notify) return notify;
@@ -62,14 +74,13 @@ LiveHands::LiveHands(std::vector<HandSetup> setups, const Notify& notify, const 
 
 LiveHands::~LiveHands() { stop(); }
 
+void LiveHands::enable() {
+  for_all_or_stop(*this, [](LiveSystem& system, std::size_t) { system.enable(); });
+}
+
 void LiveHands::start(const std::vector<std::vector<TickObserver*>>& observers) {
-  try {
-    for (std::size_t k = 0; k < hands_.size(); ++k)
-      for_hand(hands_[k].name, [&] { hands_[k].system->start(observers[k]); });
-  } catch (const Error&) {
-    stop();
-    throw;
-  }
+  enable();
+  for_all_or_stop(*this, [&](LiveSystem& system, std::size_t k) { system.start(observers[k]); });
 }
 
 void LiveHands::stop() {

@@ -48,8 +48,11 @@ class LiveHands {
   /// Returns the longest LiveSystem::playback_length(); infinity if a hand is not played back. Unit: [s].
   double playback_length() const;
 
-  /// Starts all hands. \param observers of each hand, see LiveSystem::start() \throws Error if a device
-  /// cannot be enabled, with the name of its hand; hands that have already started are then stopped.
+  /// Enables the motors of all hands, see LiveSystem::enable(). \throws Error if a device cannot be enabled,
+  /// with the name of its hand; all hands are then stopped.
+  void enable();
+  /// Enables all hands, then starts them. \param observers of each hand, see LiveSystem::start() \throws
+  /// Error as enable().
   void start(const std::vector<std::vector<TickObserver*>>& observers);
   /// Ramps all forces down at the same time, then stops each hand. Owner's thread; further calls do nothing.
   void stop();

@@ -263,10 +263,16 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
                                      settings.loop.worker_delay, settings.scene.path, around);
 }
 
-void LiveSystem::start(std::vector<TickObserver*> observers) {
+void LiveSystem::enable() {
   if (ends_) throw Error("the system was stopped, which closed its device; construct another LiveSystem");
-  if (tick_ != nullptr) throw Error("the system runs already; call LiveSystem::start() once");
+  if (enabled_) return;
   enable_device(*device_);
+  enabled_ = true;
+}
+
+void LiveSystem::start(std::vector<TickObserver*> observers) {
+  enable();
+  if (tick_ != nullptr) throw Error("the system runs already; call LiveSystem::start() once");
   clock_ = LoopClock();
   felt_ = make_felt(scene_.index, settings_, scene_.materials);
   ServoTickOptions ticks;
@@ -279,6 +285,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
     ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
   }
   tick_ = std::make_unique<ServoTick>(*guarded_, felt_->model(settings_.force.model), ticks);
+  running_.store(tick_.get(), std::memory_order_release);
   ServoLoop::Options options;
   options.rate = settings_.loop.rate;
   if (settings_.loop.cpu >= 0) options.priority.cpu = settings_.loop.cpu;
@@ -312,10 +319,16 @@ void LiveSystem::stop() {
 }
 
 void LiveSystem::stop_force(Fault why) {
-  if (tick_ == nullptr) return;
-  tick_->governor().stop(why);
+  ServoTick* const tick = running_.load(std::memory_order_acquire);
+  if (tick == nullptr) return;
+  tick->governor().stop(why);
   if (admittance_ != nullptr && traits(why).latched && !traits(why).requested)
     admittance_->governor().stop(why);
+}
+
+void LiveSystem::stop_motors() noexcept {
+  if (ServoTick* const tick = running_.load(std::memory_order_acquire)) return tick->stall();
+  device_->stop();
 }
 
 void LiveSystem::resume() {

@@ -65,9 +65,13 @@ class LiveSystem {
   LiveSystem(const LiveSystem&) = delete;
   LiveSystem& operator=(const LiveSystem&) = delete;
 
-  /// Enables the motors and starts the loop. Owner's thread, once. \param observers receive every tick, on
-  /// the servo thread; must outlive stop() \throws Error if the device cannot be enabled, and if the system
-  /// has been started or stopped before.
+  /// Enables the motors, which have no force before start(). A program of several systems enables all before
+  /// it starts one: a driver may take long, or hang. Owner's thread; further calls do nothing. \throws Error
+  /// if the device cannot be enabled, and if the system has been stopped.
+  void enable();
+  /// Enables the motors, unless enable() has, and starts the loop. Owner's thread, once. \param observers
+  /// receive every tick, on the servo thread; must outlive stop() \throws Error as enable(), and if the
+  /// system has been started before.
   void start(std::vector<TickObserver*> observers);
   /// Starts ramping the force down. Owner's thread, before stop(), which then waits less: when several
   /// systems stop, their forces fall together.
@@ -132,8 +136,10 @@ class LiveSystem {
   std::shared_ptr<const FeltScene> felt() const;
 
   /// Stops the force; nothing before start(). A device of the admittance type is also brought to rest if
-  /// ending the fault takes resume(). May also be called from signal handlers.
+  /// ending the fault takes resume(). May also be called from signal handlers, and before start().
   void stop_force(Fault why = Fault::kEmergencyStop);
+  /// Turns the motors off at once, for a program that is about to terminate; as stop_force() otherwise.
+  void stop_motors() noexcept;
   /// Clears the stops of stop_force(), pauses, and all other latched faults.
   void resume();
   /// Returns the loop's tick, whose governor stops and resumes the force; see ServoTick for its thread rules.
@@ -221,7 +227,9 @@ class LiveSystem {
   std::optional<GuardedDevice> guarded_;  ///< device_ as the loop sees it
   AdmittanceLoop* admittance_ = nullptr;  ///< the device, if it is of that type
   bool device_hangs_ = false;
+  bool enabled_ = false;
   std::unique_ptr<ServoTick> tick_;
+  std::atomic<ServoTick*> running_ = nullptr;  ///< tick_, for signal handlers
   std::unique_ptr<ServoLoop> loop_;
 
   mutable std::recursive_mutex mutex_;  ///< guards the members below; an edit may ask for them

@@ -28,7 +28,7 @@ extern "C" void end_run(int) {
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
 /// Stops the devices, then terminates the program by the same signal.
 extern "C" void die(int signal) {
-  for_all([](LiveSystem& system) { system.tick().stall(); });
+  for_all([](LiveSystem& system) { system.stop_motors(); });
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

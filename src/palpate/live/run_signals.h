@@ -14,7 +14,8 @@ namespace palpate {
 /// gets the error. One instance at a time, on the main thread.
 class RunSignals {
  public:
-  /// `systems` must outlive it. \pre they have started
+  /// `systems` must outlive it. It may be constructed before they start; one that starts after a signal has
+  /// force until it is stopped, see ended().
   explicit RunSignals(std::vector<LiveSystem*> systems);
   /// Resets the handlers to the default, so that signals that ended the run now end the program; USR1, PIPE
   /// and XFSZ are ignored from then on.
