@@ -217,10 +217,13 @@ class Node(unittest.TestCase):
                 self.assertGreater(m.scale.x, 0.0)
 
     def test_2_frames_are_where_things_are(self):
-        self.lean()
-        with Ear("/tf", TFMessage) as transforms:
-            self.wait(lambda: len(transforms.all) > 3)
-        frames = {t.child_frame_id: t for m in transforms.all[-3:] for t in m.transforms if t.header.frame_id == "world"}
+        for _ in range(10):  # again where the machine has stood still meanwhile
+            self.lean()
+            with Ear("/tf", TFMessage) as transforms:
+                self.wait(lambda: len(transforms.all) > 3)
+            frames = {t.child_frame_id: t for m in transforms.all[-3:] for t in m.transforms if t.header.frame_id == "world"}
+            if self.driver.force > 0.5:
+                break
         self.assertEqual(set(frames), {"base", "palpate/scene", "palpate/tool", "palpate/proxy"})
         for t in frames.values():
             self.assertTrue(is_unit(t.transform.rotation))
