@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -621,6 +622,30 @@ TEST(SurfacePatches, ABallSlipsPastAnEdge) {
     most = std::max(most, model.evaluate(input).wrench.force.norm());
   }
   EXPECT_LT(most, kUsualStiffness * 0.006);
+}
+
+// A proxy that has nothing in its way any more comes back no faster than twice the tool moves, however far it
+// could cross the free space: 100 mm above a ball that has gone past the edge of what holds it, at 10 m/s.
+TEST(SurfacePatches, AProxyThatIsFreeAgainFollowsInItsTime) {
+  auto half = sheet(0.95);
+  std::erase_if(half, [](const test::Splat& splat) { return splat.position.x() > 0.0; });
+  const SceneIndex index(test::scene_of(half), SceneFilter{}, Similarity{});
+  ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kUsualStiffness});
+  ForceInput input;
+  input.dt = 1e-3;
+  Vector3d at(-0.03, 0, kRadius + 0.01), proxy = at;
+  const auto move = [&](const Vector3d& by) {
+    at += by;
+    input.tool.position = at;
+    input.velocity.linear = by / input.dt;
+    const Vector3d before = std::exchange(proxy, model.evaluate(input).proxy.position);
+    return (proxy - before).norm();
+  };
+  while (at.z() > -0.08) move({0, 0, -1e-4});
+  EXPECT_NEAR(proxy.z(), kRadius, 0.001);
+  const double moved = 0.01;
+  for (int tick = 0; tick < 20; ++tick) EXPECT_LE(move({moved, 0, 0}), 2.0 * moved + 1e-9) << tick;
+  EXPECT_EQ(proxy, at);
 }
 
 // Paper eq. 9 with the opacity that is seen. 2 pi 0.65^2 = 2.65 splats lie over each other: of opacity 0.2
