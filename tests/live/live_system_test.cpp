@@ -281,12 +281,18 @@ TEST(LiveSystem, DoesNotStartADeviceThatIsNotEnabled) {
 
 TEST(LiveSystem, TurnsOffMotorsThatHaveNotStarted) {
   struct Motors final : OddDevice {
-    explicit Motors(int& stops_) : stops(stops_) {}
+    Motors(int& enables_, std::atomic<int>& stops_) : enables(enables_), stops(stops_) {}
+    void enable() override {
+      ++enables;
+      HapticDevice::enable();
+    }
     void stop() noexcept override { ++stops; }
-    int& stops;
+    int& enables;
+    std::atomic<int>& stops;
   };
-  int stops = 0;
-  LiveSystem system(plane_config(), std::make_unique<Motors>(stops));
+  int enables = 0;
+  std::atomic<int> stops = 0;
+  LiveSystem system(plane_config(), std::make_unique<Motors>(enables, stops));
   system.enable();
   EXPECT_EQ(system.device().name, "odd");
   system.stop_motors();
@@ -295,6 +301,7 @@ TEST(LiveSystem, TurnsOffMotorsThatHaveNotStarted) {
   system.start({});
   system.stop_motors();
   EXPECT_GE(stops, 2);
+  EXPECT_EQ(enables, 1);
 }
 
 LiveConfig giant_config() {

@@ -138,7 +138,8 @@ class LiveSystem {
   /// Stops the force; nothing before start(). A device of the admittance type is also brought to rest if
   /// ending the fault takes resume(). May also be called from signal handlers, and before start().
   void stop_force(Fault why = Fault::kEmergencyStop);
-  /// Turns the motors off at once, for a program that is about to terminate; as stop_force() otherwise.
+  /// Turns the motors off at once, for a program that is about to terminate. May also be called from signal
+  /// handlers, and before start().
   void stop_motors() noexcept;
   /// Clears the stops of stop_force(), pauses, and all other latched faults.
   void resume();
