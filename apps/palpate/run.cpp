@@ -60,18 +60,6 @@ void end_at_signals() {
   for (const int signal : std::array{SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, end_before_run);
 }
 
-/// Ends the loops before their observers are destroyed, also when an exception is thrown.
-class LoopEnd {
- public:
-  explicit LoopEnd(LiveHands& hands) : hands_(hands) {}
-  ~LoopEnd() { hands_.stop(); }
-  LoopEnd(const LoopEnd&) = delete;
-  LoopEnd& operator=(const LoopEnd&) = delete;
-
- private:
-  LiveHands& hands_;
-};
-
 /// Messages shown on the terminal that pages have yet to show. Any thread.
 class Lines {
  public:

@@ -121,18 +121,6 @@ std::vector<SinkHand> sink_hands(const NodeParts& node) {
   return all;
 }
 
-/// Ends the loops before their observers are destroyed, also when an exception is thrown.
-class LoopEnd {
- public:
-  explicit LoopEnd(LiveHands& hands) : hands_(hands) {}
-  ~LoopEnd() { hands_.stop(); }
-  LoopEnd(const LoopEnd&) = delete;
-  LoopEnd& operator=(const LoopEnd&) = delete;
-
- private:
-  LiveHands& hands_;
-};
-
 }  // namespace
 
 void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNotices& notices) {

@@ -78,6 +78,18 @@ class LiveHands {
   std::vector<Hand> hands_;
 };
 
+/// Ends the loops of hands before their observers are destroyed, also when an exception is thrown.
+class LoopEnd {
+ public:
+  explicit LoopEnd(LiveHands& hands) : hands_(hands) {}
+  ~LoopEnd() { hands_.stop(); }
+  LoopEnd(const LoopEnd&) = delete;
+  LoopEnd& operator=(const LoopEnd&) = delete;
+
+ private:
+  LiveHands& hands_;
+};
+
 /// Returns the message prefix of a hand, e.g. "hand left: "; empty for the first.
 std::string said_of(const std::string& hand);
 
