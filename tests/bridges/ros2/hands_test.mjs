@@ -4,7 +4,7 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { ddsType, encode } from './messages.mjs';
-import { Driver, PRESSED, Program, eventually, makeFolder, makeWall, poseMessage, wait } from './program.mjs';
+import { Driver, PRESSED, Program, eventually, makeFolder, makeWall, poseMessage, triggerRequest, wait } from './program.mjs';
 
 const kMarkers = 'visualization_msgs/MarkerArray';
 const kArray = 'std_msgs/Float64MultiArray';
@@ -128,8 +128,7 @@ describe('several hands', () => {
     assert.ok(kept, node.said);
     await node.says('hand left: ros2:/left: poses of');
     await lean('left');
-    const ask = (name, number) => watcher().tell(`send ${name} ${encode('uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member',
-      { client: 7n, number, structure_needs_at_least_one_member: 0 })}`);
+    const ask = (name, number) => watcher().tell(`send ${name} ${triggerRequest(7n, number)}`);
     ask('left/stop', 1n);
     await drivers.left.noForce();
     assert.ok(await forceOf('first') > 0);
@@ -242,8 +241,7 @@ test('a terminal that nobody reads holds up neither poses nor a stop', async (co
     await wait(1);
   }
   await driver.lean();
-  driver.tell(`send stop ${encode('uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member',
-    { client: 7n, number: 1n, structure_needs_at_least_one_member: 0 })}`);
+  driver.tell(`send stop ${triggerRequest(7n, 1n)}`);
   await driver.noForce();
   assert.equal(await node.end(), 0);
 });
@@ -260,8 +258,7 @@ test('a flood of settings delays no stop', async (context) => {
   other.tell('walk set 10000');
   await driver.lean();
   const begin = Date.now();
-  driver.tell(`send stop ${encode('uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member',
-    { client: 7n, number: 1n, structure_needs_at_least_one_member: 0 })}`);
+  driver.tell(`send stop ${triggerRequest(7n, 1n)}`);
   await driver.noForce();
   assert.ok(Date.now() - begin < 500, `after ${Date.now() - begin} ms`);
   assert.equal(await node.end(), 0, node.said);

@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync } from 'node:fs';
 import { basename, dirname, join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { ddsType, decode, encode } from './messages.mjs';
-import { Driver, FREE, PRESSED, Program, eventually, makeFolder, makeWall, poseMessage, wait } from './program.mjs';
+import { Driver, FREE, PRESSED, Program, eventually, makeFolder, makeWall, poseMessage, triggerRequest, wait } from './program.mjs';
 
 const kMarkers = 'visualization_msgs/MarkerArray';
 const kAdd = 0;
@@ -16,7 +16,6 @@ const near = (a, b, by = 1e-6) => assert.ok(Math.abs(a - b) <= by, `${a} is not 
 const isUnit = (q) => near(Math.hypot(q.x, q.y, q.z, q.w), 1, 1e-9);
 
 /** As rmw_cyclonedds_cpp puts who asks, and the number of the question, before what is asked. */
-const kTrigger = 'uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member';
 const kSetBool = 'uint64 client\nint64 number\nbool data';
 /** Of a recording: name to text. */
 function rowsOf(path) {
@@ -89,8 +88,7 @@ describe('the node', () => {
     asked += 1;
     const head = { client: 0x1234567890abcdefn, number: BigInt(asked) };
     driver.tell(`clear ${name}_done`);
-    driver.tell(`send ${name} ${data === undefined ? encode(kTrigger, { ...head, structure_needs_at_least_one_member: 0 })
-      : encode(kSetBool, { ...head, data })}`);
+    driver.tell(`send ${name} ${data === undefined ? triggerRequest(head.client, head.number) : encode(kSetBool, { ...head, data })}`);
     let answer;
     await eventually(async () => {
       const hex = await driver.ask(`newest ${name}_done`);

@@ -124,6 +124,9 @@ export const poseMessage = (frame = 'base', z = FREE, w = 1) => ({
   header: { stamp: { sec: 0, nanosec: 0 }, frame_id: frame },
   pose: { position: { x: 0, y: 0, z }, orientation: { x: 0, y: 0, z: 0, w } },
 });
+/** A request of std_srvs/Trigger, with what identifies it. */
+export const triggerRequest = (client, number) => encode('uint64 client\nint64 number\nuint8 structure_needs_at_least_one_member',
+  { client, number, structure_needs_at_least_one_member: 0 });
 /** Of poses in the frame "base": where their height is, behind the encoding, the header, which ends at a multiple of 8, and x and y. */
 const kHeight = 4 + 24 + 16;
 
