@@ -100,6 +100,31 @@ TEST(SafetyGovernor, NothingIsFeltUntilWhatIsAskedForIsSmall) {
   EXPECT_EQ(loop.governor.state(), GovernorState::kRising);
 }
 
+// A device of 20 Hz is silent for 100 ms, before its first reading and after a fault, which stale_after
+// permits: until a reading is answered, nothing is known of the force that the tool meets where it is.
+TEST(SafetyGovernor, NothingIsSmallBeforeItIsAskedFor) {
+  DeviceCapabilities slow = device();
+  slow.rate = 20.0;
+  Loop loop(slow);
+  const double silent = 0.1;
+  ASSERT_GT(silent, loop.limits.gate_time);
+  ASSERT_GT(loop.limits.stale_after, silent);
+  const auto waits = [&] {
+    EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting) << loop.t;
+    loop.run(silent - kTick, [](Loop::Tick& now) { now.answers = false; });
+    EXPECT_EQ(loop.governor.state(), GovernorState::kWaiting) << loop.t;
+  };
+  loop.said.t = loop.t + 1e6;  // no reading
+  loop.governor.admit_none(loop.t);
+  waits();
+  loop.tick();
+  loop.run(loop.limits.gate_time + kTick);
+  EXPECT_EQ(loop.governor.state(), GovernorState::kRising);
+  loop.governor.stop(Fault::kChanging);
+  while (loop.governor.state() != GovernorState::kWaiting) loop.tick();
+  waits();
+}
+
 TEST(SafetyGovernor, TheGateNeedsItSmallAllTheTime) {
   Loop loop;
   for (int k = 0; k < 1000; ++k) {

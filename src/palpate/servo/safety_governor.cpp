@@ -152,6 +152,7 @@ bool SafetyGovernor::admit(const DeviceReading& said, double t) {
     return false;
   }
   reading_ = reading;
+  asked_ = true;
   return true;
 }
 
@@ -215,6 +216,7 @@ void SafetyGovernor::watch_stillness(bool moved) {
 
 void SafetyGovernor::enter(GovernorState state) {
   state_ = state;
+  asked_ = false;
   since_ = t_;
   remember();
 }
@@ -247,7 +249,7 @@ void SafetyGovernor::raise(Fault fault) {
 }
 
 void SafetyGovernor::advance(bool small) {
-  if (!small) small_since_ = t_;
+  if (!small || !asked_) small_since_ = t_;  // before it is asked for, nobody knows how large it is
   const double passed = t_ - since_;
   switch (state_) {
     case GovernorState::kWaiting:

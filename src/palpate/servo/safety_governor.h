@@ -195,6 +195,7 @@ class SafetyGovernor {
   double t_ = 0.0, since_ = 0.0;  ///< now, and time of entry into the state. Unit: [s].
   double passed_ = 0.0;           ///< since the last tick. Unit: [s].
   Lateness lateness_;
+  bool asked_ = false;        ///< a reading was admitted in this state: the requested wrench answers one
   double small_since_ = 0.0;  ///< since when the requested wrench is below the gate threshold. Unit: [s].
   double wrong_at_ = 0.0;     ///< time of the last fault. Unit: [s].
   bool begun_ = false;        ///< admit() was called
