@@ -49,24 +49,50 @@ class Plugin(Case):
             with self.subTest(device=text):
                 self.refuse(1, words, "run", *self.common, "--device", text, "--seconds", "1")
 
+    def run_until_the_motors_pull(self):
+        motors = self.write("motors", b"")
+        process = subprocess.Popen([PALPATE, "run", *self.common, "--device", plugin("logged_motors") + ":" + motors, "--json", "-q"],
+                                   cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        for _ in range(600):
+            time.sleep(0.05)
+            if self.read("motors") == b"1":
+                break
+        self.assertEqual(self.read("motors"), b"1", "no force")
+        return process
+
     def test_a_crash_stops_the_motors(self):
         """Killed, it stops nothing: that is left to the device's own watchdog."""
         for deadly, left in {signal.SIGSEGV: b"0", signal.SIGBUS: b"0", signal.SIGFPE: b"0", signal.SIGILL: b"0", signal.SIGABRT: b"0",
                              signal.SIGKILL: b"1"}.items():
             with self.subTest(signal=deadly):
-                motors = self.write("motors", b"")
-                process = subprocess.Popen([PALPATE, "run", *self.common, "--device", plugin("logged_motors") + ":" + motors, "--json", "-q"],
-                                           cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-                self.addCleanup(lambda process=process: process.poll() is None and process.kill())
-                for _ in range(600):
-                    time.sleep(0.05)
-                    if self.read("motors") == b"1":
-                        break
-                self.assertEqual(self.read("motors"), b"1", "no force")
+                process = self.run_until_the_motors_pull()
                 process.send_signal(deadly)
                 process.communicate(timeout=60)
                 self.assertEqual(process.returncode, -deadly)
                 self.assertEqual(self.read("motors"), left)
+
+    def ask(self, driver):
+        with open(os.path.join(self.folder, "motors"), "r+b") as file:
+            file.seek(1)
+            file.write(driver)
+
+    def test_a_crash_during_a_write_stops_the_motors(self):
+        """The write ends after the stop."""
+        process = self.run_until_the_motors_pull()
+        self.ask(b"s")
+        time.sleep(0.05)
+        process.send_signal(signal.SIGABRT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, -signal.SIGABRT)
+        self.assertEqual(self.read("motors"), b"0s")
+
+    def test_a_driver_without_stack_left_has_its_motors_stopped(self):
+        process = self.run_until_the_motors_pull()
+        self.ask(b"!")
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, -signal.SIGSEGV)
+        self.assertEqual(self.read("motors"), b"0!")
 
     def test_a_driver_that_hangs_is_shown_and_left_behind(self):
         process = subprocess.Popen([PALPATE, "run", *self.common, "--device", plugin("bad_hangs"), "--record", "run.csv", "--json"],

@@ -70,6 +70,25 @@ TEST_P(GuardedDeviceTest, AsksADriverThatThrewNoMore) {
 INSTANTIATE_TEST_SUITE_P(Calls, GuardedDeviceTest,
                          testing::Values(Thrower::At::kRead, Thrower::At::kWait, Thrower::At::kWrite));
 
+TEST(GuardedDevice, WritesZeroAfterAStop) {
+  struct Motors final : HapticDevice {
+    const DeviceCapabilities& capabilities() const override { return can; }
+    bool read(double, DeviceReading&) override { return false; }
+    void write(const Wrench& wrench) override { pull = wrench.force.z(); }
+    DeviceCapabilities can;
+    double pull = 0.0;
+  } driver;
+  GuardedDevice device(driver);
+  const Wrench pull{{0.0, 0.0, 5.0}, {0.0, 0.0, 0.0}};
+  device.write(pull);
+  EXPECT_EQ(driver.pull, 5.0);
+  device.stop();
+  device.write(pull);  // of a tick that had decided before
+  EXPECT_EQ(driver.pull, 0.0);
+  device.write(pull);
+  EXPECT_EQ(driver.pull, 5.0);
+}
+
 /// Does not return from read() until it is let.
 class Hanger final : public HapticDevice {
  public:

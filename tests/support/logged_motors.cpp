@@ -1,5 +1,7 @@
 // A driver, exported as a plug-in, that keeps in the file of its argument whether its motors pull ('1') or
 // not ('0'): it outlives the process. The handle goes down by itself from 50 mm above the origin to 5 mm.
+// Once the file's second byte is '!', the driver calls itself without end; once it is 's', a write takes
+// longer than a tick.
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -16,7 +18,7 @@ namespace {
 
 class LoggedMotors final : public palpate::HapticDevice {
  public:
-  explicit LoggedMotors(const std::string& path) : file_(::open(path.c_str(), O_WRONLY | O_CREAT, 0600)) {
+  explicit LoggedMotors(const std::string& path) : file_(::open(path.c_str(), O_RDWR | O_CREAT, 0600)) {
     if (file_ < 0) throw std::runtime_error(path + " cannot be written");
     capabilities_.name = "logged-motors";
     capabilities_.force_max = 10.0;
@@ -34,6 +36,7 @@ class LoggedMotors final : public palpate::HapticDevice {
   const palpate::DeviceCapabilities& capabilities() const override { return capabilities_; }
 
   bool read(double t, palpate::DeviceReading& reading) override {
+    if (::pread(file_, &asked_, 1, 1) == 1 && asked_ == '!') return recur(1) > 0;
     if (!(t > last_)) return false;
     last_ = t;
     if (first_ < 0.0) first_ = t;
@@ -44,7 +47,9 @@ class LoggedMotors final : public palpate::HapticDevice {
     return true;
   }
   void write(const palpate::Wrench& wrench) override {
-    if (!stopped_) log(!wrench.force.isZero(0.0));
+    if (stopped_) return;
+    if (asked_ == 's') ::usleep(1500);
+    log(!wrench.force.isZero(0.0));
   }
   void stop() noexcept override {
     stopped_ = true;
@@ -52,11 +57,17 @@ class LoggedMotors final : public palpate::HapticDevice {
   }
 
  private:
+  static int recur(int depth) {
+    volatile char used[1024] = {};  // no loop does for it
+    used[depth % 1024] = 1;
+    return depth < 0 ? 0 : recur(depth + 1) + used[0];
+  }
   void log(bool pulls) noexcept { (void)!::pwrite(file_, pulls ? "1" : "0", 1, 0); }
 
   palpate::DeviceCapabilities capabilities_;
   int file_;
   double first_ = -1.0, last_ = 0.0;
+  char asked_ = 0;
   std::atomic<bool> stopped_ = false;
 };
 

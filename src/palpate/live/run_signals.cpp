@@ -5,6 +5,8 @@
 #include <csignal>
 #include <utility>
 
+#include <poll.h>
+
 namespace palpate {
 namespace {
 
@@ -26,11 +28,24 @@ extern "C" void end_run(int) {
   stop_for(Fault::kEnded);
 }
 extern "C" void stop_motors(int) { stop_for(Fault::kEmergencyStop); }
-/// Stops the devices, then terminates the program by the same signal.
+/// Stops the devices, then terminates the program by the same signal. They are stopped again once a write
+/// that a loop was making has ended.
 extern "C" void die(int signal) {
-  for_all([](LiveSystem& system) { system.stop_motors(); });
+  constexpr int kWrite = 5;  // ms
+  const auto stop = [](LiveSystem& system) { system.stop_motors(); };
+  for_all(stop);
+  ::poll(nullptr, 0, kWrite);  // a function that handlers may call
+  for_all(stop);
   std::signal(signal, SIG_DFL);
   std::raise(signal);
+}
+
+/// Its handler runs although the stack of the thread has overflowed, if the thread has a SignalStack.
+void handle_on_own_stack(int signal, void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_ONSTACK;
+  sigaction(signal, &action, nullptr);
 }
 
 constexpr std::array<int, 4> kEnding{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
@@ -41,7 +56,7 @@ constexpr std::array<int, 5> kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 RunSignals::RunSignals(std::vector<LiveSystem*> systems) : systems_(std::move(systems)) {
   stoppable.store(&systems_, std::memory_order_release);
   for (const int signal : kEnding) std::signal(signal, end_run);
-  for (const int signal : kDeadly) std::signal(signal, die);
+  for (const int signal : kDeadly) handle_on_own_stack(signal, die);
   std::signal(SIGUSR1, stop_motors);
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }

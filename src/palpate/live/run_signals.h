@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include <palpate/base/signal_stack.h>
 #include <palpate/live/live_system.h>
 
 namespace palpate {
@@ -15,7 +16,7 @@ namespace palpate {
 class RunSignals {
  public:
   /// `systems` must outlive it. It may be constructed before they start; one that starts after a signal has
-  /// force until it is stopped, see ended().
+  /// no force.
   explicit RunSignals(std::vector<LiveSystem*> systems);
   /// Resets the handlers to the default, so that signals that ended the run now end the program; USR1, PIPE
   /// and XFSZ are ignored from then on.
@@ -28,6 +29,7 @@ class RunSignals {
 
  private:
   std::vector<LiveSystem*> systems_;
+  SignalStack stack_;
 };
 
 }  // namespace palpate

@@ -19,6 +19,7 @@ enum class Where : std::uint8_t { kOutside, kInside, kAbandoned };
 /// What a call of the driver uses.
 struct GuardedDevice::Call {
   std::atomic<Where> where = Where::kOutside;
+  std::atomic<bool> stopped = false;  ///< since the last write
   DeviceReading reading;
   Wrench wrench;
   LoopClock clock;
@@ -32,14 +33,15 @@ struct GuardedDevice::Call {
   }
 };
 
-GuardedDevice::GuardedDevice(HapticDevice& device) : device_(device), call_(std::make_unique<Call>()) {}
+GuardedDevice::GuardedDevice(HapticDevice& device)
+    : device_(device), owned_(std::make_unique<Call>()), call_(*owned_) {}
 GuardedDevice::~GuardedDevice() = default;
 
 bool GuardedDevice::abandon() noexcept {
   Where inside = Where::kInside;
-  if (!call_->where.compare_exchange_strong(inside, Where::kAbandoned, std::memory_order_acq_rel))
+  if (!call_.where.compare_exchange_strong(inside, Where::kAbandoned, std::memory_order_acq_rel))
     return false;
-  static_cast<void>(call_.release());  // used if the driver ever returns
+  static_cast<void>(owned_.release());  // used if the driver ever returns
   return true;
 }
 
@@ -48,7 +50,7 @@ bool GuardedDevice::abandon() noexcept {
 template <class Work>
 bool GuardedDevice::guard(const Work& work) {
   if (!thrown().empty()) return false;
-  Call& call = *call_;
+  Call& call = call_;
   std::string_view why = kUnknown;
   const auto keep = [&] {
     const std::size_t length = why.copy(text_.data(), text_.size());
@@ -72,14 +74,14 @@ bool GuardedDevice::guard(const Work& work) {
 }
 
 bool GuardedDevice::read(double t, DeviceReading& reading) {
-  call_->reading = reading;
+  call_.reading = reading;
   if (!guard([t](HapticDevice& device, Call& call) { return device.read(t, call.reading); })) return false;
-  reading = call_->reading;
+  reading = call_.reading;
   return true;
 }
 
 void GuardedDevice::wait(const LoopClock& clock, double until) {
-  call_->clock = clock;
+  call_.clock = clock;
   const bool waited = guard([until](HapticDevice& device, Call& call) {
     device.wait(call.clock, until);
     return true;
@@ -88,11 +90,16 @@ void GuardedDevice::wait(const LoopClock& clock, double until) {
 }
 
 void GuardedDevice::write(const Wrench& wrench) {
-  call_->wrench = wrench;
+  call_.wrench = wrench;
   guard([](HapticDevice& device, Call& call) {
-    device.write(call.wrench);
+    device.write(call.stopped.exchange(false) ? Wrench{} : call.wrench);
     return true;
   });
+}
+
+void GuardedDevice::stop() noexcept {
+  call_.stopped.store(true);
+  device_.stop();
 }
 
 }  // namespace palpate

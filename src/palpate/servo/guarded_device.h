@@ -26,7 +26,8 @@ class GuardedDevice final : public HapticDevice {
   bool read(double t, DeviceReading& reading) override;
   void wait(const LoopClock& clock, double until) override;
   void write(const Wrench& wrench) override;
-  void stop() noexcept override { device_.stop(); }
+  /// The next write() is of zero wrench. One that is being made may end after it.
+  void stop() noexcept override;
 
   /// Abandons a call that does not return: should the driver ever return from it, its thread waits for the
   /// end of the program and touches nothing but the driver. Another thread than the loop's. \returns false if
@@ -43,7 +44,8 @@ class GuardedDevice final : public HapticDevice {
   bool guard(const Work& work);
 
   HapticDevice& device_;
-  std::unique_ptr<Call> call_;    ///< outlives this object if the call is abandoned
+  std::unique_ptr<Call> owned_;  ///< null if the call is abandoned, which outlives this object
+  Call& call_;
   std::array<char, 256> text_{};  ///< written once: no allocation on the loop's thread
   std::atomic<std::size_t> length_ = 0;
 };

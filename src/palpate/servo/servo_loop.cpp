@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <palpate/base/signal_stack.h>
+
 namespace palpate {
 namespace {
 
@@ -111,6 +113,7 @@ void ServoLoop::tick(double due) {
 }
 
 void ServoLoop::run(const Options& options) {
+  const SignalStack stack;  // a driver may overflow the thread's own
   if (options.real_time) refused_ = make_real_time(options.priority);
   name_thread("palpate-servo");
   begun_.store(true, std::memory_order_release);
