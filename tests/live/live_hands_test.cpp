@@ -249,6 +249,29 @@ class Closes final : public HapticDevice {
   Stepper stepper_;
 };
 
+// Whatever ends the start of one: the observers of the others end with it.
+TEST(LiveHands, AllEndWhereOneCannotStart) {
+  struct Fails final : HapticDevice {
+    const DeviceCapabilities& capabilities() const override {
+      if (fails) throw std::bad_alloc();
+      return stepper.capabilities();
+    }
+    bool read(double t, DeviceReading& reading) override { return stepper.read(t, reading); }
+    void write(const Wrench&) override {}
+    void enable() override {
+      HapticDevice::enable();
+      fails = true;
+    }
+    Stepper stepper;
+    bool fails = false;
+  };
+  bool closed = false;
+  LiveHands hands(setups(hand("", plane_config(), std::make_unique<Closes>(closed)),
+                         hand("left", plane_config(), std::make_unique<Fails>())));
+  EXPECT_THROW(hands.start({{}, {}}), std::bad_alloc);
+  EXPECT_TRUE(closed);
+}
+
 TEST(LiveHands, NoneTicksBeforeAllAreEnabled) {
   struct Ticks final : HapticDevice {
     const DeviceCapabilities& capabilities() const override { return stepper.capabilities(); }

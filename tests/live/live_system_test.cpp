@@ -304,6 +304,24 @@ TEST(LiveSystem, TurnsOffMotorsThatHaveNotStarted) {
   EXPECT_EQ(enables, 1);
 }
 
+// A signal that comes before the loop runs is not lost.
+TEST(LiveSystem, HasNoForceIfItWasStoppedBeforeItStarted) {
+  LiveView view;
+  LiveSystem system(plane_config(), std::make_unique<OddDevice>());
+  system.enable();
+  system.stop_force();
+  system.start({&view});
+  const auto is = [&](Fault fault) {
+    return comes_true([&] {
+      view.update();
+      return view.newest().fault == fault;
+    });
+  };
+  EXPECT_TRUE(is(Fault::kEmergencyStop));
+  system.resume();
+  EXPECT_TRUE(is(Fault::kNone));
+}
+
 LiveConfig giant_config() {
   LiveConfig config = plane_config();
   config.device.kind = DeviceKind::kGiant;

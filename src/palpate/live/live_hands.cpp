@@ -31,7 +31,7 @@ void for_all_or_stop(LiveHands& hands, const Work& work) {
   try {
     for (std::size_t k = 0; k < hands.all().size(); ++k)
       for_hand(hands.all()[k].name, [&] { work(*hands.all()[k].system, k); });
-  } catch (const Error&) {
+  } catch (...) {
     hands.stop();
     throw;
   }

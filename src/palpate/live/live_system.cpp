@@ -285,13 +285,19 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
     ticks.limits->frozen_after = std::numeric_limits<double>::infinity();
   }
   tick_ = std::make_unique<ServoTick>(*guarded_, felt_->model(settings_.force.model), ticks);
-  running_.store(tick_.get(), std::memory_order_release);
+  running_.store(tick_.get());
+  if (const Fault why = asked_to_stop_.load(); why != Fault::kNone) stop_force(why);
   ServoLoop::Options options;
   options.rate = settings_.loop.rate;
   if (settings_.loop.cpu >= 0) options.priority.cpu = settings_.loop.cpu;
-  loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
   active_ = fallback_ = settings_;
-  changer_ = std::thread([this, begin = settings_] { change_until_stopped(begin); });
+  loop_ = std::make_unique<ServoLoop>(*tick_, clock_, std::move(observers), options);
+  try {
+    changer_ = std::thread([this, begin = settings_] { change_until_stopped(begin); });
+  } catch (...) {
+    stop();  // before the observers are gone
+    throw;
+  }
 }
 
 void LiveSystem::begin_to_stop() {
@@ -319,6 +325,7 @@ void LiveSystem::stop() {
 }
 
 void LiveSystem::stop_force(Fault why) {
+  asked_to_stop_.store(why);  // before it is looked at whether it runs: start() does it the other way round
   ServoTick* const tick = running_.load(std::memory_order_acquire);
   if (tick == nullptr) return;
   tick->governor().stop(why);

@@ -135,8 +135,9 @@ class LiveSystem {
   /// Returns the active scene, kept alive by the returned pointer.
   std::shared_ptr<const FeltScene> felt() const;
 
-  /// Stops the force; nothing before start(). A device of the admittance type is also brought to rest if
-  /// ending the fault takes resume(). May also be called from signal handlers, and before start().
+  /// Stops the force; before start(), that of the loop to come, until resume(). A device of the admittance
+  /// type is also brought to rest if ending the fault takes resume(). May also be called from signal
+  /// handlers, and before start().
   void stop_force(Fault why = Fault::kEmergencyStop);
   /// Turns the motors off at once, for a program that is about to terminate. May also be called from signal
   /// handlers, and before start().
@@ -230,7 +231,8 @@ class LiveSystem {
   bool device_hangs_ = false;
   bool enabled_ = false;
   std::unique_ptr<ServoTick> tick_;
-  std::atomic<ServoTick*> running_ = nullptr;  ///< tick_, for signal handlers
+  std::atomic<ServoTick*> running_ = nullptr;        ///< tick_, for signal handlers
+  std::atomic<Fault> asked_to_stop_ = Fault::kNone;  ///< by stop_force(), the last one
   std::unique_ptr<ServoLoop> loop_;
 
   mutable std::recursive_mutex mutex_;  ///< guards the members below; an edit may ask for them
