@@ -60,7 +60,8 @@ void LiveShow::update(const ShownScene* scene) {
 /// Contacts are computed here, so that subscribers cost the loop nothing.
 void LiveShow::publish_contacts(const ShownScene& scene) {
   found_.contacts.clear();
-  if (scene.index == felt_->index()) query(*felt_->index(), felt_->tool(), hand_.view.newest().tool, found_);
+  if (scene.index == felt_->index())
+    query(*felt_->index(), felt_->tool(), hand_.view.newest().tool, ToolTracker::kMost, found_);
   sink_.publish_contacts(hand_.number, markers_of(contacts_.next(found_.contacts, scene.ellipsoids)));
 }
 

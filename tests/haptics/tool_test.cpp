@@ -161,6 +161,26 @@ TEST(ToolQuery, HasTheContactsOfEveryPart) {
   EXPECT_GT(seen, 1000U);
 }
 
+TEST(ToolQuery, OfSoManyPairsFindsThoseThatComeFirst) {
+  test::Random random(946);
+  const SceneIndex index = some_index(random);
+  const Tool tool = test::random_tool(random, 5, 1.5);
+  const Pose pose{random.direction(), random.rotation()};
+  ContactSet all, some;
+  query(index, tool, pose, all);
+  ASSERT_GT(all.contacts.size(), 1000U);
+  query(index, tool, pose, all.filtered + 1000, some);
+  EXPECT_TRUE(some.complete);
+  EXPECT_EQ(some.contacts.size(), all.contacts.size());
+  query(index, tool, pose, 1, some);
+  EXPECT_FALSE(some.complete);
+  ASSERT_LT(some.contacts.size(), all.contacts.size());
+  for (std::size_t i = 0; i < some.contacts.size(); ++i) {
+    EXPECT_EQ(some.contacts[i].part, all.contacts[i].part);
+    expect_same(some.contacts[i], all.contacts[i]);
+  }
+}
+
 TEST(ToolTracker, FindsWhatAFreshQueryDoes) {
   test::Random random(944);
   const SceneIndex index = some_index(random);

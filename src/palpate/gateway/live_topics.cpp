@@ -219,7 +219,7 @@ void LiveTopics::publish_contacts(const Stamp& stamp) {
   if (!index_) return;
   if (!lookup_) look_up_ellipsoids();
   if (!lookup_) return;
-  query(*index_, tool_, feed_.newest().record.tool, found_);
+  query(*index_, tool_, feed_.newest().record.tool, ToolTracker::kMost, found_);
   contacts_.publish(
       marker_array(header(stamp, kWorld, count_), markers_.next(found_.contacts, *lookup_->ellipsoids)));
 }

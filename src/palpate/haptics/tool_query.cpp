@@ -33,6 +33,15 @@ void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, Con
   query_parts(tool, pose, ask, kAllPairs, of_part, result);
 }
 
+void query(const SceneIndex& index, const Tool& tool, const Pose& pose, std::size_t most,
+           ContactSet& result) {
+  ContactSet of_part;
+  const auto ask = [&](std::size_t, const Ellipsoid& solid, std::size_t left, ContactSet& found) {
+    index.query(solid, Precision::kDouble, found, {.pairs = left});
+  };
+  query_parts(tool, pose, ask, most, of_part, result);
+}
+
 ToolTracker::ToolTracker(const SceneIndex& index, const Tool& tool, Precision precision, Lookahead* lookahead)
     : tool_(tool) {
   const std::size_t parts = tool.parts().size(), capacity = CandidateCache::capacity_for(parts);

@@ -5,6 +5,7 @@
 #include <deque>
 
 #include <palpate/collision/contact_tracker.h>
+#include <palpate/collision/scene_index.h>
 #include <palpate/haptics/tool.h>
 
 namespace palpate {
@@ -13,7 +14,11 @@ namespace palpate {
 /// counts are sums. A Gaussian that two parts touch is listed twice. Allocates if there are many parts.
 void query(const ContactQuery& contacts, const Tool& tool, const Pose& pose, ContactSet& result);
 
-/// The same for a tool that moves little from tick to tick; see ContactTracker.
+/// The same within a bounded time: examines at most `most` pairs, of all parts together; if there are more,
+/// ContactSet::complete is false.
+void query(const SceneIndex& index, const Tool& tool, const Pose& pose, std::size_t most, ContactSet& result);
+
+/// As the first for a tool that moves little from tick to tick; see ContactTracker.
 class ToolTracker {
  public:
   /// `index` and `lookahead` must outlive it; see ContactTracker. Allocates if a part has more than kRoom
