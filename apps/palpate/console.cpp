@@ -36,17 +36,23 @@ Console::Console(LiveHands& hands, const LiveViews& views, LiveGateway* gateway,
       told_(views.size()) {}
 
 bool Console::update() {
-  for (const auto& view : views_) view->update();
-  tell_transitions();
-  if (draws_) draw();
+  show();
   const auto key = keyboard_.key(kLook);
   return !(key && !act(*key)) && !RunSignals::ended();
 }
 
 void Console::wait_for_no_force() {
   const auto has_fallen = [](const auto& view) { return view->newest().state == GovernorState::kStopped; };
-  while (update() && !std::all_of(views_.begin(), views_.end(), has_fallen)) {
+  while (!RunSignals::ended() && !std::all_of(views_.begin(), views_.end(), has_fallen)) {
+    show();
+    keyboard_.key(kLook);  // none is obeyed: the force is not to return
   }
+}
+
+void Console::show() {
+  for (const auto& view : views_) view->update();
+  tell_transitions();
+  if (draws_) draw();
 }
 
 void Console::tell_transitions() {

@@ -44,6 +44,7 @@ class Console {
  private:
   std::string erased();
   void clear();
+  void show();
   void draw();
   std::string line_of(std::size_t hand) const;
   void tell_fault(std::size_t hand, double t, Fault fault);

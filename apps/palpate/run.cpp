@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include <palpate/base/error.h>
+#include <palpate/base/nonblocking_stderr.h>
 #include <palpate/base/real_time.h>
 #include <palpate/live/live_gateway.h>
 #include <palpate/live/live_hands.h>
@@ -97,6 +98,9 @@ void warn(const LiveHands::Hand& hand, const Notify& tell) {
   }
 }
 
+/// A line on stderr that waits for nobody: the loops may run, and this thread stops them.
+void say(std::string_view line) { write_to_stderr(notice(line)); }
+
 /// Describes a hand after its start, with notes on its limits.
 void introduce(const LiveHands::Hand& hand, const Notify& tell) {
   LiveSystem& system = *hand.system;
@@ -115,13 +119,13 @@ void introduce(const LiveHands::Hand& hand, const Notify& tell) {
 /// Prints the URL of the viewer. If it has the name of this machine, which a headset may not be able to
 /// resolve, prints the one with an IP address as well.
 void tell_viewer(const std::string& url, const std::string& listens_on) {
-  notify(fmt::format("viewer: {}", url));
+  say(fmt::format("viewer: {}", url));
   const std::string address = is_any_address(listens_on) ? own_address() : std::string();
   if (address.empty()) return;
   const std::size_t host = url.find("://") + 3;
   std::string by_address = url;
   by_address.replace(host, url.find(':', host) - host, address);
-  notify(fmt::format("where that name is unknown: {}", by_address));
+  say(fmt::format("where that name is unknown: {}", by_address));
 }
 
 /// Prints the files of the recordings.
@@ -160,7 +164,7 @@ void run(const RunOptions& options) {
   const Progress progress = terminal_progress(options.common.quiet);
   Lines lines;
   const auto tell = [&lines](const std::string& line) {
-    notify(line);
+    say(line);
     lines.add(line);
   };
   LiveHands hands(setups_of(options), tell, progress, options.hands_touch);
@@ -199,8 +203,8 @@ void run(const RunOptions& options) {
   {
     Console console(hands, views, gateway.get(), !talks);
     if (talks && ::isatty(STDIN_FILENO) != 0) {
-      notify(Console::kHelp);
-      if (systems.size() > 1) notify(Console::kHelpOfHands);
+      say(Console::kHelp);
+      if (systems.size() > 1) say(Console::kHelpOfHands);
     }
     while (hands.first().clock().now() < until && !failure && console.update()) {
       failure = recordings.failure();

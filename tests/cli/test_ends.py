@@ -141,7 +141,7 @@ class Ends(Falls, Live):
         except BlockingIOError:
             pass
         os.set_blocking(writer, True)
-        process = self.start("--json", "-q", stderr=writer)
+        process = self.start("--json", stderr=writer)
         os.close(writer)
         self.addCleanup(os.close, reader)
         self.until_it_leans(process)
