@@ -1,15 +1,22 @@
 // What AdmittanceLoop takes the loop of each axis to be.
 #include <palpate/servo/admittance_loop.h>
 
+#include <functional>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
 
+#include <support/not_finite.h>
+#include <support/tick.h>
+
 namespace palpate {
 namespace {
+
+using test::kTick;
 
 /// Stiffer about the axes than along them, and both late.
 AdmittanceLoopOptions loop() {
@@ -139,6 +146,147 @@ TEST_F(AdmittanceLoopTest, TellsNoReadingThatIsOldAndNoneInAFault) {
   loop.stop();
   EXPECT_FALSE(read(4));
   EXPECT_EQ(loop.status(), DeviceStatus::kFault);
+}
+
+/// Goes where it is told, under a hand that pushes, and keeps what it was told.
+struct MovedHandle final : MotionDevice {
+  MovedHandle() {
+    can.force_max = 100.0;
+    can.torque_max = 10.0;
+  }
+  const DeviceCapabilities& capabilities() const override { return can; }
+  bool read(double t, MotionReading& reading) override {
+    now = t;
+    reading = {t, at, {}, {push, Eigen::Vector3d::Zero()}, t};
+    if (spoil) spoil(reading);
+    return true;
+  }
+  MotionAnswer move(const MotionSetpoint& motion, double) override {
+    at = motion.pose;
+    told.push_back({now, motion});
+    return {motion};
+  }
+  void stop() noexcept override { ++stops; }
+
+  struct Told {
+    double t = 0.0;
+    MotionSetpoint motion;
+  };
+  DeviceCapabilities can;
+  DevicePose at;
+  Eigen::Vector3d push = Eigen::Vector3d::Zero();
+  std::function<void(MotionReading&)> spoil;
+  double now = 0.0;
+  std::vector<Told> told;
+  int stops = 0;
+};
+
+AdmittanceLoopOptions unchecked() {
+  AdmittanceLoopOptions options;
+  options.margin = 0.0;
+  return options;
+}
+
+class MovedHandleTest : public testing::Test {
+ protected:
+  MovedHandleTest() {
+    handle.at.position = kBegin;
+    handle.told.reserve(10'000);
+    loop.open();
+    loop.enable();
+  }
+  void tick(double passed = kTick) {
+    t += passed;
+    DeviceReading reading;
+    loop.read(t, reading);
+    loop.write({});
+  }
+  void run(double time) {
+    for (const double end = t + time; t < end;) tick();
+  }
+  /// Lets the hand push until the handle moves along x at 1 m/s.
+  void push() {
+    run(1.0);
+    ASSERT_EQ(loop.governor().state(), GovernorState::kActive);
+    handle.push.x() = 40.0;
+    for (int k = 0; k < 1000 && loop.motion().velocity.linear.x() < 1.0; ++k) tick();
+    ASSERT_GE(loop.motion().velocity.linear.x(), 1.0);
+  }
+
+  const Eigen::Vector3d kBegin{0.6, -0.8, 0.5};
+  AdmittanceLoopOptions options = unchecked();
+  MovedHandle handle;
+  AdmittanceLoop loop{handle, options};
+  double t = 0.0;
+};
+
+// A setpoint before that would be the origin, a metre away.
+TEST_F(MovedHandleTest, GetsItsFirstSetpointFromItsFirstValidReading) {
+  const std::vector<std::function<void(MotionReading&)>> all{
+      [](MotionReading& r) { r.pose.position.y() = test::kNan; },
+      [](MotionReading& r) { r.velocity.angular.x() = test::kNan; },
+      [](MotionReading& r) { r.pose.orientation.coeffs() *= 2.0; }, [](MotionReading& r) { r.t += 1.0; }};
+  for (const auto& spoil : all) {
+    handle.spoil = spoil;
+    run(0.05);
+    EXPECT_TRUE(handle.told.empty());
+    EXPECT_EQ(loop.status(), DeviceStatus::kFault);
+  }
+  handle.spoil = nullptr;
+  tick();
+  ASSERT_EQ(handle.told.size(), 1U);
+  EXPECT_EQ(handle.told.front().motion.pose.position, kBegin);
+  run(2.0);
+  EXPECT_EQ(handle.told.back().motion.pose.position, kBegin);
+  EXPECT_EQ(loop.governor().state(), GovernorState::kActive) << "and comes back through the gate";
+}
+
+// A reading of the future may be refused without a fault in that tick.
+TEST_F(MovedHandleTest, TellsNoReadingThatItsGovernorHasRefused) {
+  handle.spoil = [](MotionReading& r) { r.t += 1.0; };
+  DeviceReading reading;
+  EXPECT_FALSE(loop.read(kTick, reading));
+}
+
+// As where its driver was restarted while somebody carried the handle.
+TEST_F(MovedHandleTest, IsNotPulledBackFromWhereItIsFoundAfterAGap) {
+  push();
+  handle.push.setZero();
+  handle.spoil = [](MotionReading& r) { r.pose.position.x() = test::kNan; };
+  for (const double gap : {0.003, 0.1, 2.0}) {
+    run(gap);
+    EXPECT_EQ(loop.governor().fault(), Fault::kBadPose);
+    const Eigen::Vector3d elsewhere = handle.at.position + Eigen::Vector3d(0.3, 0.9, -0.2);
+    handle.spoil = [&](MotionReading& r) { r.pose.position = elsewhere; };  // it ignores what it is told
+    tick();                                                                 // may be a glitch of one reading
+    tick();
+    const std::size_t before = handle.told.size();
+    const int stopped = handle.stops;
+    run(0.2);
+    EXPECT_LE(handle.told.size(), before) << gap;
+    EXPECT_GT(handle.stops, stopped) << gap;
+    handle.spoil = nullptr;
+    handle.at.position = elsewhere;
+    run(1.5);
+    ASSERT_GT(handle.told.size(), before) << gap;
+    EXPECT_EQ(handle.told[before].motion.pose.position, elsewhere) << gap;
+    EXPECT_EQ(loop.governor().state(), GovernorState::kActive) << gap;
+    handle.spoil = [](MotionReading& r) { r.pose.position.x() = test::kNan; };
+  }
+}
+
+TEST_F(MovedHandleTest, GoesOnBrakingAlongItsSetpointsAfterAJumpOfOneReading) {
+  push();
+  handle.spoil = [](MotionReading& r) { r.pose.position.x() += 0.5; };
+  tick();
+  EXPECT_EQ(loop.governor().fault(), Fault::kJump);
+  handle.spoil = nullptr;
+  const std::size_t before = handle.told.size();
+  run(options.limits.stop_time());
+  EXPECT_EQ(handle.stops, 0);
+  EXPECT_GE(handle.told.size(), before + 240);
+  EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0));
+  EXPECT_EQ(loop.governor().fault(), Fault::kJump);
 }
 
 TEST(AdmittanceLoopCheck, WithoutAMarginIsNone) {

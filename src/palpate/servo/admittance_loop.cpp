@@ -90,14 +90,16 @@ bool AdmittanceLoop::read(double t, DeviceReading& reading) {
     governor_.admit_none(t);
     return false;
   }
+  const bool placed = governor_.knows_place();
   governor_.admit(said_, t);
-  if (!started_) {
+  if (!placed && governor_.knows_place()) {
     controller_.start(governor_.reading().pose);
     answer_.motion = controller_.motion();
     written_at_ = t;
     started_ = true;
   }
   tell_status();
+  if (!started_) return false;
   if (!fresh || status() == DeviceStatus::kFault) return false;
   reading = {said_.t, said_.pose, said_.velocity, said_.hand, said_.buttons, governor_.user()};
   return true;
@@ -128,6 +130,7 @@ void AdmittanceLoop::write(const Wrench& wrench) {
   }
   const bool good = governor_.moved(controller_.motion(), answer_.motion, controller_.at_rest());
   if (!good) controller_.start(answer_.motion.pose);
+  if (!governor_.knows_place()) return device_.stop();  // a setpoint would pull the handle to another place
   answer_ = device_.move(controller_.motion(), dt);
   if (!answer_.held) return;
   held_ = true;

@@ -40,6 +40,10 @@ struct AdmittanceLoopOptions {
 /// no windup, and no jump when the device is free again. status_text() then names the cause.
 ///
 /// While MotionGovernor brakes for a fault, read() returns false and the status is DeviceStatus::kFault.
+///
+/// The first setpoint is the pose of the first valid reading. A handle that comes back elsewhere after
+/// invalid readings, or with another hand, is told to stop and gets no setpoint until its readings are
+/// consistent again; the motion then starts where it is.
 class AdmittanceLoop final : public HapticDevice {
  public:
   /// \param device must outlive this object. \throws Error, which names the axis and the bound, if the

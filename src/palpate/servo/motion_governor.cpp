@@ -94,6 +94,7 @@ void MotionGovernor::admit(const MotionReading& said, double t) {
     MotionReading reading = said;
     reading.pose.orientation.normalize();
     const Fault found = check(reading);
+    jumped_ = jumped_ || found == Fault::kJump || (started_ && reading.hand != newest_.hand);
     newest_ = reading;
     arrived_ = t;
     started_ = true;
@@ -130,6 +131,7 @@ void MotionGovernor::advance() {
     case GovernorState::kStopped:
       if (held_ == 0U && t_ - wrong_at_ >= safety_.recover_after) {
         fault_ = Fault::kNone;
+        elsewhere_ = false;  // readings have been consistent since recover_after
         enter(GovernorState::kWaiting);
       }
       break;
@@ -147,9 +149,16 @@ bool MotionGovernor::moved(const MotionSetpoint& wanted, const MotionSetpoint& f
   const bool good = wanted.pose.is_valid() && finite(wanted.velocity) && finite(wanted.acceleration);
   if (!good) raise(Fault::kBadForce);
   at_rest_ = at_rest;
-  if (started_ && (way(followed.pose, reading_.pose) > safety_.following_max ||
-                   turn(followed.pose, reading_.pose) > safety_.angular_following_max))
+  // An old reading does not tell how a motion is followed that went on without it.
+  const bool current = started_ && arrived_ == t_ && reading_.t == newest_.t;
+  if (!current || elsewhere_) return good;
+  const bool far = way(followed.pose, reading_.pose) > safety_.following_max ||
+                   turn(followed.pose, reading_.pose) > safety_.angular_following_max;
+  if (far && jumped_)
+    elsewhere_ = true;
+  else if (far)
     raise(Fault::kNotFollowing);
+  jumped_ = false;
   return good;
 }
 

@@ -42,6 +42,9 @@ struct MotionSafety {
 ///  - a fault brakes: the handle is at rest within MotionLimits::stop_time() and stays there. A fault that
 ///    does not latch ends once no fault has occurred for recover_after; then the hand's force must be small
 ///    for gate_time, and its effect on the handle ramps up from zero within rise_time;
+///  - no setpoint is known before the first valid reading, nor while the handle is found away from its
+///  setpoint
+///    after a jump or with another hand: see knows_place();
 ///  - at the first gate the sensor's output is taken as its bias, so nobody must hold the handle; later gates
 ///    use that bias, until tare().
 ///
@@ -64,6 +67,10 @@ class MotionGovernor {
 
   /// The last valid reading.
   const MotionReading& reading() const { return reading_; }
+  /// False while the setpoint has nothing to do with the place of the handle, and must not be sent: before
+  /// the first valid reading, and from a handle found elsewhere (Fault::kJump, or another hand) until the
+  /// state is kWaiting. Where admit() makes it true, the controller starts at rest at reading().
+  bool knows_place() const { return started_ && !elsewhere_; }
   /// Wrench of the hand, sensor bias removed. Device's frame.
   Wrench user() const { return sensor_.wrench(); }
   /// Fraction of all forces that takes effect in this tick, in [0, 1].
@@ -111,6 +118,8 @@ class MotionGovernor {
   double t_ = 0.0, since_ = 0.0, passed_ = 0.0;
   Lateness lateness_;
   double small_since_ = 0.0, wrong_at_ = 0.0, arrived_ = 0.0;
+  bool jumped_ = false;     ///< no reading has shown yet whether the handle is still at its setpoint
+  bool elsewhere_ = false;  ///< it is not
   bool begun_ = false, started_ = false, tared_ = false, at_rest_ = true, heard_sensor_ = false;
   unsigned held_ = 0;  ///< latched faults not yet resumed, one bit each
   MotionReading newest_, reading_;
