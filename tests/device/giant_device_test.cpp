@@ -245,6 +245,25 @@ TEST_F(GiantDeviceTest, StopsWhenItsLoopStandsStill) {
   EXPECT_LT(reading.velocity.linear.norm(), 0.03);  // the hand that goes on bends what is between
 }
 
+// The setpoint goes on from where the joints have braked, which takes the time of the gap once.
+TEST_F(GiantDeviceTest, GoesOnFromWhereItBrakedWhileCommandsWereLate) {
+  hold(walk());
+  run(6.0);
+  const JointVector dq = device_->joints().velocity();
+  constexpr int kGap = 60;  // ticks, more than kWatchdog
+  count_ += kGap - 1;
+  tick_->run(kTick * count_++);
+  EXPECT_NE(loop_->governor().state(), GovernorState::kActive);
+  EXPECT_STREQ(loop_->held_by(), "commands were late");
+  EXPECT_EQ(loop_->motion().pose.position, device_->joints().tip().position);
+  const ChainLimits& l = device_->joints().limits();
+  for (Eigen::Index i = 0; i < dq.size(); ++i)
+    EXPECT_LE(std::abs(device_->joints().velocity()[i] - dq[i]),
+              l.acceleration[i] * kGap * kTick * (1 + 1e-9));
+  run(MotionLimits{}.stop_time());
+  EXPECT_TRUE(device_->joints().velocity().isZero(0.0));
+}
+
 TEST_F(GiantDeviceTest, BrakesWhenItIsToldToStopAndComesBackThroughTheGate) {
   hold(walk());
   run(6.0);

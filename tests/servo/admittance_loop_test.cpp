@@ -1,6 +1,7 @@
 // What AdmittanceLoop takes the loop of each axis to be.
 #include <palpate/servo/admittance_loop.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -287,6 +288,36 @@ TEST_F(MovedHandleTest, GoesOnBrakingAlongItsSetpointsAfterAJumpOfOneReading) {
   EXPECT_GE(handle.told.size(), before + 240);
   EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0));
   EXPECT_EQ(loop.governor().fault(), Fault::kJump);
+}
+
+// Ticks that are on time, late once, and late again and again, which is a fault itself.
+TEST_F(MovedHandleTest, IsAtRestInTimeHoweverLateTicksAre) {
+  const std::vector<std::vector<double>> all{{1e-3},  {2e-3},        {5e-3},
+                                             {19e-3}, {0.049},       {1e-3, 2e-3, 5e-3, 19e-3},
+                                             {0.12},  {19e-3, 1e-3}, {0.4, 1e-3}};
+  const MotionLimits& limits = options.limits;
+  for (const std::vector<double>& passed : all) {
+    const std::string name = testing::PrintToString(passed);
+    push();
+    loop.governor().stop(Fault::kChanging);
+    const double begin = t;
+    const std::size_t first = handle.told.size();
+    for (std::size_t k = 0; t < begin + limits.stop_time(); ++k) tick(passed[k % passed.size()]);
+    EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0)) << name;
+    EXPECT_TRUE(loop.motion().acceleration.linear.isZero(0.0)) << name;
+    for (std::size_t k = first; k < handle.told.size(); ++k) {
+      const MovedHandle::Told &now = handle.told[k], &before = handle.told[k - 1];
+      const double dt = now.t - before.t, room = 1.0 + 1e-9;
+      const Eigen::Vector3d way = now.motion.pose.position - before.motion.pose.position;
+      EXPECT_LE((now.motion.velocity.linear - before.motion.velocity.linear).norm(),
+                limits.acceleration * dt * room)
+          << name;
+      EXPECT_LE(way.norm(), limits.velocity * std::min(dt, 0.05) * room) << name;  // no jump after a gap
+      EXPECT_GE(way.x(), 0.0) << name;
+    }
+    handle.push.setZero();
+    run(1.0);
+  }
 }
 
 TEST(AdmittanceLoopCheck, WithoutAMarginIsNone) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -86,7 +87,8 @@ bool GiantDevice::read(double t, MotionReading& reading) {
     if (told_count_ > 0) told_[(told_count_ - 1) % told_.size()].q = motion_.position();
   }
   const double dt = t - t_;
-  if (t - moved_at_ > kWatchdog) {
+  watchdog_braked_ = t - moved_at_ > kWatchdog;
+  if (watchdog_braked_) {
     motion_.brake(dt);
     told_[told_count_++ % told_.size()] = {t_, motion_.position()};
   }
@@ -112,7 +114,10 @@ bool GiantDevice::read(double t, MotionReading& reading) {
 
 MotionAnswer GiantDevice::move(const MotionSetpoint& motion, double dt) {
   const Twist before = motion_.tip_velocity();
-  if (stopped_.load(std::memory_order_relaxed)) {
+  const bool late = std::exchange(watchdog_braked_, false);
+  if (late) {
+    // The joints have braked up to now.
+  } else if (stopped_.load(std::memory_order_relaxed)) {
     motion_.brake(dt);
     if (motion_.velocity().isZero(0.0)) stopped_.store(false, std::memory_order_relaxed);
   } else if (motion.still) {
@@ -129,8 +134,8 @@ MotionAnswer GiantDevice::move(const MotionSetpoint& motion, double dt) {
     const Twist& now = answer.motion.velocity;
     answer.motion.acceleration = {(now.linear - before.linear) / dt, (now.angular - before.angular) / dt};
   }
-  answer.held = motion_.held_by() != HeldBy::kNothing || stopped_.load(std::memory_order_relaxed);
-  answer.reason = to_string(motion_.held_by()).data();
+  answer.held = late || motion_.held_by() != HeldBy::kNothing || stopped_.load(std::memory_order_relaxed);
+  answer.reason = late ? "commands were late" : to_string(motion_.held_by()).data();
   answer.joint = motion_.held_joint();
   if (answer.held) motion_.go_on_from_tip();
   return answer;

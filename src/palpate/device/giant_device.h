@@ -75,7 +75,8 @@ class GiantDevice final : public MotionDevice {
   mutable ChainKinematics kinematics_;
   bool started_ = false;
   double t_ = 0.0, read_at_ = 0.0, moved_at_ = 0.0;
-  std::array<Told, 64> told_;  ///< ring buffer of commands from move(), for the delay
+  bool watchdog_braked_ = false;  ///< up to t_, without a move()
+  std::array<Told, 64> told_;     ///< ring buffer of commands from move(), for the delay
   std::size_t told_count_ = 0, shown_ = 0;
   Pose seen_;
   Twist velocity_;

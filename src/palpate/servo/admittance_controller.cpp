@@ -32,6 +32,13 @@ void approach(Vector3d& mass, Vector3d& damping, const Vector3d& wanted_mass, co
   }
 }
 
+/// stopping(), with the position after `travel` at most.
+AxisState braked(const AxisState& state, const AxisLimits& limits, double dt, double travel) {
+  AxisState s = stopping(state, limits, dt);
+  if (dt > travel) s.position = stopping(state, limits, travel).position;
+  return s;
+}
+
 }  // namespace
 
 AxisLimits MotionLimits::along(Index axis) const {
@@ -113,14 +120,14 @@ const MotionSetpoint& AdmittanceController::step(const Wrench& user, const Wrenc
   return motion_;
 }
 
-const MotionSetpoint& AdmittanceController::brake(double dt) {
+const MotionSetpoint& AdmittanceController::brake(double dt, double travel) {
   change(dt);
   Axes turned;
   for (Index k = 0; k < 3; ++k) {
     AxisState& x = along_[static_cast<std::size_t>(k)];
-    x = stopping(x, limits_.along(k), dt);
-    turned[static_cast<std::size_t>(k)] =
-        stopping({0.0, motion_.velocity.angular[k], motion_.acceleration.angular[k]}, limits_.about(), dt);
+    x = braked(x, limits_.along(k), dt, travel);
+    turned[static_cast<std::size_t>(k)] = braked(
+        {0.0, motion_.velocity.angular[k], motion_.acceleration.angular[k]}, limits_.about(), dt, travel);
   }
   tell(turned);
   motion_.still = at_rest();

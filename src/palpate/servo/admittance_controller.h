@@ -2,6 +2,8 @@
 /// Admittance controller: virtual mass and damper of an admittance-type device.
 #pragma once
 
+#include <limits>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -75,8 +77,10 @@ class AdmittanceController {
   /// Advances by `dt` under wrenches F_H_D that were measured at its beginning, torque about the TCP. \pre
   /// finite wrenches \param dt Unit: [s]. > 0
   const MotionSetpoint& step(const Wrench& user, const Wrench& scene, double dt);
-  /// Advances by `dt` while braking; at rest within MotionLimits::stop_time().
-  const MotionSetpoint& brake(double dt);
+  /// Advances by `dt` while braking; at rest within MotionLimits::stop_time(), whatever the sequence of `dt`.
+  /// \param travel longest time whose travel the pose takes: after a longer gap the velocity has fallen by
+  /// `dt`, but the pose does not jump. Unit: [s].
+  const MotionSetpoint& brake(double dt, double travel = std::numeric_limits<double>::infinity());
 
   const MotionSetpoint& motion() const { return motion_; }
   bool at_rest() const;

@@ -8,8 +8,13 @@ namespace palpate {
 namespace {
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-/// Longest time that a late tick integrates: the motion slows down instead of catching up. Unit: [ticks].
+/// Longest time that a late tick integrates while forces act: the motion slows down instead of catching up,
+/// as the forces of a later tick are those of another place. Unit: [ticks].
 constexpr double kLongestStep = 2.0;
+/// Longest time whose travel a late tick makes up for while it brakes. The velocity falls with the time that
+/// has passed, but after a longer gap the watchdogs of loop and device have stopped the device, and a
+/// setpoint farther ahead would be a jump. Unit: [s].
+constexpr double kLongestTravel = 0.05;
 
 }  // namespace
 
@@ -117,11 +122,11 @@ void AdmittanceLoop::tell_status() noexcept {
 void AdmittanceLoop::write(const Wrench& wrench) {
   if (!started_) return;
   const double passed = t_ > written_at_ ? t_ - written_at_ : period_;
-  const double dt = std::min(passed, kLongestStep * period_);
+  const double dt = std::min(passed, governor_.brakes() ? kLongestTravel : kLongestStep * period_);
   written_at_ = t_;
   if (next_.update()) controller_.set(next_.front());
   if (governor_.brakes()) {
-    controller_.brake(dt);
+    controller_.brake(passed, kLongestTravel);
   } else {
     const double share = governor_.share();
     const Wrench user = governor_.user();

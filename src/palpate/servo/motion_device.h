@@ -53,7 +53,10 @@ class MotionDevice {
   /// @{
   /// Gets the newest reading. \returns false if there is none. \param t now. Unit: [s].
   virtual bool read(double t, MotionReading& reading) = 0;
-  /// Commands the motion at the next tick. \pre finite, and within the limits the device was built for
+  /// Commands the motion at the next tick. Where the device has braked by itself, because it was told to
+  /// stop() or because commands came too late, it continues from there and says so in its answer. \pre
+  /// finite, and within the limits the device was built for \param dt time that the motion has taken since
+  /// the last setpoint. Unit: [s].
   virtual MotionAnswer move(const MotionSetpoint& motion, double dt) = 0;
   virtual void wait(const LoopClock& clock, double until) { clock.sleep_until(until); }
   /// @}
