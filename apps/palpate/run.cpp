@@ -213,7 +213,7 @@ void run(const RunOptions& options) {
       for (const std::string& message : gateway->take_notices()) console.tell(message);
     }
     if (failure) {
-      for (LiveSystem* system : systems) system->tick().governor().stop(Fault::kRecorder);
+      for (LiveSystem* system : systems) system->stop_force(Fault::kRecorder);
       console.wait_for_no_force();
     }
     for (const auto& view : views) view->update();

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -320,6 +321,102 @@ TEST(LiveSystem, HasNoForceIfItWasStoppedBeforeItStarted) {
   EXPECT_TRUE(is(Fault::kEmergencyStop));
   system.resume();
   EXPECT_TRUE(is(Fault::kNone));
+}
+
+/// A handle above the plane that goes where it is told, under a hand that pushes it along x with 40 N.
+struct PushedHandle final : MotionDevice {
+  struct Told {
+    double t = 0.0, velocity = 0.0;  ///< along x
+  };
+  PushedHandle() {
+    can.name = "pushed";
+    can.force_max = 100.0;
+    can.torque_max = 10.0;
+    can.actuated = {3, 3};
+    told.reserve(100'000);
+    at.position.z() = 0.5;
+  }
+  const DeviceCapabilities& capabilities() const override { return can; }
+  bool read(double t, MotionReading& reading) override {
+    constexpr double kTares = 1.2;  // s
+    now = t;
+    reading = {t, at, {}, {}, t};
+    if (t > kTares) reading.user.force.x() = 40.0;
+    return true;
+  }
+  MotionAnswer move(const MotionSetpoint& motion, double) override {
+    at = motion.pose;
+    if (told.size() < told.capacity()) told.push_back({now, motion.velocity.linear.x()});
+    speed = motion.velocity.linear.x();
+    return {motion};
+  }
+
+  DeviceCapabilities can;
+  DevicePose at;
+  double now = 0.0;
+  std::vector<Told> told;
+  std::atomic<double> speed = 0.0;
+};
+
+/// A system with such a handle.
+struct PushedSystem {
+  PushedSystem() : PushedSystem(std::make_unique<PushedHandle>()) {}
+  explicit PushedSystem(std::unique_ptr<PushedHandle> own)
+      : handle(*own), system(plane_config(), std::make_unique<AdmittanceLoop>(std::move(own), options())) {
+    system.start({});
+  }
+  static AdmittanceLoopOptions options() {
+    AdmittanceLoopOptions options;
+    options.margin = 0.0;
+    options.safety = MotionSafety::of(PushedHandle().can, options.limits, options.period);
+    options.safety->late_max = options.safety->stale_after = 1e3;  // a busy machine is not what is tested
+    options.safety->jump = options.safety->following_max = 1e3;
+    return options;
+  }
+  bool moves() {
+    return comes_true([&] { return handle.speed > 1.0; });
+  }
+  PushedHandle& handle;
+  LiveSystem system;
+};
+
+/// Expects every setpoint within the limit of acceleration, and the last one at rest.
+void expect_rest(const PushedHandle& handle) {
+  const std::vector<PushedHandle::Told>& told = handle.told;
+  ASSERT_GT(told.size(), 2U);
+  EXPECT_EQ(told.back().velocity, 0.0);
+  for (std::size_t k = 1; k < told.size(); ++k)
+    EXPECT_LE(std::abs(told[k].velocity - told[k - 1].velocity),
+              MotionLimits().acceleration * (told[k].t - told[k - 1].t) * (1.0 + 1e-9))
+        << k;
+}
+
+TEST(LiveSystem, BringsAHandleThatIsMovedToRestBeforeItHasStopped) {
+  PushedSystem pushed;
+  ASSERT_TRUE(pushed.moves());
+  pushed.system.stop();
+  expect_rest(pushed.handle);
+}
+
+TEST(LiveSystem, BrakesAHandleThatIsMovedWhateverEndsTheRun) {
+  for (const Fault why : {Fault::kEnded, Fault::kRecorder, Fault::kEmergencyStop}) {
+    PushedSystem pushed;
+    ASSERT_TRUE(pushed.moves()) << traits(why).name;
+    pushed.system.stop_force(why);
+    EXPECT_TRUE(comes_true([&] { return pushed.handle.speed == 0.0; })) << traits(why).name;
+    pushed.system.stop();
+    expect_rest(pushed.handle);
+  }
+}
+
+TEST(LiveSystem, LetsAHandleBeMovedInAPause) {
+  PushedSystem pushed;
+  ASSERT_TRUE(pushed.moves());
+  pushed.system.stop_force(Fault::kPaused);
+  sleep_until(monotonic_now() + 0.4);  // longer than it would brake
+  EXPECT_GT(pushed.handle.speed, 1.0);
+  pushed.system.stop();
+  expect_rest(pushed.handle);
 }
 
 LiveConfig giant_config() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -165,7 +166,7 @@ struct MovedHandle final : MotionDevice {
   MotionAnswer move(const MotionSetpoint& motion, double) override {
     at = motion.pose;
     told.push_back({now, motion});
-    return {motion};
+    return drifts ? MotionAnswer{*drifts, true, "it drifts"} : MotionAnswer{motion};
   }
   void stop() noexcept override { ++stops; }
 
@@ -180,6 +181,7 @@ struct MovedHandle final : MotionDevice {
   double now = 0.0;
   std::vector<Told> told;
   int stops = 0;
+  std::optional<MotionSetpoint> drifts;  ///< motion that it answers with, whatever it is told
 };
 
 AdmittanceLoopOptions unchecked() {
@@ -318,6 +320,43 @@ TEST_F(MovedHandleTest, IsAtRestInTimeHoweverLateTicksAre) {
     handle.push.setZero();
     run(1.0);
   }
+}
+
+TEST_F(MovedHandleTest, ComesToRestBeforeItsLoopEnds) {
+  push();
+  const double begin = t;
+  while (!loop.come_to_rest() && t < begin + 1.0) {
+    loop.governor().resume();
+    tick();
+  }
+  EXPECT_LE(t, begin + options.limits.stop_time() + kTick);
+  const MotionSetpoint& last = handle.told.back().motion;
+  EXPECT_TRUE(last.velocity.linear.isZero(0.0));
+  EXPECT_TRUE(last.still);
+  EXPECT_EQ(loop.governor().fault(), Fault::kEnded);
+  EXPECT_EQ(loop.status_text(), "") << "nothing has failed";
+  EXPECT_EQ(handle.stops, 0);
+  tick();
+  EXPECT_TRUE(loop.come_to_rest()) << "and stays there under the hand";
+  loop.close();
+  EXPECT_EQ(handle.stops, 0);
+}
+
+TEST_F(MovedHandleTest, IsToldToStopIfItIsNotAtRestInTime) {
+  push();
+  handle.drifts = loop.motion();
+  const double begin = t;
+  while (!loop.come_to_rest() && t < begin + 1.0) tick();
+  EXPECT_GE(t, begin + options.limits.stop_time());
+  EXPECT_LE(t, begin + options.limits.stop_time() + 3.0 * kTick);
+  EXPECT_EQ(handle.stops, 1);
+}
+
+TEST_F(MovedHandleTest, IsToldToStopIfItIsClosedInMotion) {
+  push();
+  EXPECT_EQ(handle.stops, 0);
+  loop.close();
+  EXPECT_EQ(handle.stops, 1);
 }
 
 TEST(AdmittanceLoopCheck, WithoutAMarginIsNone) {

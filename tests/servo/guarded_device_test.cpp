@@ -25,6 +25,10 @@ class Thrower final : public HapticDevice {
   void wait(const LoopClock&, double) override { call(At::kWait); }
   void write(const Wrench&) override { call(At::kWrite); }
   void stop() noexcept override { ++stops; }
+  bool come_to_rest() override {
+    ++calls;
+    return false;
+  }
 
  private:
   bool call(At here) {
@@ -53,11 +57,13 @@ TEST_P(GuardedDeviceTest, AsksADriverThatThrewNoMore) {
   tick();
   EXPECT_TRUE(heard);
   EXPECT_EQ(driver.calls, 3);
+  EXPECT_FALSE(device.come_to_rest());
   EXPECT_EQ(device.thrown(), "");
   driver.at = GetParam();
   tick();
   EXPECT_EQ(device.thrown(), "the cable burns");
   EXPECT_EQ(driver.stops, 1);
+  EXPECT_TRUE(device.come_to_rest()) << "a loop does not wait for it";
   const int calls = driver.calls;
   driver.at = Thrower::At::kNowhere;
   tick();

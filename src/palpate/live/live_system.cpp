@@ -300,9 +300,7 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   }
 }
 
-void LiveSystem::begin_to_stop() {
-  if (tick_) tick_->governor().stop(Fault::kEnded);
-}
+void LiveSystem::begin_to_stop() { stop_force(Fault::kEnded); }
 
 void LiveSystem::stop() {
   {
@@ -329,7 +327,8 @@ void LiveSystem::stop_force(Fault why) {
   ServoTick* const tick = running_.load(std::memory_order_acquire);
   if (tick == nullptr) return;
   tick->governor().stop(why);
-  if (admittance_ != nullptr && traits(why).latched && !traits(why).requested)
+  // The handle can still be moved in a pause, and where the force returns by itself.
+  if (admittance_ != nullptr && traits(why).latched && why != Fault::kPaused)
     admittance_->governor().stop(why);
 }
 

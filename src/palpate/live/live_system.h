@@ -73,12 +73,13 @@ class LiveSystem {
   /// receive every tick, on the servo thread; must outlive stop() \throws Error as enable(), and if the
   /// system has been started before.
   void start(std::vector<TickObserver*> observers);
-  /// Starts ramping the force down. Owner's thread, before stop(), which then waits less: when several
-  /// systems stop, their forces fall together.
+  /// Starts ramping the force down, and braking a device of the admittance type. Owner's thread, before
+  /// stop(), which then waits less: when several systems stop, their forces fall together.
   void begin_to_stop();
-  /// Ramps the force down, closes the device and stops the loop. Owner's thread; further calls do nothing. A
-  /// device whose driver does not return, from the loop or within 5 s from close(), is stopped and not
-  /// closed; it and its thread are then left behind.
+  /// Ramps the force down, brings a device of the admittance type to rest within MotionLimits::stop_time(),
+  /// stops the loop and closes the device. Owner's thread; further calls do nothing. A device whose driver
+  /// does not return, from the loop or within 5 s from close(), is stopped and not closed; it and its thread
+  /// are then left behind.
   void stop();
   /// Returns whether stop() had to leave the device behind. Owner's thread.
   bool has_left_device() const { return device_hangs_; }
@@ -136,8 +137,8 @@ class LiveSystem {
   std::shared_ptr<const FeltScene> felt() const;
 
   /// Stops the force; before start(), that of the loop to come, until resume(). A device of the admittance
-  /// type is also brought to rest if ending the fault takes resume(). May also be called from signal
-  /// handlers, and before start().
+  /// type is also brought to rest if ending the fault takes resume(), except in a pause, in which its handle
+  /// can be moved. May also be called from signal handlers, and before start().
   void stop_force(Fault why = Fault::kEmergencyStop);
   /// Turns the motors off at once, for a program that is about to terminate. May also be called from signal
   /// handlers, and before start().

@@ -64,10 +64,12 @@ void AdmittanceLoop::open() {
 
 void AdmittanceLoop::enable() {
   device_.enable();
+  rests_by_.reset();
   HapticDevice::enable();
 }
 
 void AdmittanceLoop::close() noexcept {
+  if (!controller_.at_rest()) device_.stop();  // the loop has not ended in its own way
   device_.close();
   HapticDevice::close();
 }
@@ -75,6 +77,15 @@ void AdmittanceLoop::close() noexcept {
 void AdmittanceLoop::stop() noexcept {
   governor_.stop(Fault::kStalled);
   device_.stop();
+}
+
+bool AdmittanceLoop::come_to_rest() {
+  governor_.stop(Fault::kEnded);  // again and again: it may have been resumed
+  if (controller_.at_rest()) return true;
+  if (!rests_by_) rests_by_ = t_ + controller_.limits().stop_time() + kLongestStep * period_;
+  if (t_ < *rests_by_) return false;
+  device_.stop();
+  return true;
 }
 
 void AdmittanceLoop::change(const Admittance& admittance, double contact_stiffness) {
@@ -113,7 +124,8 @@ bool AdmittanceLoop::read(double t, DeviceReading& reading) {
 /// Reports the fault that stopped MotionGovernor, or what holds the device.
 void AdmittanceLoop::tell_status() noexcept {
   if (governor_.fault() != Fault::kNone) {
-    set_status(DeviceStatus::kFault, traits(governor_.fault()).name.data());
+    const FaultTraits& fault = traits(governor_.fault());
+    set_status(DeviceStatus::kFault, fault.requested ? "" : fault.name.data());  // nothing has failed
   } else if (status() == DeviceStatus::kFault || status() == DeviceStatus::kEnabled) {
     set_status(DeviceStatus::kEnabled, held_by());
   }

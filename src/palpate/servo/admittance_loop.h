@@ -39,7 +39,8 @@ struct AdmittanceLoopOptions {
 /// Where the device cannot follow, the controller's motion is reset to the device's actual motion: there is
 /// no windup, and no jump when the device is free again. status_text() then names the cause.
 ///
-/// While MotionGovernor brakes for a fault, read() returns false and the status is DeviceStatus::kFault.
+/// While MotionGovernor brakes for a fault, read() returns false and the status is DeviceStatus::kFault. A
+/// loop that ends brakes first (come_to_rest()); close() stops a handle that moves all the same.
 ///
 /// The first setpoint is the pose of the first valid reading. A handle that comes back elsewhere after
 /// invalid readings, or with another hand, is told to stop and gets no setpoint until its readings are
@@ -61,6 +62,10 @@ class AdmittanceLoop final : public HapticDevice {
   const DeviceCapabilities& capabilities() const override { return capabilities_; }
   bool read(double t, DeviceReading& reading) override;
   void write(const Wrench& wrench) override;
+  /// Brakes for Fault::kEnded. True at rest, and after MotionLimits::stop_time(): a device that holds the
+  /// motion back for longer is then told to stop. In another loop, MotionGovernor::resume() lets it move
+  /// again.
+  bool come_to_rest() override;
   void wait(const LoopClock& clock, double until) override { device_.wait(clock, until); }
   void stop() noexcept override;
 
@@ -102,6 +107,7 @@ class AdmittanceLoop final : public HapticDevice {
   MotionReading said_;
   bool heard_ = false, started_ = false;
   double t_ = 0.0, written_at_ = 0.0;  ///< Unit: [s].
+  std::optional<double> rests_by_;     ///< when it should be at rest, if the loop is to end. Unit: [s].
   MotionAnswer answer_;
   bool held_ = false;
   double held_at_ = 0.0;  ///< Unit: [s].

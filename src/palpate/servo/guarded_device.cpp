@@ -102,4 +102,9 @@ void GuardedDevice::stop() noexcept {
   device_.stop();
 }
 
+bool GuardedDevice::come_to_rest() {
+  const bool rests = guard([](HapticDevice& device, Call&) { return device.come_to_rest(); });
+  return rests || !thrown().empty();  // one that has thrown was told to stop
+}
+
 }  // namespace palpate

@@ -26,6 +26,7 @@ class GuardedDevice final : public HapticDevice {
   bool read(double t, DeviceReading& reading) override;
   void wait(const LoopClock& clock, double until) override;
   void write(const Wrench& wrench) override;
+  bool come_to_rest() override;
   /// The next write() is of zero wrench. One that is being made may end after it.
   void stop() noexcept override;
 

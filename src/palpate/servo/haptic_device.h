@@ -82,6 +82,11 @@ class HapticDevice {
   /// Sets the wrench that the motors apply from now on, F_H_D, torque about the handle; none unless enabled.
   /// \pre within capabilities(), and finite.
   virtual void write(const Wrench& wrench) = 0;
+
+  /// Called before each tick of a loop that is to end. A device that moves the handle by itself brakes it in
+  /// the next calls of read() and write(), until the loop has ended. \returns true once the handle is at
+  /// rest, or should have been: the loop goes on until then.
+  virtual bool come_to_rest() { return true; }
   /// @}
 
   /// \name From any thread, and in signal handlers

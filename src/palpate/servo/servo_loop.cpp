@@ -129,7 +129,8 @@ void ServoLoop::run(const Options& options) {
     begin -= early;
     due -= early;
     if (ends_.load(std::memory_order_relaxed)) {
-      if (tick_.governor().state() == GovernorState::kStopped) return;
+      const bool rests = tick_.come_to_rest();
+      if (rests && tick_.governor().state() == GovernorState::kStopped) return;
       tick_.governor().stop(Fault::kEnded);
     }
     tick(due);

@@ -79,8 +79,9 @@ class ServoLoop {
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
-  /// Pauses the force, waits until it has fallen to zero, and ends the thread. \param patience longest wait
-  /// without a tick. Unit: [s]. \returns false if the thread has not ended then; stop() may be called again.
+  /// Pauses the force, waits until it has fallen to zero and the handle of a device of the admittance type is
+  /// at rest, and ends the thread. \param patience longest wait without a tick. Unit: [s]. \returns false if
+  /// the thread has not ended then; stop() may be called again.
   bool stop(double patience = std::numeric_limits<double>::infinity());
   /// After stop() has returned false: leaves the thread behind. \pre it never returns from the device, see
   /// GuardedDevice::abandon()

@@ -86,6 +86,9 @@ class ServoTick {
   /// Waits for the next tick: HapticDevice::wait().
   void wait(const LoopClock& clock, double until) { device_.wait(clock, until); }
 
+  /// Before each tick of a loop that is to end: HapticDevice::come_to_rest().
+  bool come_to_rest() { return device_.come_to_rest(); }
+
   /// Current map from device to world. Called by the thread of run(); devices may call it within read().
   const WorkspaceMap& map() const { return map_; }
 
