@@ -15,7 +15,9 @@ struct ForceSensorLimits {
   double force_rate = 2e4, torque_rate = 1e3;
   double hold_time =
       5e-3;  ///< during which the last good measurement replaces bad or missing ones. Unit: [s].
-  double saturated_time = 0.05;                ///< tolerated at the end of its range. Unit: [s].
+  /// during which measurements at the end of the range are used as they are: a blow of the hand exerts at
+  /// least that. Unit: [s].
+  double saturated_time = 0.05;
   double bias_force = 3.0, bias_torque = 0.3;  ///< largest plausible bias. Unit: [N], [N m].
 };
 
@@ -24,9 +26,9 @@ enum class SensorFault { kNone, kNotFinite, kSpike, kSaturated, kDropout, kBias 
 std::string_view to_string(SensorFault fault);
 
 /// Passes plausible measurements. A spike, a NaN or a missing measurement is replaced by the last good one
-/// for hold_time; a longer disturbance is a fault, as are forces at the end of the range. The bias is the
-/// mean of the measurements while nobody pushes: see tare(). Later drift is unknown, and moves the handle at
-/// drift / D.
+/// for hold_time; a longer disturbance is a fault, as are forces at the end of the range for longer than
+/// saturated_time. The bias is the mean of the measurements while nobody pushes: see tare(). Later drift is
+/// unknown, and moves the handle at drift / D.
 ///
 /// One object per thread. Does not allocate or throw.
 class ForceSensorGuard {
