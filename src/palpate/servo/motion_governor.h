@@ -42,9 +42,8 @@ struct MotionSafety {
 ///  - a fault brakes: the handle is at rest within MotionLimits::stop_time() and stays there. A fault that
 ///    does not latch ends once no fault has occurred for recover_after; then the hand's force must be small
 ///    for gate_time, and its effect on the handle ramps up from zero within rise_time;
-///  - no setpoint is known before the first valid reading, nor while the handle is found away from its
-///  setpoint
-///    after a jump or with another hand: see knows_place();
+///  - no setpoint is known before the first valid reading, nor while the handle is found elsewhere after a
+///    jump or with another hand: see knows_place();
 ///  - at the first gate the sensor's output is taken as its bias, so nobody must hold the handle; later gates
 ///    use that bias, until tare().
 ///
