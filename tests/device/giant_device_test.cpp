@@ -297,6 +297,17 @@ TEST_F(GiantDeviceTest, AdmittancesThatAreNotStableAreRefusedAlsoOnTheWay) {
   EXPECT_THROW(loop_->change({}, 20'000.0), Error);
 }
 
+// The loop counts on the damping that it was told of.
+TEST_F(GiantDeviceTest, HasTheDampingThatItTellsOfHoweverItIsChanged) {
+  hold(walk());
+  const double told = loop_->capabilities().damping;
+  Admittance lighter = loop_->admittance();
+  lighter.damping.setConstant(0.8 * told);
+  loop_->change(lighter, 100.0);
+  run(2.0);
+  EXPECT_GE(loop_->admittance().damping.minCoeff(), loop_->capabilities().damping);
+}
+
 // ThreadSanitizer looks on.
 TEST_F(GiantDeviceTest, IsChangedStoppedAndResumedFromAnotherThread) {
   wall_.k = 500.0;

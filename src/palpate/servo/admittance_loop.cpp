@@ -91,10 +91,11 @@ bool AdmittanceLoop::come_to_rest() {
 void AdmittanceLoop::change(const Admittance& admittance, double contact_stiffness) {
   AdmittanceLoopOptions changed = options_;
   changed.admittance = admittance;
+  changed.admittance.damping = admittance.damping.cwiseMax(capabilities_.damping);
   changed.along.contact_stiffness = contact_stiffness;
   check(changed);
   options_ = changed;
-  next_.back() = admittance;
+  next_.back() = changed.admittance;
   next_.publish();
 }
 

@@ -70,7 +70,8 @@ class AdmittanceLoop final : public HapticDevice {
   void stop() noexcept override;
 
   /// Sets another admittance and the stiffest contact from now on; M and D change gradually
-  /// (AdmittanceController). Called by one thread besides the loop's. \throws Error as the constructor;
+  /// (AdmittanceController). Damping below that of capabilities() is raised to it: the loop counts on that.
+  /// Called by one thread besides the loop's. \throws Error as the constructor;
   /// nothing is then changed.
   void change(const Admittance& admittance, double contact_stiffness);
 
