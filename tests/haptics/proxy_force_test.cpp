@@ -820,12 +820,29 @@ TEST(ProxyForce, StartsInASurfaceWithAsManyPartsAsAToolMayHave) {
   const Vector3d place(0, 0, kTop - kDepth);
   int ticks = 0;
   ForceOutput felt = bench.at(place);
-  for (; felt.wrench.force.norm() == 0.0 && ticks < 200; ++ticks) felt = bench.at(place);
+  for (; felt.wrench.force.norm() == 0.0 && ticks < 200; ++ticks) {
+    EXPECT_FALSE(felt.is_known) << ticks;
+    felt = bench.at(place);
+  }
   EXPECT_GT(ticks, 1);
   EXPECT_LT(ticks, 100);
+  EXPECT_TRUE(felt.is_known);
   for (int tick = 0; tick < 100; ++tick) felt = bench.at(place);
   EXPECT_NEAR(felt.wrench.force.z(), kStiffness * kDepth, 0.1 * kStiffness * kDepth);
   EXPECT_LT(felt.wrench.torque.norm(), 0.01 * kStiffness * kDepth);
+}
+
+// In the air that is soon known, and remains so while it moves.
+TEST(ProxyForce, KnowsThatItTouchesNothing) {
+  constexpr double kTop = 0.008;
+  constexpr int kSoon = 20;  // ticks
+  for (const Tool& tool : {Tool(Vector3d::Constant(0.02)), plate_of_256(kTop)}) {
+    Bench bench("plane", even(0.004), {}, tool);
+    for (int tick = 0; tick < 150; ++tick) {
+      const bool known = bench.at(Vector3d(0, 0, 0.1 - 0.0005 * tick)).is_known;
+      EXPECT_TRUE(known || tick < kSoon) << tool.parts().size() << " parts, tick " << tick;
+    }
+  }
 }
 
 // So fine a detail sees no farther than half a millimetre: the proxy does not go farther either.

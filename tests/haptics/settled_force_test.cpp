@@ -32,9 +32,11 @@ class ScriptedForce final : public ForceModel {
     const int step = static_cast<int>(times.size()) - 1;
     felt.wrench.force.z() = force_(step);
     felt.wrench.torque.x() = torque_(step);
+    felt.is_known = step >= knows_after;
     return felt;
   }
 
+  int knows_after = 0;        ///< steps
   std::vector<double> times;  ///< ForceInput::dt of each step
 
  private:
@@ -59,6 +61,13 @@ TEST(SettledForce, WaitsForATorqueThatComesLate) {
   ScriptedForce model([](int) { return 1.0; }, [](int step) { return step < 40 ? 0.0 : 0.2; });
   EXPECT_EQ(settled_force(model, Pose{}, {}).wrench.torque.x(), 0.2);
   EXPECT_EQ(model.times.size(), 40U + 51U);
+}
+
+// A tool of many parts takes many steps to know what it is in.
+TEST(SettledForce, WaitsUntilTheModelKnows) {
+  ScriptedForce model([](int step) { return step < 130 ? 0.0 : 3.0; }, [](int) { return 0.0; });
+  model.knows_after = 130;
+  EXPECT_EQ(settled_force(model, Pose{}, {}).wrench.force.z(), 3.0);
 }
 
 TEST(SettledForce, StartsAnewAndEndsWhereTheForceNeverSettles) {

@@ -35,6 +35,10 @@ TEST(ZeroOrderHold, IsZeroUntilThereIsAnAnswer) {
   held.finish();  // nothing was asked
   EXPECT_EQ(held.evaluate(at(3, 0)).wrench.force.x(), 0.0);
   EXPECT_EQ(held.evaluate(at(4, 1e-3)).wrench.force.x(), 0.0);
+  EXPECT_FALSE(held.evaluate(at(4, 1e-3)).is_known);
+  held.take();
+  held.finish();
+  EXPECT_TRUE(held.evaluate(at(4, 1e-3)).is_known);
 }
 
 TEST(ZeroOrderHold, HoldsWhatWasFeltWhenItWasAsked) {

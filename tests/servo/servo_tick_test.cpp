@@ -361,6 +361,51 @@ TEST_F(ServoTickTest, ASlowDeviceGetsWhatItCanHold) {
   EXPECT_NEAR(run(1.0).felt.stiffness, 500.0, 1.0);
 }
 
+// A force model may have a little energy in reserve before it touches anything: that is no contact.
+TEST_F(ServoTickTest, ASlowDeviceGetsNoMoreInTheFirstTickOfAContact) {
+  struct Reserve final : ForceModel {
+    explicit Reserve(ForceModel& of) : model(of) {}
+    bool wants_contacts() const override { return false; }
+    void reset() override { model.reset(); }
+    ForceOutput evaluate(const ForceInput& input) override {
+      ForceOutput out = model.evaluate(input);
+      out.stored_energy += 2e-4;
+      return out;
+    }
+    ForceModel& model;
+  } reserve(wall);
+  device.can.damping = 0.0;
+  device.can.rate = 60.0;
+  device.period = 1.0 / 60.0;
+  loop = std::make_unique<ServoTick>(device, FeltModel{&reserve, &contacts}, ServoTickOptions{});
+  device.pose.position.x() = 0.01;
+  run(2.0);
+  device.pose.position.x() = -0.005;
+  double stiffest = 0.0;
+  for (int tick = 0; tick < 100; ++tick) stiffest = std::max(stiffest, run(kTick).felt.stiffness);
+  EXPECT_NEAR(stiffest, 120.0, 5.0);
+}
+
+TEST_F(ServoTickTest, NoGateOpensBeforeTheModelKnows) {
+  struct Slow final : ForceModel {
+    bool wants_contacts() const override { return false; }
+    void reset() override { asked = 0; }
+    ForceOutput evaluate(const ForceInput& input) override {
+      ForceOutput out;
+      out.proxy = input.tool;
+      out.is_known = ++asked > 150;
+      out.wrench.force.x() = out.is_known ? force : 0.0;
+      return out;
+    }
+    int asked = 0;
+    double force = 5.0;
+  } slow;
+  loop = std::make_unique<ServoTick>(device, FeltModel{&slow, &contacts}, ServoTickOptions{});
+  for (int tick = 0; tick < 1000; ++tick) ASSERT_EQ(run(kTick).state, GovernorState::kWaiting) << tick;
+  slow.force = 0.0;
+  EXPECT_EQ(run(1.0).state, GovernorState::kActive);
+}
+
 TEST_F(ServoTickTest, AModelIsToldWhatDampingTheDeviceShows) {
   struct Listener final : ForceModel {
     bool wants_contacts() const override { return false; }

@@ -39,6 +39,8 @@ struct ForceOutput {
   /// Stiffness of that spring in the current contact; 0 without contact. Unit: [N/m].
   double stiffness = 0.0;
   LocalSurface local = {};  ///< surface around the tool, world frame
+  /// False while the model does not know yet what the tool is in: the wrench is then zero and says nothing.
+  bool is_known = true;
 };
 
 /// Turns contacts into a wrench on the tool. A model may keep state between calls (filters), so an

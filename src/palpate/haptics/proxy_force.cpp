@@ -693,7 +693,7 @@ ForceOutput ProxyForce::evaluate_in_scene(const ForceInput& input) {
   if (replaced_ && starting_ > started) leave_known();
   if (!knows_all && !trails_) {
     tool_ = input.tool;
-    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
+    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local(), false};
   }
   damping_max_ = input.damping_max;
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
@@ -738,7 +738,7 @@ ForceOutput ProxyForce::evaluate_in_scene(const ForceInput& input) {
   if (!trails_) {
     release(moved);
     pull_.reset();
-    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local()};
+    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, local(), steps_out_ == 0};
   }
   if (!starts) pull = smoothed(less_owed(pull), 2.0 * of_tool + catch_up() * input.dt);
   pull_ = pull;

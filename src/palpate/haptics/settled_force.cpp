@@ -5,8 +5,7 @@ namespace {
 
 constexpr double kStep = 1e-3;           // s
 constexpr double kSettledWithin = 1e-9;  // N and N m: numerical noise of a proxy at rest is 1e-14
-// In a captured scene, a ball waited for its first force for 5 steps at most and a hand of 24 ellipsoids for
-// 14; neither paused for longer after that.
+// In a captured scene, what waited for its first force did not pause for longer than 14 steps after that.
 constexpr int kQuietSteps = 50;
 // Where fits to noisy splats alternate, the force fluctuates for ever, by some hundredths of a newton.
 constexpr int kMostSteps = 300;
@@ -25,7 +24,7 @@ ForceOutput settled_force(ForceModel& model, const Pose& tool, const ContactSet&
   for (int step = 1; step < kMostSteps && quiet < kQuietSteps; ++step) {
     const Wrench before = felt.wrench;
     felt = model.evaluate({tool, {}, kStep, &contacts});
-    quiet = equal_within(felt.wrench, before, kSettledWithin) ? quiet + 1 : 0;
+    quiet = felt.is_known && equal_within(felt.wrench, before, kSettledWithin) ? quiet + 1 : 0;
   }
   return felt;
 }

@@ -12,10 +12,12 @@ ForceOutput ZeroOrderHold::evaluate(const ForceInput& input) {
   question_.publish();
   answer_.update();
   ForceOutput held;
-  if (answer_.front().beginning == beginning_)
+  if (answer_.front().beginning == beginning_) {
     held = answer_.front().output;
-  else
+  } else {
     held.proxy = input.tool;
+    held.is_known = false;
+  }
   held.stored_energy = std::numeric_limits<double>::quiet_NaN();
   return held;
 }

@@ -285,13 +285,13 @@ double SafetyGovernor::share() const {
   }
 }
 
-Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age) {
+Wrench SafetyGovernor::release(const Wrench& wanted, double contacts_age, bool is_known) {
   if (stop_asked_.load(std::memory_order_relaxed) != 0U) hear();  // requests made while the model ran
   const bool good = is_finite(wanted);
   if (!good) raise(Fault::kBadForce);
   if (!(contacts_age <= limits_.contacts_after)) raise(Fault::kLateContacts);
   const Wrench asked = good ? shortened(wanted, limits_.force_max, limits_.torque_max) : Wrench{};
-  const bool small = asked.force.norm() <= limits_.gate_share * limits_.force_max &&
+  const bool small = is_known && asked.force.norm() <= limits_.gate_share * limits_.force_max &&
                      asked.torque.norm() <= limits_.gate_share * limits_.torque_max;
   advance(small);
   presses_ = !small && (state_ == GovernorState::kRising || state_ == GovernorState::kActive);

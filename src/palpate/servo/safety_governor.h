@@ -127,8 +127,9 @@ class SafetyGovernor {
   const DeviceReading& reading() const { return reading_; }
 
   /// Returns the wrench to send, F_H_D. \param wanted wrench that the model requests, likewise F_H_D \param
-  /// contacts_age age of the contacts it is based on. Unit: [s].
-  Wrench release(const Wrench& wanted, double contacts_age);
+  /// contacts_age age of the contacts it is based on. Unit: [s]. \param is_known ForceOutput::is_known: if
+  /// not, the gate stays shut
+  Wrench release(const Wrench& wanted, double contacts_age, bool is_known = true);
 
   /// Raises the fault `why` on request: if it latches, the force falls and stays zero until resume(). From
   /// any thread, also a signal handler.

@@ -95,12 +95,13 @@ void ServoTick::feel() {
     used_.contacts->query(record_.tool, found_, ToolTracker::kMost);
     if (!found_.complete) governor_.stop(Fault::kCrowded);
   }
+  const bool begins = !(record_.felt.stiffness > 0.0);  // no contact in the last tick
   record_.felt = used_.model->evaluate(input);
   const double unfelt = unfelt_work(record_.felt.wrench);
   asked_ = true;
   asked_at_ = reading.t;
   held_for_ += -std::expm1(-passed / kHeldFilter) * (passed - held_for_);
-  const double margin = keep_passive(record_.felt.stiffness, passive_gain_.stored_energy() == 0.0);
+  const double margin = keep_passive(record_.felt.stiffness, begins);
 
   ForceOutput& felt = record_.felt;
   const double gain = passive_gain_.at(gain_, felt.stored_energy, unfelt);
@@ -124,7 +125,7 @@ void ServoTick::feel() {
 }
 
 /// Softens a spring that would be active. \param stiffness of the model, without a gain. Unit: [N/m].
-/// \param begins no load before: the spring is then soft from the start \returns TickRecord::margin
+/// \param begins no contact before: the spring is then soft from the start \returns TickRecord::margin
 double ServoTick::keep_passive(double stiffness, bool begins) {
   if (!(stiffness > 0.0)) return 0.0;
   const DeviceCapabilities& device = device_.capabilities();
@@ -205,7 +206,8 @@ const TickRecord& ServoTick::run(double t) {
   } else if (fresh) {
     feel();
   }
-  record_.sent = governor_.release(wanted_, used_.worker != nullptr ? used_.worker->age(t) : 0.0);
+  record_.sent =
+      governor_.release(wanted_, used_.worker != nullptr ? used_.worker->age(t) : 0.0, record_.felt.is_known);
   device_.write(record_.sent);
   tell();
   return record_;
