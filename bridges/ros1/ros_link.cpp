@@ -2,9 +2,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
+
+#include <unistd.h>
 
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TwistStamped.h>
@@ -19,6 +23,7 @@
 #include <std_msgs/Float64MultiArray.h>
 #include <std_msgs/Header.h>
 
+#include "end_request.h"
 #include "master_watch.h"
 #include "other_publisher.h"
 
@@ -34,6 +39,15 @@ constexpr const char* kAnyType = "*";
 
 /// True once the loss of the master has been reported; one flag per process, shared by all links.
 std::atomic<bool> lost{false};
+
+/// Whether a link has initialised ROS, in a program that is no node otherwise.
+std::atomic<bool> initialised{false};
+
+/// Ends the program as SIGTERM does once its node is asked to end: the force falls first.
+void end_with_node() {
+  static std::once_flag once;
+  if (initialised) std::call_once(once, [] { on_end_request([] { ::kill(::getpid(), SIGTERM); }); });
+}
 
 std_msgs::MultiArrayDimension dimension(const char* label, std::size_t size, std::size_t stride) {
   std_msgs::MultiArrayDimension out;
@@ -77,6 +91,7 @@ class Link::Implementation {
       ros::init(argc, nullptr, "palpate",
                 ros::init_options::AnonymousName | ros::init_options::NoSigintHandler |
                     ros::init_options::NoRosout);
+      initialised = true;
     }
     thread_ = std::thread([this] { run(); });
   }
@@ -149,6 +164,7 @@ class Link::Implementation {
 
   void connect() {
     node_ = std::make_unique<ros::NodeHandle>(prefix_);
+    end_with_node();
     node_->setCallbackQueue(&queue_);
     spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
     body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);

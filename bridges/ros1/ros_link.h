@@ -48,6 +48,7 @@ struct StampedWrench {
 /// Subscribes PREFIX/measured_cp, measured_cv and palpate/echoed, publishes PREFIX/spatial/servo_cf,
 /// body/servo_cf, palpate/echo and palpate/local_model; all may be remapped. Connects as soon as there is a
 /// master, and registers again after the master has restarted. Of several links in a process, one reports it.
+/// If it is the link that initialises ROS, a request to end the node (`rosnode kill`) raises SIGTERM.
 class Link {
  public:
   /// Starts the link without waiting for a master. `listener` must outlive it. \throws std::runtime_error if

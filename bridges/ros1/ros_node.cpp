@@ -1,5 +1,6 @@
 #include "ros_node.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
@@ -10,12 +11,15 @@
 #include <ros/param.h>
 #include <ros/this_node.h>
 
+#include "end_request.h"
 #include "master_watch.h"
 
 namespace palpate::ros1 {
 namespace {
 
 using XmlRpc::XmlRpcValue;
+
+std::atomic<bool> asked_to_end{false};
 
 std::string text_of(const std::string& name, XmlRpcValue& value) {
   switch (value.getType()) {
@@ -82,8 +86,11 @@ std::vector<node::NodeParameter> init_node(int& argc, char** argv) {
   return private_parameters();
 }
 
-void start_node() { ros::start(); }
+void start_node() {
+  ros::start();
+  on_end_request([] { asked_to_end = true; });
+}
 
-bool is_up() { return ros::ok(); }
+bool is_up() { return !asked_to_end && ros::ok(); }
 
 }  // namespace palpate::ros1

@@ -17,7 +17,8 @@ std::vector<node::NodeParameter> init_node(int& argc, char** argv);
 /// Starts the threads of ROS, which inherit the scheduling of the calling one: poses arrive on them.
 void start_node();
 
-/// Returns false once the node has been asked to end (`rosnode kill`, another node of the same name).
+/// Returns false once the node has been asked to end (`rosnode kill`, another node of the same name). Its
+/// topics remain until the program ends, so that the fall of the force reaches the driver.
 bool is_up();
 
 }  // namespace palpate::ros1

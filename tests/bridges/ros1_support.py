@@ -1,11 +1,13 @@
 """A real roscore, and a driver of a haptic device that is an ordinary rospy node, for the tests of the bridge to ROS 1."""
 
 import faulthandler
+import os
 import signal
 import socket
 import subprocess
 import threading
 import time
+import xmlrpc.client
 
 import rospy
 from geometry_msgs.msg import PoseStamped, WrenchStamped
@@ -57,6 +59,12 @@ class Master:
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
+
+
+def end_by_name(name):
+    """What `rosnode kill` does."""
+    _, _, uri = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]).lookupNode("/test", name)
+    xmlrpc.client.ServerProxy(uri).shutdown("/test", "by the test")
 
 
 class Ear:

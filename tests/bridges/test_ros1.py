@@ -14,7 +14,7 @@ import rospy
 
 from geometry_msgs.msg import WrenchStamped
 
-from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port, newest_line
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, end_by_name, free_port, newest_line
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import ply, wall_rows  # noqa: E402
@@ -218,6 +218,16 @@ class Ros1(unittest.TestCase):
         self.assertEqual(self.driver.force, 0.0, "in contact, before the gate")
         self.lean()
         self.assertEqual(self.text().count("nothing subscribes"), 1)
+
+    def test_9_a_node_that_is_killed_by_name_ends_with_a_zero_wrench(self):
+        self.lean()
+        _, _, state = rospy.get_master().getSystemState()
+        [name] = {node for topic, nodes in state[0] for node in nodes if topic == "/omni/spatial/servo_cf"}
+        end_by_name(name)
+        # As a zombie, it still has an exit status for the end of this class.
+        self.wait(lambda: os.waitid(os.P_PID, self.run_.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT))
+        time.sleep(0.3)
+        self.assertEqual(self.driver.force, 0.0)
 
 
 class Refusals(unittest.TestCase):

@@ -22,7 +22,7 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port, newest_line
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, end_by_name, free_port, newest_line
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import PALPATE, ply, threads_of, wall_rows  # noqa: E402
@@ -82,6 +82,11 @@ class Node(unittest.TestCase):
         cls.master = Master(port)
         rospy.init_node("driver", disable_signals=True, disable_rosout=True)
         cls.driver = Driver()
+        cls.start_node()
+        cls.diagnostics = Ear("/diagnostics", DiagnosticArray)
+
+    @classmethod
+    def start_node(cls):
         with open(cls.said, "ab") as said:
             cls.run_ = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={cls.scene}", "_no_index_file:=true", "_tool:=0.02,0.02,0.02",
                                          "_device:=/arm,force_max=8,rate=20", f"_cloud_decimation:={DECIMATION}", "_device_frame:=base",
@@ -90,7 +95,6 @@ class Node(unittest.TestCase):
                                          "/arm/spatial/servo_cf:=/omni/spatial/servo_cf", "/arm/body/servo_cf:=/omni/body/servo_cf",
                                          "/arm/palpate/echo:=/omni/palpate/echo", "/arm/palpate/echoed:=/omni/palpate/echoed"],
                                         stdin=subprocess.DEVNULL, stdout=said, stderr=said)
-        cls.diagnostics = Ear("/diagnostics", DiagnosticArray)
 
     @classmethod
     def tearDownClass(cls):
@@ -449,6 +453,28 @@ class Node(unittest.TestCase):
         self.assertEqual(threads["palpate-ros1"], {below})
         self.assertEqual(threads["palpate-sender"], {(os.SCHED_OTHER, 0)}, "wrenches take no time from a driver")
         self.assertIn(below, threads["palpate_ros1"], "roscpp's, which reads the sockets, has the name of the program")
+
+    def test_5b_a_node_that_ros_ends_sends_zero_last(self):
+        namesake = []
+
+        def start_namesake():
+            namesake.append(subprocess.Popen([NODE, "__name:=palpate", "_device:=/elsewhere", "_hands:="], stdin=subprocess.DEVNULL,
+                                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        for what, end in (("rosnode kill", lambda: end_by_name("/palpate")), ("another node of the same name", start_namesake)):
+            with self.subTest(what=what):
+                self.lean()
+                wrenches = self.driver.wrenches
+                end()
+                self.run_.wait(30)
+                time.sleep(0.3)
+                self.assertEqual(self.driver.force, 0.0)
+                self.assertGreater(self.driver.wrenches, wrenches + 20, "it falls")
+                self.assertEqual(self.run_.returncode, 0)
+                for other in namesake:
+                    other.terminate()
+                    other.wait(30)
+                self.start_node()
+        self.lean()
 
 
 class Refusals(unittest.TestCase):
