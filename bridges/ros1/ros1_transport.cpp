@@ -30,6 +30,7 @@ class Ros1Transport final : public CrtkTransport, public ros1::Listener {
     link_->publish(message_of(wrench.spatial, wrench.stamp), frame, message_of(wrench.body, wrench.stamp));
   }
   bool has_listener() override { return link_->has_listener(); }
+  std::uint64_t arrivals() override { return link_->arrivals(); }
   bool wants_local_model() override { return link_->wants_local_model(); }
   void send_local_model(const LocalModel& model, double stamp) override {
     link_->publish_local_model(numbers_of(model, stamp), kLocalModelHead, kLocalModelPlane);

@@ -1,5 +1,6 @@
 #include "ros_link.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -7,6 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <unistd.h>
 
@@ -121,6 +123,19 @@ class Link::Implementation {
            (spatial_.getNumSubscribers() > 0 || body_.getNumSubscribers() > 0);
   }
 
+  /// Counts tell at once of whoever comes, but not if another leaves meanwhile; callbacks miss nobody, but
+  /// wait in a queue.
+  std::uint64_t arrivals() {
+    if (!connected_.load(std::memory_order_acquire)) return arrivals_;
+    const std::array<const ros::Publisher*, 3> topics{&spatial_, &body_, &local_model_};
+    for (std::size_t k = 0; k < topics.size(); ++k) {
+      const std::uint32_t before = std::exchange(counts_[k], topics[k]->getNumSubscribers());
+      if (counts_[k] > before) arrivals_ += counts_[k] - before;
+    }
+    arrivals_ = std::max(arrivals_, came_.load(std::memory_order_relaxed));
+    return arrivals_;
+  }
+
   bool wants_local_model() const {
     return connected_.load(std::memory_order_acquire) && local_model_.getNumSubscribers() > 0;
   }
@@ -166,8 +181,9 @@ class Link::Implementation {
     node_ = std::make_unique<ros::NodeHandle>(prefix_);
     end_with_node();
     node_->setCallbackQueue(&queue_);
-    spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1);
-    body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1);
+    const ros::SubscriberStatusCallback come = [this](const auto&) { ++came_; };
+    spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1, come);
+    body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1, come);
     look_for_other_writer();  // before the first pose
     const auto hints = ros::TransportHints().tcpNoDelay();
     subscriptions_ = {node_->subscribe<geometry_msgs::PoseStamped>(
@@ -190,7 +206,7 @@ class Link::Implementation {
                               [this](const auto& event) { take_echo(event); }),
                           ros::VoidConstPtr(), hints)};
     echo_ = node_->advertise<std_msgs::Header>("palpate/echo", 1);
-    local_model_ = node_->advertise<std_msgs::Float64MultiArray>("palpate/local_model", 1);
+    local_model_ = node_->advertise<std_msgs::Float64MultiArray>("palpate/local_model", 1, come);
     connected_.store(true, std::memory_order_release);
   }
 
@@ -272,6 +288,9 @@ class Link::Implementation {
   std::unique_ptr<ros::NodeHandle> node_;
   std::array<ros::Subscriber, 3> subscriptions_;  ///< poses, velocities, echoes
   ros::Publisher spatial_, body_, echo_, local_model_;
+  std::array<std::uint32_t, 3> counts_{};  ///< subscribers of wrenches and local model
+  std::uint64_t arrivals_ = 0;
+  std::atomic<std::uint64_t> came_ = 0;
   std::atomic<bool> ends_ = false, connected_ = false;
   std::unique_ptr<MasterWatch> watch_;
   std::thread thread_;
@@ -293,6 +312,7 @@ void Link::publish_local_model(const std::vector<double>& numbers, std::size_t h
   implementation_->publish_local_model(numbers, head, row);
 }
 bool Link::has_listener() const { return implementation_->has_listener(); }
+std::uint64_t Link::arrivals() { return implementation_->arrivals(); }
 bool Link::wants_local_model() const { return implementation_->wants_local_model(); }
 
 }  // namespace palpate::ros1

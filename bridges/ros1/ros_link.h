@@ -64,6 +64,9 @@ class Link {
   void publish(const StampedWrench& spatial, const std::string& frame, const StampedWrench& body);
   /// Returns whether either wrench has subscribers.
   bool has_listener() const;
+  /// Returns how many subscribers of the wrenches and of the local model have come, at least; it grows with
+  /// each.
+  std::uint64_t arrivals();
   /// Publishes `number` as `seq` of a std_msgs/Header; the peer answers with its own time as stamp.
   void publish_echo(std::uint64_t number);
   /// \param numbers `head` numbers, then rows of `row` numbers

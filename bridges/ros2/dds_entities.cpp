@@ -161,6 +161,11 @@ dds_entity_t Participant::make_writer(std::string_view prefix, std::string_view 
   return checked(dds_create_writer(id_, topic, qos.get(), nullptr), fmt::format("publish {}", name));
 }
 
+std::uint64_t matches(dds_entity_t writer) {
+  dds_publication_matched_status_t status{};
+  return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK ? status.total_count : 0;
+}
+
 bool is_matched(dds_entity_t writer) {
   dds_publication_matched_status_t status{};
   return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK && status.current_count > 0;

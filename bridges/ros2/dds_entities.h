@@ -59,6 +59,9 @@ class Participant {
 /// Returns `code`. \throws Error if it is a negative return code of DDS. \param what action, for the message
 dds_return_t checked(dds_return_t code, std::string_view what);
 
+/// Returns how many readers a writer has had.
+std::uint64_t matches(dds_entity_t writer);
+
 /// Returns whether a writer has readers.
 bool is_matched(dds_entity_t writer);
 

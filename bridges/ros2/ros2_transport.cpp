@@ -78,6 +78,7 @@ class Ros2Transport final : public CrtkTransport {
   }
 
   bool has_listener() override { return is_matched(spatial_) || is_matched(body_); }
+  std::uint64_t arrivals() override { return matches(spatial_) + matches(body_) + matches(local_model_); }
   bool wants_local_model() override { return is_matched(local_model_); }
   void send_local_model(const LocalModel& model, double stamp) override {
     if (!wants_local_model()) return;

@@ -219,6 +219,35 @@ class Ros1(unittest.TestCase):
         self.lean()
         self.assertEqual(self.text().count("nothing subscribes"), 1)
 
+    def test_6b_a_driver_that_subscribes_in_contact_beside_another_feels_no_step(self):
+        echo = subprocess.Popen(["rostopic", "echo", "/omni/spatial/servo_cf"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            self.wait(lambda: any(topic == "/omni/spatial/servo_cf" and len(nodes) > 1
+                                  for topic, nodes in rospy.get_master().getSystemState()[2][1]))
+            time.sleep(1.0)
+            self.lean()
+            said = self.text().count("nothing subscribes")
+            self.driver.stop_listening()
+            time.sleep(3.0)  # longer than what it waits for a subscriber
+            self.assertEqual(self.text().count("nothing subscribes"), said, "one is there all the time")
+            forces, hear = [], self.driver.hear
+
+            def note(message):
+                forces.append(message.wrench.force.z)
+                hear(message)
+            self.driver.hear = note
+            self.driver.listen()
+            self.wait(lambda: len(forces) > 300)
+            self.driver.hear = hear
+        finally:
+            echo.kill()
+            echo.wait()
+        print(f"forces at first: {forces[:10]}, most {max(map(abs, forces))}")
+        self.assertEqual(set(forces[3:]), {0.0}, "in contact, before the gate")  # some were under way
+        self.driver.stop_listening()
+        self.driver.listen()
+        self.lean()
+
     def test_9_a_node_that_is_killed_by_name_ends_with_a_zero_wrench(self):
         self.lean()
         _, _, state = rospy.get_master().getSystemState()

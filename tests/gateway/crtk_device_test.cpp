@@ -476,6 +476,7 @@ TEST(CrtkDevice, ShowsNothingAfterAFaultUntilNothingIsAskedFor) {
 /// While poses arrive.
 void listens(CrtkLink& link, bool whether) {
   link.peer->listens = whether;
+  if (whether) ++link.peer->came;
   for (int k = 0; k < 5000 && link.device->has_listener() != whether; ++k) link.ticks(1, 0.0);
   ASSERT_EQ(link.device->has_listener(), whether);
 }
@@ -497,6 +498,45 @@ TEST(CrtkDevice, ShowsNothingToNobodyAndAListenerThatComesNothingUntilNothingIsA
   link.pose(0.0);
   ASSERT_TRUE(link.tick());
   EXPECT_NE(link.reading.hand, hand) << "the governor's gate closes";
+}
+
+// A recorder may listen already, so that the first wrench to a driver is not that of the first listener.
+TEST(CrtkDevice, ShowsNothingOnceAnotherListenerComesUntilNothingIsAskedFor) {
+  CrtkLink link;
+  link.ticks(3, 0.0);
+  EXPECT_EQ(shown(link, 1.0), 1.0);
+  const std::uint32_t hand = link.reading.hand;
+  ++link.peer->came;
+  EXPECT_EQ(shown(link, 1.0), 0.0) << "at once, also what the loop wrote before it heard of it";
+  EXPECT_EQ(shown(link, 1.0), 0.0);
+  link.pose(0.0);
+  ASSERT_TRUE(link.tick());
+  EXPECT_NE(link.reading.hand, hand) << "the governor's gate closes";
+  EXPECT_EQ(shown(link, 0.0), 0.0);
+  EXPECT_EQ(shown(link, 1.0), 1.0);
+}
+
+TEST(CrtkDevice, ShowsNoSurfaceToAListenerThatComesUntilNothingIsAskedFor) {
+  CrtkLink link;
+  link.peer->wants = true;
+  TickRecord record;
+  record.force_scale = 1.0;
+  const auto share = [&] {
+    const std::size_t before = link.peer->models().size();
+    link.ticks(1, 0.0);
+    link.device->write({{1.0, 0, 0}, {0, 0, 0}});
+    link.device->see(record, {});
+    for (int k = 0; k < 200 && link.peer->models().size() == before; ++k)
+      sleep_until(monotonic_now() + kMilli);
+    return link.peer->models().empty() ? -1.0 : link.peer->models().back().first.share;
+  };
+  for (int k = 0; k < 100 && !(share() > 0.0);) ++k;
+  ASSERT_GT(share(), 0.0);
+  ++link.peer->came;
+  EXPECT_EQ(share(), 0.0);
+  EXPECT_EQ(share(), 0.0);
+  EXPECT_EQ(shown(link, 0.0), 0.0);
+  EXPECT_GT(share(), 0.0);
 }
 
 TEST(CrtkDevice, WhoTakesOnlyTheLocalModelListensToo) {
@@ -676,6 +716,7 @@ class NoNetwork final : public CrtkTransport {
   void stop() noexcept override {}
   void send(const CrtkWrench&, const std::string&) override {}
   bool has_listener() override { return false; }
+  std::uint64_t arrivals() override { return 0; }
   bool wants_local_model() override { return false; }
   void send_local_model(const LocalModel&, double) override {}
   void send_echo(std::uint64_t) override {}

@@ -30,6 +30,7 @@ class CrtkPeer final : public CrtkTransport {
     ++sent_;
   }
   bool has_listener() override { return listens; }
+  std::uint64_t arrivals() override { return came; }
   bool wants_local_model() override { return wants; }
   void send_local_model(const LocalModel& model, double stamp) override {
     const std::scoped_lock lock(mutex_);
@@ -73,6 +74,7 @@ class CrtkPeer final : public CrtkTransport {
 
   std::atomic<bool> wants = false;
   std::atomic<bool> listens = true;  ///< to wrenches
+  std::atomic<std::uint64_t> came = 1;
 
  private:
   CrtkDevice* device_ = nullptr;

@@ -99,8 +99,9 @@ void CrtkDevice::enable() {
   if (status() != DeviceStatus::kOpen)
     throw Error("device '{}': is not open; open it first", options_.capabilities.name);
   read_ = came_back_ = said_alone_ = false;
-  had_listener_ = transport_->has_listener();
-  has_listener_.store(had_listener_, std::memory_order_relaxed);
+  has_listener_.store(transport_->has_listener(), std::memory_order_relaxed);
+  known_ = transport_->arrivals();
+  arrivals_.store(known_, std::memory_order_relaxed);
   alone_since_ = monotonic_now();
   good_at_ = told_ = 0.0;
   begin_ = std::numeric_limits<double>::infinity();
@@ -141,17 +142,28 @@ void CrtkDevice::send_until_closed() {
       look_for_listener(now);
     }
     const bool fresh = wrench_.update(), stopped = stopped_.load(std::memory_order_relaxed);
-    if (surface_.update()) send_surface(stopped);
+    const bool shows = surface_.update();
+    const std::uint64_t arrivals = look_for_arrival();
+    if (shows) send_surface(stopped || surface_.front().known != arrivals);
     if (!fresh && (off || !stopped)) continue;
-    CrtkWrench wrench = wrench_.front();
-    if (stopped) wrench.spatial = wrench.body = {};
+    auto [wrench, known] = wrench_.front();
+    // The loop has yet to hear of whoever came after it wrote this.
+    if (stopped || known != arrivals) wrench.spatial = wrench.body = {};
     send(wrench);
     off = stopped;
   }
   CrtkWrench none;
-  none.stamp = wrench_.front().stamp;
+  none.stamp = wrench_.front().wrench.stamp;
   send(none);
   if (wants_local_model_.load(std::memory_order_relaxed)) send_surface(true);
+}
+
+/// Looked at before every wrench: at the next look for listeners, who came in contact would have been pushed
+/// for up to kEchoPeriod.
+std::uint64_t CrtkDevice::look_for_arrival() {
+  const std::uint64_t arrivals = transport_->arrivals();
+  if (arrivals != arrivals_.exchange(arrivals, std::memory_order_relaxed)) look_for_listener(monotonic_now());
+  return arrivals;
 }
 
 void CrtkDevice::look_for_listener(double now) {
@@ -180,7 +192,7 @@ void CrtkDevice::send(const CrtkWrench& wrench) {
 }
 
 void CrtkDevice::send_surface(bool stopped) {
-  auto [model, stamp] = surface_.front();
+  auto [model, stamp, known] = surface_.front();
   if (stopped) model.share = 0.0;
   transport_->send_local_model(model, stamp);
 }
@@ -354,12 +366,9 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
   constexpr double kAfter = 1e-6;  // s, step past an extrapolated reading that is later than this one
   const double begin = loop_begin(t);
   velocity_.update();
-  // The governor's start gate takes whoever comes to listen as another hand.
-  const bool listens = has_listener();
-  if (listens && !had_listener_) ++listeners_;
-  had_listener_ = listens;
   if (reader_.read(t, last_)) {
-    last_.hand += listeners_;
+    // The governor's start gate takes whoever comes to listen as another hand.
+    last_.hand += static_cast<std::uint32_t>(arrivals_.load(std::memory_order_relaxed));
     read_ = true;
     good_at_ = t;
     last_.t = std::min(last_.t - begin, t);
@@ -393,9 +402,12 @@ bool CrtkDevice::read(double t, DeviceReading& reading) {
 void CrtkDevice::write(const Wrench& wrench) {
   if (status() == DeviceStatus::kClosed || status() == DeviceStatus::kOpen) return;
   if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) came_back_ = false;
-  if (!has_listener()) came_back_ = true;
+  const std::uint64_t arrivals = arrivals_.load(std::memory_order_relaxed);
+  if (!has_listener() || arrivals != known_) came_back_ = true;
+  known_ = arrivals;
   shows_ = status() == DeviceStatus::kEnabled && !came_back_;
-  CrtkWrench& out = wrench_.back();
+  auto& [out, known] = wrench_.back();
+  known = known_;
   out.spatial = shows_ ? wrench : Wrench{};
   const Eigen::Quaterniond back = last_.pose.orientation.conjugate();
   out.body = {back * out.spatial.force, back * out.spatial.torque};
@@ -407,7 +419,8 @@ void CrtkDevice::write(const Wrench& wrench) {
 
 void CrtkDevice::see(const TickRecord& record, const TickTimes&) {
   if (!wants_local_model_.load(std::memory_order_relaxed)) return;
-  auto& [model, stamp] = surface_.back();
+  auto& [model, stamp, known] = surface_.back();
+  known = known_;
   model = local_model_of(record);
   if (!shows_) model.share = 0.0;
   stamp = answered_;

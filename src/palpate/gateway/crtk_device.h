@@ -53,6 +53,10 @@ class CrtkTransport {
   /// Returns whether a topic of wrenches has subscribers. Polled by the device's own thread, and by enable()
   /// before that runs.
   virtual bool has_listener() = 0;
+  /// Returns a number that grows with every subscriber of the wrenches or the local model that comes, also if
+  /// another leaves at the same time. Called before every wrench, on the device's own thread, and by enable()
+  /// before that runs.
+  virtual std::uint64_t arrivals() = 0;
   /// Publishes a wrench; called for every tick, on the device's own thread. \param frame frame_id of valid
   /// poses, that of `wrench.spatial`; empty if it is not known yet
   virtual void send(const CrtkWrench& wrench, const std::string& frame) = 0;
@@ -106,9 +110,10 @@ struct CrtkOptions {
 /// gate. Late poses stay dropped however long they are late: nothing but echoes, another publisher, or a
 /// clock that was set (StampClock) makes them valid, and the latter is reported.
 ///
-/// While nothing subscribes to the wrenches or the local model, zero wrenches are sent, so that whoever
-/// subscribes in contact gets no step: the force then returns through the start gate, too. This is reported
-/// if poses have arrived for kDiscovery.
+/// Whoever subscribes to the wrenches or the local model in contact gets no step: all subscribers get zero
+/// wrenches from then on, until the force returns through the start gate. What subscribes is not known to be
+/// a driver; a tool that shows the wrenches interrupts the force all the same. While nothing subscribes, zero
+/// wrenches are sent, too; this is reported if poses have arrived for kDiscovery.
 class CrtkDevice final : public HapticDevice, public TickObserver {
  public:
   /// \throws Error if the extrapolation is too long.
@@ -176,6 +181,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   void accept(const Pose& pose, double stamp, double now);
   void send_until_closed();
   void look_for_listener(double now);
+  std::uint64_t look_for_arrival();
   void send(const CrtkWrench& wrench);
   void send_surface(bool stopped);
   bool extrapolate(double t, DeviceReading& reading);
@@ -210,15 +216,19 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   DeviceReading last_;  ///< as measured, on the loop's clock
   double told_ = 0.0;   ///< DeviceReading::t of the last reading. Unit: [s].
   bool read_ = false, came_back_ = false, shows_ = false;
-  bool had_listener_ = false;
-  std::uint32_t listeners_ = 0;  ///< how often a listener has come
-  double good_at_ = 0.0;         ///< Unit: [s].
-  double answered_ = 0.0;        ///< stamp of the pose that the last wrench answers. Unit: [s].
-  double begin_ = 0.0;           ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
-  TripleBuffer<CrtkWrench> wrench_;
+  double good_at_ = 0.0;     ///< Unit: [s].
+  double answered_ = 0.0;    ///< stamp of the pose that the last wrench answers. Unit: [s].
+  double begin_ = 0.0;       ///< monotonic_now() at the loop's 0, at most this. Unit: [s].
+  std::uint64_t known_ = 0;  ///< arrivals_ at the last wrench
+  struct Written {
+    CrtkWrench wrench;
+    std::uint64_t known = 0;
+  };
+  TripleBuffer<Written> wrench_;
   struct Surface {
     LocalModel model;
     double stamp = 0.0;  ///< of the pose it answers, on the publisher's clock. Unit: [s].
+    std::uint64_t known = 0;
   };
   TripleBuffer<Surface> surface_;
   /// @}
@@ -228,6 +238,7 @@ class CrtkDevice final : public HapticDevice, public TickObserver {
   bool said_alone_ = false;
   /// @}
   std::atomic<bool> wants_local_model_ = false, has_listener_ = false;
+  std::atomic<std::uint64_t> arrivals_ = 0;  ///< CrtkTransport::arrivals()
   std::atomic<bool> stopped_ = true, ends_ = true;
   std::atomic<Problem> reason_ = Problem::kNone;
   Wake written_;

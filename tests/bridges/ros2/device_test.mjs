@@ -128,6 +128,21 @@ describe('a driver on ROS 2', () => {
     await driver.lean();
   });
 
+  test('shows nothing to a subscriber that comes in contact, beside the driver', async (context) => {
+    await driver.lean();
+    const other = new Peer();
+    context.after(() => other.kill());
+    other.tell(`reader other rt/omni/spatial/servo_cf ${ddsType('geometry_msgs/WrenchStamped')} reliable`);
+    const newest = () => other.newest('other', 'geometry_msgs/WrenchStamped');
+    await eventually(newest, 'a wrench');
+    for (let k = 0; k < 20; k += 1) {
+      assert.equal((await newest()).wrench.force.z, 0);
+      await wait(50);
+    }
+    assert.equal(await driver.force(), 0);
+    await driver.lean();
+  });
+
   test('names a subscriber that asks for what is not offered', async (context) => {
     const other = new Peer();
     context.after(() => other.kill());
