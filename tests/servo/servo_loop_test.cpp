@@ -3,10 +3,28 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <system_error>
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <palpate/study/procedural.h>
+
+namespace {
+
+/// Number of threads that are started until one is refused; 0: none is.
+std::atomic<int> starts_until_refusal = 0;
+
+}  // namespace
+
+/// In place of the C library's: refuses a thread as the system does at its limit of tasks.
+extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*),
+                              void* argument) {
+  static const auto start = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));
+  if (starts_until_refusal > 0 && --starts_until_refusal == 0) return EAGAIN;
+  return start(thread, attributes, work, argument);
+}
 
 namespace palpate {
 namespace {
@@ -113,6 +131,17 @@ TEST_F(ServoLoopTest, EveryBeatIsATickOrAnOverrun) {
   EXPECT_GE(counted, 0.7 * beats);  // the thread may begin late
   EXPECT_EQ(watcher.count, static_cast<int>(loop.statistics().ticks));
   EXPECT_FALSE(watcher.backwards);
+}
+
+TEST_F(ServoLoopTest, EndsWithAnExceptionIfTheSystemRefusesOneOfItsThreads) {
+  for (const int which : {1, 2}) {
+    ServoTick tick(device, {&push, &contacts});
+    starts_until_refusal = which;
+    EXPECT_THROW(ServoLoop(tick, clock, {&watcher}, at(1000.0)), std::system_error);
+    EXPECT_EQ(starts_until_refusal, 0) << which;
+  }
+  clock.sleep_until(clock.now() + 0.1);
+  EXPECT_EQ(watcher.count, 0) << "no tick has run";
 }
 
 TEST_F(ServoLoopTest, ATickThatTakesTooLongIsCountedAndSurvived) {

@@ -28,11 +28,18 @@ ServoLoop::ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickOb
     : tick_(tick),
       clock_(clock),
       observers_(std::move(observers)),
-      thread_([this, options] {
-        run(options);
-        ended_.store(true, std::memory_order_release);
-      }),
-      watchdog_([this, options] { watch(options); }) {}
+      watchdog_([this, options] { watch(options); }) {
+  // Last, so that no tick has run if the system refuses a thread.
+  try {
+    thread_ = std::thread([this, options] {
+      run(options);
+      ended_.store(true, std::memory_order_release);
+    });
+  } catch (...) {
+    end_watchdog();
+    throw;
+  }
+}
 
 ServoLoop::~ServoLoop() { stop(); }
 

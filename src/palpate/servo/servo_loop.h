@@ -72,6 +72,7 @@ class ServoLoop {
   };
 
   /// Starts the loop. All arguments must outlive this object. \param clock also that of devices and workers
+  /// \throws std::system_error if the system refuses a thread; no tick has run then.
   ServoLoop(ServoTick& tick, const LoopClock& clock, std::vector<TickObserver*> observers,
             const Options& options);
   /// Calls stop() if it has not been called.
@@ -107,7 +108,7 @@ class ServoLoop {
   double mean_age_ = 0.0;             ///< TickTimes::age, filtered. Unit: [s].
   std::vector<std::string> refused_;  ///< written before begun_ is set
   std::atomic<bool> begun_ = false, ends_ = false, ended_ = false, over_ = false;
-  std::thread thread_, watchdog_;
+  std::thread watchdog_, thread_;
 };
 
 }  // namespace palpate
