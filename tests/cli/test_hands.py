@@ -101,6 +101,18 @@ class Services(Hands):
         self.assertEqual(self.of(call, "left/")["tool"][0]["semi_axes"], [0.01, 0.01, 0.01])
         self.end()
 
+    def test_a_parameter_that_a_named_hand_refuses_ends_nothing(self):
+        self.start()
+        send, receive = self.socket()
+        for name, value in (("filter", {"opacity_min": 0.9}), ("registration", {"scale": 2})):
+            send({"op": "call_service", "service": "/rosapi/set_param",
+                  "args": {"name": f"/palpate/left/{name}", "value": json.dumps(value)}})
+            answer = json.loads(receive()[1])
+            self.assertIs(answer["result"], False, answer)
+            self.assertIn("first hand", answer["values"])
+        self.assertEqual(self.of(self.client(), "left/")["filter"]["opacity_min"], 0.1)
+        self.end()
+
     def test_the_scene_of_the_first_is_followed(self):
         self.start()
         call = self.client()

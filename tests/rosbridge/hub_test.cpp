@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -423,6 +424,30 @@ TEST_F(HubTest, CallsAreAnsweredWithTheirId) {
   refused({{"service", "/double"}, {"args", {1}}, {"id", "7"}}, "'args' must be an object");
   refused({{"service", "/double"}, {"args", ""}, {"id", "7"}}, "'args' must be an object");
   refused({{"service", "/double"}, {"args", {{"x", "four"}}}, {"id", "7"}}, "'x' must be a finite number");
+}
+
+// A client must not be able to end the program, whatever a service fails to expect.
+TEST_F(HubTest, AnyExceptionOfAServiceIsAFailedAnswer) {
+  hub.add_service("/fails", "x/Y", [](const Json&) -> Json { throw std::logic_error("nobody knows why"); });
+  hub.add_slow_service("/fails_to_begin", "x/Y",
+                       [](const Json&, const Reply&) { throw std::out_of_range("too far"); });
+  const auto expect_failed = [this](const char* service, const char* why) {
+    say({{"op", "call_service"}, {"service", service}, {"id", "k"}});
+    EXPECT_EQ(one(), (Json{{"op", "service_response"},
+                           {"service", service},
+                           {"id", "k"},
+                           {"result", false},
+                           {"values", why}}));
+    EXPECT_EQ(client->fault(), "");
+  };
+  expect_failed("/fails", "nobody knows why");
+  expect_failed("/fails_to_begin", "too far");
+}
+
+TEST_F(HubTest, AnyExceptionOfAListenerIsAnError) {
+  hub.add_input("/fragile", "x/Y", [](const Json&, Client&) { throw std::logic_error("nobody knows why"); });
+  expect_status({{"op", "publish"}, {"topic", "/fragile"}, {"msg", Json::object()}}, "nobody knows why");
+  EXPECT_EQ(client->fault(), "");
 }
 
 TEST_F(HubTest, AServiceWithoutArgumentsIsCalledWhateverComesAsSuch) {

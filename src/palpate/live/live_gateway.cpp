@@ -434,7 +434,11 @@ void LiveGateway::Implementation::add_parameters() {
   });
   hub_.add_service("/rosapi/set_param", "rosapi/SetParam", [this](const Json& arguments) {
     const Parameter parameter = parameter_of(arguments);
-    parameter.hand.change({{parameter.name, decode_json(text_field(arguments, "value"))}});
+    try {
+      parameter.hand.change({{parameter.name, decode_json(text_field(arguments, "value"))}});
+    } catch (const Error& error) {
+      throw Refusal(error.what());  // its answer has no field for the reason
+    }
     return Json::object();
   });
 }

@@ -1,6 +1,7 @@
 #include <palpate/rosbridge/hub.h>
 
 #include <algorithm>
+#include <exception>
 #include <new>
 #include <utility>
 
@@ -197,10 +198,12 @@ void Client::take(const Decoded& decoded) {
     if (!message.is_object()) throw Refusal("a message must be an object with an 'op'");
     if (const auto at = message.find("id"); at != message.end() && at->is_string()) id = *at;
     handle(message);
-  } catch (const Refusal& refusal) {
-    tell("error", refusal.what(), id);
   } catch (const std::bad_alloc&) {
     fault_ = kNoMemory;
+  } catch (const std::exception& error) {
+    // Refusals, and what nobody expects: no message of a client may end the program, whose device may be in
+    // a user's hand.
+    tell("error", error.what(), id);
   }
 }
 
@@ -290,8 +293,10 @@ void Client::call(const Json& message) {
     if (offer == hub_.services_.end())
       throw Refusal(fmt::format("there is no service {}; /rosapi/services lists them", quoted(name)));
     offer->second.service(arguments_of(message, offer->second.type), reply);
-  } catch (const Refusal& refusal) {
-    reply.refuse(refusal.what());
+  } catch (const std::bad_alloc&) {
+    throw;  // take() ends the connection
+  } catch (const std::exception& error) {
+    reply.refuse(error.what());
   }
 }
 

@@ -101,7 +101,8 @@ class Reply {
 /// Registry of all topics, inputs and services. It and its Clients belong to one thread.
 class Hub {
  public:
-  /// Receives a message that a client published. \throws Refusal.
+  /// Receives a message that a client published. \throws Refusal. Whatever else is thrown, here or by a
+  /// service, is reported to the client in the same way; std::bad_alloc ends its connection.
   using Listener = std::function<void(const Json& message, Client& from)>;
   /// Answers a service call. \throws Refusal.
   using Service = std::function<Json(const Json& arguments)>;
