@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <new>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 
+#include <support/allocation_guard.h>
 #include <support/splats.h>
 
 namespace palpate {
@@ -287,6 +289,23 @@ TEST_F(LiveTopicsTest, WhoLosesTheToolIsToldToShowNothing) {
   const std::vector<Json> told = all(*first)[kAnswer];
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0]["wrench"], to_json(Wrench{}));
+}
+
+TEST_F(LiveTopicsTest, IsLetGoOfAlsoWhereThereIsNoMemoryToTellSo) {
+  begin(true);
+  subscribe(*first, {kAnswer});
+  subscribe(*second, {kAnswer});
+  put(*first, {1, 0, 0}, "device");
+  test::fail_allocations(1);
+  EXPECT_THROW(live->let_go(), std::bad_alloc);
+  EXPECT_FALSE(live->is_held());
+  EXPECT_FALSE(hand.is_held());
+  put(*first, {1, 0, 0}, "device");
+  EXPECT_TRUE(live->is_held());
+  test::fail_allocations(1);
+  first.reset();
+  test::fail_allocations(0);
+  EXPECT_FALSE(live->is_held()) << "the client that has gone";
 }
 
 TEST_F(LiveTopicsTest, OfThePosesThatWaitTheNewestCounts) {

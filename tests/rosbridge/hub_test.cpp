@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <support/allocation_guard.h>
 #include <support/cbor.h>
 
 namespace palpate {
@@ -574,6 +576,30 @@ TEST_F(HubTest, AClientThatGoesIsForgotten) {
   EXPECT_EQ(watched_by, 1U);
   topic.publish(2);
   EXPECT_THAT(publications(*second), ElementsAre("/a 2"));
+}
+
+TEST_F(HubTest, AClientThatCannotBeToldForLackOfMemoryIsAFault) {
+  const Client::Decoded nonsense = Client::decode("nonsense", false);
+  ASSERT_NE(nonsense.refusal, "");
+  test::fail_allocations(1);
+  EXPECT_NO_THROW(client->take(nonsense));
+  EXPECT_EQ(client->fault(), "no memory");
+  const auto another = connect();
+  // One allocation is that of the refusal, the next that of the status.
+  const Client::Decoded unknown = Client::decode(R"({"op":"fly"})", false);
+  test::fail_allocations(2);
+  EXPECT_NO_THROW(another->take(unknown));
+  test::fail_allocations(0);
+  EXPECT_EQ(another->fault(), "no memory");
+}
+
+TEST_F(HubTest, AListenerThatRunsOutOfMemoryEndsNothingWhenAClientGoes) {
+  bool told = false;
+  hub.on_leave.emplace_back([](const Client&) { throw std::bad_alloc(); });
+  hub.on_leave.emplace_back([&](const Client&) { told = true; });
+  client.reset();
+  EXPECT_TRUE(told) << "the other listeners hear of it";
+  EXPECT_EQ(hub.client_count(), 0U);
 }
 
 // Whoever is woken may send at once, find the peer gone, and close.

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,6 +32,7 @@
 #include <palpate/base/clock.h>
 #include <palpate/base/error.h>
 #include <palpate/rosbridge/own_address.h>
+#include <support/allocation_guard.h>
 #include <support/temporary_file.h>
 
 namespace palpate {
@@ -914,6 +916,20 @@ TEST_F(WebServerTest, SpeaksRosbridgeOverAWebSocket) {
                           {"values", {{"topics", {"/a"}}, {"types", {"std_msgs/String"}}}}}));
   EXPECT_EQ(call(*socket, "nonsense")["op"], "status");
   EXPECT_EQ(there([&] { return hub.client_count(); }), 1U);
+}
+
+// Nothing may keep an emergency stop from being heard.
+TEST_F(WebServerTest, AFrameThatRunsOutOfMemoryEndsItsOwnConnectionOnly) {
+  hub.add_input("/starve", "std_msgs/String", [](const Json&, Client&) {
+    test::fail_allocations(1);  // the next: that of closing the connection
+    throw std::bad_alloc();
+  });
+  start();
+  const auto starved = web_socket(), other = web_socket(), late = web_socket();
+  starved->send(frame(kText, R"({"op": "publish", "topic": "/starve", "msg": {}})"));
+  EXPECT_TRUE(answers(*other));
+  EXPECT_TRUE(answers(*late));
+  EXPECT_TRUE(starved->ends());
 }
 
 TEST_F(WebServerTest, TakesMessagesInPiecesAndInCbor) {

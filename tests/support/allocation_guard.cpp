@@ -5,10 +5,14 @@
 
 namespace {
 
-thread_local std::size_t allocations = 0;
+thread_local std::size_t allocations = 0, failures = 0;
 
 void* counted(std::size_t bytes, std::size_t alignment) {
   ++allocations;
+  if (failures > 0) {
+    --failures;
+    throw std::bad_alloc();
+  }
   const std::size_t size = (bytes + alignment - 1) / alignment * alignment;
   if (void* memory = std::aligned_alloc(alignment, size > 0 ? size : alignment)) return memory;
   throw std::bad_alloc();
@@ -37,6 +41,7 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std
 namespace palpate::test {
 
 std::size_t allocations_of_thread() { return allocations; }
+void fail_allocations(std::size_t count) { failures = count; }
 
 AllocationGuard::AllocationGuard() : before_(allocations) {}
 std::size_t AllocationGuard::count() const { return allocations - before_; }

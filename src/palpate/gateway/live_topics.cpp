@@ -99,13 +99,14 @@ void LiveTopics::hold(Client& client) {
 }
 
 void LiveTopics::release() {
-  publish_device_wrench({});
-  publish_local_model(0.0);
-  holder_->leave_hand();
-  holder_ = nullptr;
+  // First what cannot fail: telling the client may run out of memory, and it may be gone by then.
+  Client& released = *std::exchange(holder_, nullptr);
+  released.leave_hand();
   waiting_.reset();
   waits_since_.reset();
   hand_.let_go();
+  publish_device_wrench(released, {});
+  publish_local_model(released, 0.0);
 }
 
 void LiveTopics::ask_echo() {
@@ -135,13 +136,13 @@ void LiveTopics::hand_over() {
   waiting_.reset();
 }
 
-void LiveTopics::publish_device_wrench(const Wrench& wrench) {
+void LiveTopics::publish_device_wrench(Client& to, const Wrench& wrench) {
   if (!client_.is_watched()) return;
   const Json head = header(stamps_[answered_ % stamps_.size()], "device", feed_.newest().answers);
-  client_.publish_to(*holder_, {{"header", head}, {"wrench", to_json(wrench)}});
+  client_.publish_to(to, {{"header", head}, {"wrench", to_json(wrench)}});
 }
 
-void LiveTopics::publish_local_model(double share) {
+void LiveTopics::publish_local_model(Client& to, double share) {
   if (!local_model_.is_watched()) return;
   const LocalModel model = local_model_of(feed_.newest().record);
   const LocalSurface& local = model.surface;
@@ -150,13 +151,13 @@ void LiveTopics::publish_local_model(double share) {
     planes.push_back(
         {{"point", to_json(local.planes[k].point)}, {"normal", to_json(local.planes[k].normal)}});
   const Json head = header(stamps_[answered_ % stamps_.size()], "device", feed_.newest().answers);
-  local_model_.publish_to(*holder_, {{"header", head},
-                                     {"position", to_json(model.position)},
-                                     {"planes", std::move(planes)},
-                                     {"stiffness", local.stiffness},
-                                     {"damping", local.damping},
-                                     {"friction", local.friction},
-                                     {"share", share}});
+  local_model_.publish_to(to, {{"header", head},
+                               {"position", to_json(model.position)},
+                               {"planes", std::move(planes)},
+                               {"stiffness", local.stiffness},
+                               {"damping", local.damping},
+                               {"friction", local.friction},
+                               {"share", share}});
 }
 
 void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
@@ -186,8 +187,8 @@ void LiveTopics::answer() {
   if (waits_since_) hand_over();
   // The force that still ramps down for the previous hand is not sent to this one.
   const TickRecord& tick = feed_.newest().record;
-  publish_device_wrench(waits_since_ ? Wrench{} : tick.sent);
-  publish_local_model(waits_since_ ? 0.0 : tick.force_scale);
+  publish_device_wrench(*holder_, waits_since_ ? Wrench{} : tick.sent);
+  publish_local_model(*holder_, waits_since_ ? 0.0 : tick.force_scale);
   if (!another) return;
   told_ = true;
   publish_world_wrenches(Stamp::now(), holder_);

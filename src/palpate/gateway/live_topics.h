@@ -83,9 +83,9 @@ class LiveTopics {
   /// Reads the newest tick.
   void read_newest_tick();
   bool force_has_fallen() const;
-  void publish_device_wrench(const Wrench& wrench);
+  void publish_device_wrench(Client& to, const Wrench& wrench);
   /// \param share fraction of the force that the governor passes, 0 without a force
-  void publish_local_model(double share);
+  void publish_local_model(Client& to, double share);
   void publish_world_wrenches(const Stamp& stamp, Client* only);
   void publish_contacts(const Stamp& stamp);
   void look_up_ellipsoids();

@@ -162,7 +162,13 @@ Client::Client(Hub& hub, std::function<void()> wake, std::function<double()> clo
 Client::~Client() {
   while (!subscriptions_.empty()) drop(subscriptions_.begin());
   --hub_.clients_;
-  for (const auto& listener : hub_.on_leave) listener(*this);
+  for (const auto& listener : hub_.on_leave) {
+    try {
+      listener(*this);
+    } catch (const std::bad_alloc&) {
+      // One that cannot tell others what has changed.
+    }
+  }
 }
 
 bool Client::admit(std::size_t bytes) {
@@ -191,6 +197,14 @@ Client::Decoded Client::decode(std::string_view frame, bool binary) {
 
 void Client::take(const Decoded& decoded) {
   if (!fault_.empty()) return;
+  try {
+    take_or_tell(decoded);
+  } catch (const std::bad_alloc&) {  // also of what the client is told
+    fault_ = kNoMemory;
+  }
+}
+
+void Client::take_or_tell(const Decoded& decoded) {
   const Json& message = decoded.message;
   if (!decoded.refusal.empty()) return tell("error", decoded.refusal);
   Json id;
@@ -199,7 +213,7 @@ void Client::take(const Decoded& decoded) {
     if (const auto at = message.find("id"); at != message.end() && at->is_string()) id = *at;
     handle(message);
   } catch (const std::bad_alloc&) {
-    fault_ = kNoMemory;
+    throw;
   } catch (const std::exception& error) {
     // Refusals, and what nobody expects: no message of a client may end the program, whose device may be in
     // a user's hand.

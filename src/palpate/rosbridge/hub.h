@@ -128,7 +128,7 @@ class Hub {
   const std::map<std::string, Input>& inputs() const { return inputs_; }
   const std::map<std::string, Offer>& services() const { return services_; }
   std::size_t client_count() const { return clients_; }  ///< Any thread.
-  /// Called for every client that disconnects.
+  /// Called for every client that disconnects. One that runs out of memory is abandoned.
   std::vector<std::function<void(const Client&)>> on_leave;
   /// Called when all received messages of a client have been processed: its last publication is the newest.
   std::vector<std::function<void(Client&)>> on_caught_up;
@@ -222,6 +222,7 @@ class Client {
     std::size_t queue() const;
   };
 
+  void take_or_tell(const Decoded& decoded);
   void handle(const Json& message);
   void subscribe(const Json& message);
   void unsubscribe(const Json& message);

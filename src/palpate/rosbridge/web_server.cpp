@@ -9,6 +9,7 @@
 #include <chrono>
 #include <deque>
 #include <list>
+#include <new>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -95,6 +96,7 @@ struct Shared {
   std::set<class SocketSession*> sessions;
   /// Sessions with a frame to be processed, in order of arrival.
   std::deque<std::shared_ptr<class SocketSession>> turn;
+  bool turns_are_posted = false;  ///< take_turns() will run
 };
 
 /// Longest frame that is decoded on the server's thread, in a fraction of a millisecond. Unit: [bytes].
@@ -169,21 +171,33 @@ class SocketSession final : public std::enable_shared_from_this<SocketSession> {
 
   void wait_for_turn() {
     shared_.turn.push_back(shared_from_this());
-    if (shared_.turn.size() == 1)
-      net::post(socket_.get_executor(), [self = shared_from_this()] { self->take_turns(); });
+    if (!take_turns_soon()) take_turns();
   }
 
-  /// Processes as many frames as time permits; urgent ones are processed in between.
-  void take_turns() {
-    const double until = monotonic_now() + kTurnTime;
-    std::shared_ptr<SocketSession> last;
-    do {
-      last = shared_.turn.front();
-      last->take_frame();
-      shared_.turn.pop_front();  // only now: until then, wait_for_turn() starts no other take_turns()
-    } while (!shared_.turn.empty() && monotonic_now() < until);
-    if (!shared_.turn.empty())
+  /// Posts take_turns(), unless that is posted. \returns false if there is no memory for it: the caller must
+  /// then process the frames, since nothing else would.
+  bool take_turns_soon() {
+    if (shared_.turns_are_posted) return true;
+    try {
       net::post(socket_.get_executor(), [self = shared_.turn.front()] { self->take_turns(); });
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+    shared_.turns_are_posted = true;
+    return true;
+  }
+
+  /// Processes as many frames as time permits; urgent ones are processed in between. A frame that runs out of
+  /// memory ends its own connection only: those behind it may be emergency stops.
+  void take_turns() {
+    shared_.turns_are_posted = false;
+    const double until = monotonic_now() + kTurnTime;
+    std::shared_ptr<SocketSession> next;
+    do {
+      next = std::move(shared_.turn.front());
+      shared_.turn.pop_front();
+      do_if_there_is_memory([&] { next->take_frame(); });
+    } while (!shared_.turn.empty() && (monotonic_now() < until || !take_turns_soon()));
   }
 
   void take(const Client::Decoded& decoded) {
@@ -627,7 +641,8 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
       : shared_{hub,
                 [this](auto work, auto then) { have_done(decoder_, std::move(work), std::move(then)); },
                 {},
-                {}},
+                {},
+                false},
         real_time_(options.real_time),
         acceptor_(web_.context()),
         address_(options.address),
