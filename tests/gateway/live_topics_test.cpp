@@ -178,7 +178,7 @@ TEST_F(LiveTopicsTest, ASecondOfSilenceLetsGo) {
 }
 
 TEST_F(LiveTopicsTest, WhoHoldsItGetsTheForceOnceForEveryPoseThatWasFelt) {
-  begin();
+  begin(true);
   for (Client* client : {first.get(), second.get()}) subscribe(*client, {kAnswer, kSpatial, kBody});
   put(*first, {1, 0, 0}, "device", 7);
   live->answer();
@@ -278,6 +278,39 @@ TEST_F(LiveTopicsTest, WhatADeviceShallShowGoesToNobodyElse) {
   }
   EXPECT_THAT(all(*second), IsEmpty());
   EXPECT_EQ(all(*first)[kAnswer].size(), 10U);
+}
+
+// The force on a simulated device is not that where the hand of a client is.
+TEST_F(LiveTopicsTest, NoWrenchOfAnotherDeviceGoesToTheMotorsOfAClient) {
+  constexpr const char* kModel = "/palpate/client/local_model";
+  begin(false);
+  subscribe(*first, {kAnswer, kModel, kSpatial});
+  subscribe(*second, {kSpatial});
+  const auto hold = [&](Client& client) {
+    put(client, {1, 0, 0}, "device", 7);
+    std::map<std::string, std::vector<Json>> told;
+    for (int k = 0; k < 3; ++k) {
+      record.sent = record.sent_world = {{5, 0, 0}, {0, 0, 0}};
+      record.force_scale = 1.0;
+      tick();
+      live->answer();
+      for (auto& [topic, messages] : all(client))
+        told[topic].insert(told[topic].end(), messages.begin(), messages.end());
+    }
+    live->let_go();
+    for (const char* topic : {kAnswer, kModel}) {
+      EXPECT_EQ(told.count(topic), 0U);
+      EXPECT_EQ(all(client).count(topic), 0U) << "nor when it is let go";
+    }
+    EXPECT_FALSE(told[kSpatial].empty()) << "what there is to see stays";
+    return told["status"];
+  };
+  for (int k = 0; k < 2; ++k) {
+    const std::vector<Json> said = hold(*first);
+    ASSERT_EQ(said.size(), 1U) << "once for each time that it takes the tool";
+    EXPECT_THAT(said[0].get<std::string>(), HasSubstr("--device client"));
+  }
+  EXPECT_THAT(hold(*second), IsEmpty()) << "who has no motors";
 }
 
 TEST_F(LiveTopicsTest, WhoLosesTheToolIsToldToShowNothing) {

@@ -89,6 +89,7 @@ void LiveTopics::hold(Client& client) {
   holder_ = &client;
   client.take_hand();
   holder_clock_ = {};
+  told_of_no_wrench_ = false;
   hand_.change_hand();
   ask_echo();
   if (client_is_device_ && was_held_) {
@@ -137,13 +138,13 @@ void LiveTopics::hand_over() {
 }
 
 void LiveTopics::publish_device_wrench(Client& to, const Wrench& wrench) {
-  if (!client_.is_watched()) return;
+  if (!client_is_device_ || !client_.is_watched()) return;
   const Json head = header(stamps_[answered_ % stamps_.size()], "device", feed_.newest().answers);
   client_.publish_to(to, {{"header", head}, {"wrench", to_json(wrench)}});
 }
 
 void LiveTopics::publish_local_model(Client& to, double share) {
-  if (!local_model_.is_watched()) return;
+  if (!client_is_device_ || !local_model_.is_watched()) return;
   const LocalModel model = local_model_of(feed_.newest().record);
   const LocalSurface& local = model.surface;
   Json planes = Json::array();
@@ -158,6 +159,17 @@ void LiveTopics::publish_local_model(Client& to, double share) {
                                {"damping", local.damping},
                                {"friction", local.friction},
                                {"share", share}});
+}
+
+/// Tells a client with motors why it gets no wrench: the forces are those on another device, which is not
+/// where the client's hand is, although their stamps would be those of its poses.
+void LiveTopics::tell_of_no_wrench() {
+  if (client_is_device_ || told_of_no_wrench_) return;
+  if (!client_.is_watched_by(*holder_) && !local_model_.is_watched_by(*holder_)) return;
+  told_of_no_wrench_ = true;
+  holder_->tell("warning", fmt::format("{} and {} are sent with --device client only: this client leads "
+                                       "another device, and no force is meant for its motors",
+                                       client_.name(), local_model_.name()));
 }
 
 void LiveTopics::publish_world_wrenches(const Stamp& stamp, Client* only) {
@@ -189,6 +201,7 @@ void LiveTopics::answer() {
   const TickRecord& tick = feed_.newest().record;
   publish_device_wrench(*holder_, waits_since_ ? Wrench{} : tick.sent);
   publish_local_model(*holder_, waits_since_ ? 0.0 : tick.force_scale);
+  tell_of_no_wrench();
   if (!another) return;
   told_ = true;
   publish_world_wrenches(Stamp::now(), holder_);

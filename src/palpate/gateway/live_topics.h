@@ -86,6 +86,7 @@ class LiveTopics {
   void publish_device_wrench(Client& to, const Wrench& wrench);
   /// \param share fraction of the force that the governor passes, 0 without a force
   void publish_local_model(Client& to, double share);
+  void tell_of_no_wrench();
   void publish_world_wrenches(const Stamp& stamp, Client* only);
   void publish_contacts(const Stamp& stamp);
   void look_up_ellipsoids();
@@ -121,6 +122,7 @@ class LiveTopics {
   std::optional<double> waits_since_;
   bool was_held_ = false;  ///< a client has held the hand before
   ClientClock holder_clock_;
+  bool told_of_no_wrench_ = false;
   double told_late_ = -std::numeric_limits<double>::infinity();  ///< Unit: [s].
   struct Waiting {
     DevicePose device;

@@ -103,8 +103,12 @@ void Topic::publish(Json message, const Client* but) {
 }
 
 void Topic::publish_to(Client& client, Json message) {
-  if (std::find(watchers_.begin(), watchers_.end(), &client) == watchers_.end()) return;
+  if (!is_watched_by(client)) return;
   client.offer(*this, std::make_shared<Publication>(name_, type_, std::move(message), ++count_));
+}
+
+bool Topic::is_watched_by(const Client& client) const {
+  return std::find(watchers_.begin(), watchers_.end(), &client) != watchers_.end();
 }
 
 void Topic::set_reset(Json message, std::uint64_t reach) {

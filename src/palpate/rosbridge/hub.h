@@ -61,6 +61,7 @@ class Topic {
 
   /// Returns whether the topic has subscribers; without any, messages need not be generated.
   bool is_watched() const { return !watchers_.empty(); }
+  bool is_watched_by(const Client& client) const;
   /// Publishes to all subscribers except `but`.
   void publish(Json message, const Client* but = nullptr);
   /// Publishes to one client, if it subscribes.
