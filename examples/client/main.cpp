@@ -9,8 +9,9 @@
 // With --local it renders the program's local model itself, for a link that is slow: docs/network.md.
 //
 // With a real device: read the pose from its driver in place of Hand::move(), and hand the wrench to its
-// motors.
+// motors in Motors::show().
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -47,15 +48,38 @@ class Hand {
   double z_ = kBegin, velocity_ = 0.0;
 };
 
+/// Motors keep the last force that they were told. Whatever ends the loop, an exception of the driver too,
+/// the last is zero.
+class Motors {
+ public:
+  ~Motors() {
+    show(0.0);
+    std::printf("the motors show %.2f N\n", force_);
+  }
+  void show(double force) noexcept { force_ = force; }
+  double force() const noexcept { return force_; }
+
+ private:
+  double force_ = 0.0;
+};
+
+volatile std::sig_atomic_t ends = 0;
+
 void feel(Client& client) {
   Hand hand;
+  Motors motors;
   double z = Hand::kBegin;
   const auto begin = std::chrono::steady_clock::now();
-  for (int tick = 0; client.is_connected(); ++tick) {
-    const double force = client.wrench({0.0, 0.0, z}).force[2];
-    z = hand.move(kTick * tick, force);
-    client.send({{0.0, 0.0, z}, {1.0, 0.0, 0.0, 0.0}}, Client::now());
-    if (tick % 100 == 0) std::printf("z %6.1f mm   force %5.2f N\n", 1e3 * z, force);
+  // From the end on no pose is sent: the force falls to zero, in 5 ms where the connection is lost, and 100
+  // ms after the last pose at the latest. Leaving at once would leave the motors at the force of the last
+  // tick.
+  bool falls = false;
+  for (int tick = 0; !falls || motors.force() != 0.0; ++tick) {
+    falls = falls || ends != 0 || !client.is_connected();
+    motors.show(client.wrench({0.0, 0.0, z}).force[2]);
+    z = hand.move(kTick * tick, motors.force());
+    if (!falls) client.send({{0.0, 0.0, z}, {1.0, 0.0, 0.0, 0.0}}, Client::now());
+    if (falls || tick % 100 == 0) std::printf("z %6.1f mm   force %5.2f N\n", 1e3 * z, motors.force());
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(tick + 1));
   }
 }
@@ -69,6 +93,7 @@ int main(int argc, char** argv) {
     std::fputs("usage: palpate_client [--local] HOST PORT [TOKEN]\n", stderr);
     return 2;
   }
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, [](int) { ends = 1; });
   try {
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
     Client client({.force_max = 12.0, .torque_max = 0.0, .damping = local ? Hand::kDamping : 0.0});
@@ -80,6 +105,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "palpate_client: %s\n", error.what());
     return 1;
   }
+  if (ends != 0) return 0;
   std::fputs("palpate_client: the connection has ended\n", stderr);
   return 1;
 }

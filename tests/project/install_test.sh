@@ -41,6 +41,26 @@ done
 felt=$(timeout 60 "$work/client/palpate_client" 127.0.0.1 "$port" | grep -m 1 -E 'force +[1-9]' || true)
 echo "$felt"
 [[ -n $felt ]]
+# Whichever way it ends while it presses, the last that its motors are told is zero.
+presses_until() { # COMMAND...
+  "$work/client/palpate_client" 127.0.0.1 "$port" >"$work/felt" 2>/dev/null &
+  local client=$!
+  for _ in {1..300}; do
+    [[ $(tail -n 1 "$work/felt") =~ force\ +[1-9] ]] && break
+    sleep 0.1
+  done
+  "$@" "$client"
+  wait "$client" || true
+  tail -n 1 "$work/felt"
+  [[ $(tail -n 1 "$work/felt") == "the motors show 0.00 N" ]]
+}
+kill_program() {
+  kill -KILL "$run"
+  run=
+}
+presses_until kill -TERM
+sleep 2 # until the program lets go of the tool
+presses_until kill_program
 
 # A consumer of `collision` alone gets the same contacts, bit by bit, whatever it is compiled with, and needs none of the other packages.
 alone=(--no-warn-unused-cli -G Ninja "-DCMAKE_PREFIX_PATH=$work/prefix")
