@@ -188,7 +188,7 @@ class Newest {
 class LocalRenderer {
  public:
   static constexpr double kPeriod = 1e-3;    ///< between calls, at most. Unit: [s].
-  static constexpr double kSlewTime = 0.01;  ///< from no force to all. Unit: [s].
+  static constexpr double kSlewTime = 0.01;  ///< from no force to all, however often called. Unit: [s].
   static constexpr double kGap = 0.05;       ///< between calls, after which it begins anew. Unit: [s].
   static constexpr double kJump = 0.05;      ///< that no hand makes between calls. Unit: [m].
 
@@ -201,7 +201,7 @@ class LocalRenderer {
       restart(position, now);
       return {};
     }
-    const double dt = std::max(now - t_, kPeriod);
+    const double passed = std::max(0.0, now - t_), dt = std::max(passed, kPeriod);
     energy_ += limits_.damping * vectors::dot(way, way) / dt - vectors::dot(shown_, way);
     velocity_ = vectors::sum(velocity_, vectors::sum(vectors::scaled(way, 1.0 / dt), velocity_, -1.0),
                              -std::expm1(-dt / kVelocityFilter));
@@ -216,7 +216,7 @@ class LocalRenderer {
     const Vector wanted = length > 0.0 ? spring(model, pull, k) : Vector{};
     const Vector change = vectors::sum(wanted, shown_, -1.0);
     return vectors::clamped(
-        vectors::sum(shown_, vectors::clamped(change, limits_.force_max * dt / kSlewTime)), most());
+        vectors::sum(shown_, vectors::clamped(change, limits_.force_max * passed / kSlewTime)), most());
   }
 
   /// What is shown from now on, of what was asked for. \pre no more than most()

@@ -109,7 +109,7 @@ function nearest({ planes, friction }, from, to) {
 /// Positions are taken as measured: a device that counts in coarse steps moves less than b d^2 / dt says.
 export class LocalRenderer {
   static period = 1e-3; // s, between calls, at most
-  static slewTime = 0.01; // s, from no force to all
+  static slewTime = 0.01; // s, from no force to all, however often called
   static gap = 0.05; // s, between calls, after which it begins anew
   static jump = 0.05; // m, that no hand makes between calls
   static #velocityFilter = 0.005; // s
@@ -140,7 +140,8 @@ export class LocalRenderer {
       return [0, 0, 0];
     }
     const way = sum(position, this.#position, -1);
-    const dt = Math.max(now - this.#t, period);
+    const passed = Math.max(0, now - this.#t);
+    const dt = Math.max(passed, period);
     this.#energy += this.#damping * dot(way, way) / dt - dot(this.#shown, way);
     const change = sum(scaled(way, 1 / dt), this.#velocity, -1);
     this.#velocity = sum(this.#velocity, change, -Math.expm1(-dt / LocalRenderer.#velocityFilter));
@@ -153,7 +154,7 @@ export class LocalRenderer {
     this.#stored = 0.5 * k * length * length;
     this.#pressed = model.stiffness * length;
     const wanted = length > 0 ? this.#spring(model, pull, k) : [0, 0, 0];
-    const step = clamped(sum(wanted, this.#shown, -1), this.#forceMax * dt / slewTime);
+    const step = clamped(sum(wanted, this.#shown, -1), this.#forceMax * passed / slewTime);
     return clamped(sum(this.#shown, step), this.most);
   }
 

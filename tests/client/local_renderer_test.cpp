@@ -101,6 +101,17 @@ TEST_F(LocalRendererTest, WhatIsGoneIsLetGoWithinTheSlew) {
   EXPECT_EQ(renderer.energy(), 0.0);
 }
 
+TEST_F(LocalRendererTest, TheSlewIsThatOfTheTimeHoweverOftenItIsAsked) {
+  go({0, 0, -0.006});
+  model.count = 0;
+  for (int k = 1; k <= 4; ++k) {
+    now += kPeriod / 4.0;
+    const Vector force = renderer.ask(model, place, now);
+    renderer.show(force);
+    EXPECT_NEAR(force[2], 3.0 - k * kRenderedForceMax * kPeriod / 4.0 / LocalRenderer::kSlewTime, 1e-9);
+  }
+}
+
 TEST_F(LocalRendererTest, ACornerPushesOutOfAllItsPlanes) {
   model.planes[1] = {{-0.001, 0, 0}, {1, 0, 0}};
   model.count = 2;
