@@ -296,10 +296,13 @@ class ForceGate {
   static constexpr double kRise = 0.1;      ///< Unit: [s].
 
   /// \param small what is asked for may open it \param broken zero within kFall \param zero_at nothing is
-  /// left from then on. Unit: [s]. Also closed by not being called for kSilence.
+  /// left from then on. Unit: [s]. Not being called for kSilence closes it at once: by then a watchdog may
+  /// have switched the motors off, and a line that begins at the force before would be a step for the hand.
   Wrench pass(const Wrench& asked, bool small, bool broken, double zero_at, double now) noexcept {
-    const bool lost = broken || now > zero_at - kFall || now - passed_at_ > kSilence;
+    const bool stalled = now - passed_at_ > kSilence;
+    const bool lost = broken || now > zero_at - kFall || stalled;
     passed_at_ = now;
+    if (stalled) state_ = State::kClosed;
     if (state_ == State::kOpen && lost) {
       state_ = State::kFalling;
       since_ = now;
@@ -343,9 +346,9 @@ class ForceGate {
 ///    measured: where none comes any longer, where they come ever later, and where no pose has gone out;
 ///  - zero from kFall after the call that first sees a wrench that is not finite, a message that is none, or
 ///    the loss of the connection;
-///  - after any of these, or after show() itself was not called for kSilence, zero until a wrench is small
-///    (kGate), and then a share that rises from zero to one within kRise. The program's own gate may not have
-///    noticed.
+///  - zero in the first call after show() itself was not called for kSilence;
+///  - after any of these, zero until a wrench is small (kGate), and then a share that rises from zero to one
+///    within kRise. The program's own gate may not have noticed.
 ///
 /// A drop is a straight line of kFall that begins early enough to end at kSilence: see ForceGate.
 ///

@@ -220,12 +220,15 @@ class ForceGate {
   #passed = none();
   #fallsFrom = none();
 
-  /// `small`: what is asked for may open it. `broken`: zero within `fall`. `zeroAt`: nothing is left from then on, in s. Also
-  /// closed by not being called for `silence`.
+  /// `small`: what is asked for may open it. `broken`: zero within `fall`. `zeroAt`: nothing is left from then on, in s. Not
+  /// being called for `silence` closes it at once: by then a watchdog may have switched the motors off, and a line that begins
+  /// at the force before would be a step for the hand.
   pass(asked, { small, broken, zeroAt, now }) {
     const { silence, fall } = ForceGate;
-    const lost = broken || now > zeroAt - fall || now - this.#passedAt > silence;
+    const stalled = now - this.#passedAt > silence;
+    const lost = broken || now > zeroAt - fall || stalled;
     this.#passedAt = now;
+    if (stalled) this.#enter('closed', now);
     if (this.#state === 'open' && lost) {
       this.#enter('falling', now);
       this.#fallEnd = Math.min(now + fall, zeroAt);
@@ -257,8 +260,8 @@ class ForceGate {
 ///  - zero before the first wrench, and from `silence` on after the pose that the last wrench answers was measured;
 ///  - zero from `fall` after the call that first sees a wrench that is not finite, a message that is none, or the loss of
 ///    the connection;
-///  - after any of these, or after show() itself was not called for `silence`, zero until a wrench is small (`gate`), and
-///    then a share that rises from zero to one within `rise`.
+///  - zero in the first call after show() itself was not called for `silence`;
+///  - after any of these, zero until a wrench is small (`gate`), and then a share that rises from zero to one within `rise`.
 ///
 /// A drop is a straight line and not a step; the line begins early enough to end at `silence`.
 ///

@@ -203,8 +203,9 @@ TEST_F(WrenchGovernorTest, ASilenceThatNoCallHasSeenCounts) {
 TEST_F(WrenchGovernorTest, AServoThreadThatWasHeldUpGoesThroughTheGate) {
   open();
   for (int k = 0; k < 60; ++k, now += kTick) take(kForce);
-  expect_fall(kForce);
+  EXPECT_EQ(show(), 0.0) << "the motors may have been switched off meanwhile: no step for the hand";
   EXPECT_EQ(hold(kForce, 0.1), 0.0);
+  open();
 }
 
 TEST_F(WrenchGovernorTest, SilenceIsCountedFromThePoseThatIsAnswered) {
