@@ -356,7 +356,9 @@ class ForceGate {
 /// that of the last wrench. A force that is made here is not late, and planes are right for longer than
 /// forces: it is zero from kSilence on after the last model came, from kModelAge on after the pose was
 /// measured that that answers, and kFall after the handle is farther than kNear from there, or nowhere. All
-/// else is as above.
+/// else is as above. Where models begin or cease to have a stiffness, as the force model of the program is
+/// changed, the force of the one source falls within kFall, and that of the other comes: of the wrench in
+/// LocalRenderer::kSlewTime, of the local model through its gate.
 ///
 /// Has no clock: all times are arguments, in seconds on one clock that never falls. One thread calls take(),
 /// take_model() and fail(), one calls show(); nothing here locks, allocates, throws or waits.
@@ -427,20 +429,20 @@ class WrenchGovernor {
     Wrench shown = show(now);
     models_.update();
     const HeardModel& heard = models_.get();
-    if (limits_.damping == 0.0 || heard.model.stiffness == 0.0) {
-      renderer_.reset();
-      return shown;
-    }
+    if (limits_.damping == 0.0) return shown;
+    const bool local = heard.model.stiffness > 0.0;
     const bool near = vectors::is_place(position) &&
                       vectors::norm(vectors::sum(position, heard.model.position, -1.0)) <= kNear;
-    const bool broken = !heard.good || heard.breaks != model_breaks_ || !near;
+    const bool broken = !heard.good || heard.breaks != model_breaks_ || !near || !local;
     model_breaks_ = heard.breaks;
     const Wrench asked{vectors::clamped(renderer_.ask(heard.model, position, now), limits_.force_max), {}};
     // Without a share the program feels nothing, and a model has no planes though the handle may be pressed.
     const bool small = heard.model.share > 0.0 && is_small(renderer_.pressed());
     const Wrench passed = model_gate_.pass(asked, small, broken, heard.zero_at(), now);
-    shown.force = vectors::clamped(passed.force, renderer_.most());
-    renderer_.show(shown.force);
+    const Vector made = vectors::clamped(passed.force, renderer_.most());
+    renderer_.show(made);
+    const double remote = remote_share(local, now);
+    shown.force = vectors::clamped(vectors::sum(made, shown.force, remote), limits_.force_max);
     return shown;
   }
 
@@ -462,6 +464,15 @@ class WrenchGovernor {
 
   bool is_small(double force) const noexcept { return force <= kGate * limits_.force_max; }
 
+  /// The share of the wrench's force that is shown: it goes to zero where the force is made here.
+  double remote_share(bool local, double now) noexcept {
+    const double passed = std::max(0.0, now - shared_at_);
+    shared_at_ = now;
+    remote_share_ = local ? std::max(0.0, remote_share_ - passed / kFall)
+                          : std::min(1.0, remote_share_ + passed / LocalRenderer::kSlewTime);
+    return remote_share_;
+  }
+
   const Limits limits_;
   Heard last_;  ///< the network's thread
   HeardModel last_model_;
@@ -472,6 +483,8 @@ class WrenchGovernor {
   ForceGate gate_, model_gate_;
   LocalRenderer renderer_;
   std::uint64_t breaks_ = 0, model_breaks_ = 0;
+  double remote_share_ = 1.0;
+  double shared_at_ = kNever;  ///< Unit: [s].
 };
 
 /// The messages of rosbridge v2 that a client needs.

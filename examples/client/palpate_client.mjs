@@ -66,6 +66,8 @@ export function isGood({ position, planes, stiffness, damping, friction, share }
     && planes.every(({ point, normal }) => isPlace(point) && isVector(normal) && Math.abs(norm(normal) - 1) <= unit);
 }
 
+const noModel = { position: [0, 0, 0], planes: [], stiffness: 0, damping: 0, friction: 0, share: 0 };
+
 /// The nearest place before all planes on the way `from` a place `to` another: Gauss-Seidel sweeps over pushes and drags,
 /// each projected on what planes and friction can do, as constrained_motion() of the program.
 function nearest({ planes, friction }, from, to) {
@@ -268,7 +270,9 @@ class ForceGate {
 /// Where local models come, and `damping` is known, the force of showAt() is that of LocalRenderer, and the torque that of
 /// the last wrench. A force that is made here is not late, and planes are right for longer than forces: it is zero from
 /// `silence` on after the last model came, from `modelAge` on after the pose was measured that that answers, and `fall` after
-/// the handle is farther than `near` from there, or nowhere. All else is as above.
+/// the handle is farther than `near` from there, or nowhere. All else is as above. Where models begin or cease to have a
+/// stiffness, as the force model of the program is changed, the force of the one source falls within `fall`, and that of the
+/// other comes: of the wrench in LocalRenderer.slewTime, of the local model through its gate.
 ///
 /// Has no clock: all times are arguments, in seconds on one clock that never falls.
 export class WrenchGovernor {
@@ -281,12 +285,14 @@ export class WrenchGovernor {
 
   #limits;
   #heard = { ...none(), t: -Infinity, good: false, breaks: 0 };
-  #heardModel = { model: null, measuredAt: -Infinity, came: -Infinity, good: false, breaks: 0 };
+  #heardModel = { model: noModel, measuredAt: -Infinity, came: -Infinity, good: false, breaks: 0 };
   #gate = new ForceGate();
   #modelGate = new ForceGate();
   #renderer;
   #breaks = 0;
   #modelBreaks = 0;
+  #remoteShare = 1;
+  #sharedAt = -Infinity; // s
 
   /// The largest that the device may show, in N (above 0) and N m (0 without motors for the orientation); and the least
   /// viscous damping of the device and the hand that holds it, in N s/m: above 0 local models are rendered, no stiffer than it
@@ -343,20 +349,28 @@ export class WrenchGovernor {
   showAt(position, now) {
     const shown = this.show(now);
     const { model, good, breaks } = this.#heardModel;
-    if (this.#limits.damping === 0 || model === null || model.stiffness === 0) {
-      this.#renderer.reset();
-      return shown;
-    }
+    if (this.#limits.damping === 0) return shown;
+    const local = model.stiffness > 0;
     const isNear = isPlace(position) && norm(sum(position, model.position, -1)) <= WrenchGovernor.near;
-    const broken = !good || breaks !== this.#modelBreaks || !isNear;
+    const broken = !good || breaks !== this.#modelBreaks || !isNear || !local;
     this.#modelBreaks = breaks;
-    const force = clamped(this.#renderer.ask(model, position, now), this.#limits.forceMax);
+    const asked = clamped(this.#renderer.ask(model, position, now), this.#limits.forceMax);
     // Without a share the program feels nothing, and a model has no planes though the handle may be pressed.
     const small = model.share > 0 && this.#isSmall(this.#renderer.pressed);
-    const passed = this.#modelGate.pass({ ...none(), force }, { small, broken, zeroAt: this.#modelZeroAt(), now });
-    const local = clamped(passed.force, this.#renderer.most);
-    this.#renderer.show(local);
-    return { force: local, torque: shown.torque };
+    const passed = this.#modelGate.pass({ ...none(), force: asked }, { small, broken, zeroAt: this.#modelZeroAt(), now });
+    const made = clamped(passed.force, this.#renderer.most);
+    this.#renderer.show(made);
+    const force = clamped(sum(made, shown.force, this.#nextRemoteShare(local, now)), this.#limits.forceMax);
+    return { force, torque: shown.torque };
+  }
+
+  /// The share of the wrench's force that is shown: it goes to zero where the force is made here.
+  #nextRemoteShare(local, now) {
+    const passed = Math.max(0, now - this.#sharedAt);
+    this.#sharedAt = now;
+    this.#remoteShare = local ? Math.max(0, this.#remoteShare - passed / WrenchGovernor.fall)
+      : Math.min(1, this.#remoteShare + passed / LocalRenderer.slewTime);
+    return this.#remoteShare;
   }
 
   #modelZeroAt() {

@@ -257,7 +257,7 @@ class LocalModelInTheGovernor : public testing::Test {
     now += kPeriod;
     if (comes) {
       model.position = {0, 0, z};
-      governor.take(Wrench{{0, 0, 7.0}, {}}, now - late, now);
+      governor.take(Wrench{{0, 0, wrench}, {}}, now - late, now);
       governor.take_model(model, now - late, now);
     }
     return governor.show(Vector{0, 0, z}, now).force[2];
@@ -269,7 +269,7 @@ class LocalModelInTheGovernor : public testing::Test {
     ASSERT_NEAR(tick(-kDeep), kForce, 1e-9);
   }
 
-  double now = 100.0, late = 0.0;
+  double now = 100.0, late = 0.0, wrench = 7.0;
   LocalModel model = floor_at(0.0);
   WrenchGovernor governor{{kRenderedForceMax, 0.0, kDamping}};
 };
@@ -365,6 +365,40 @@ TEST_F(LocalModelInTheGovernor, OfAModelWithoutOneTheWrenchIsShown) {
     governor.show(Vector{}, now);
   }
   EXPECT_NEAR(tick(-kDeep), 7.0, 1e-9);
+}
+
+// The force model of the program is changed while the hand presses.
+TEST_F(LocalModelInTheGovernor, GivesWayToTheWrenchAndBackWithoutAStep) {
+  wrench = 0.0;
+  press();
+  wrench = 7.0;
+  double last = kForce;
+  const auto change = [&](double largest) {
+    for (int k = 0; k < 20; ++k) {
+      const double shown = tick(-kDeep);
+      EXPECT_LE(std::abs(shown - last), largest + 1e-9) << k;
+      last = shown;
+    }
+  };
+  model.stiffness = 0.0;
+  change(kRenderedForceMax * kPeriod / LocalRenderer::kSlewTime);
+  EXPECT_NEAR(last, 7.0, 1e-9);
+  model.stiffness = kStiffness;
+  change(7.0 * kPeriod / WrenchGovernor::kFall);
+  EXPECT_EQ(last, 0.0) << "pressed, no gate opens";
+  press();
+}
+
+// What is shown of the wrench while the sources change still ends with the wrench.
+TEST_F(LocalModelInTheGovernor, GivesWayToNoWrenchThatIsLost) {
+  wrench = 0.0;
+  press();
+  wrench = 7.0;
+  model.stiffness = 0.0;
+  tick(-kDeep);
+  governor.fail();
+  for (int k = 0; k < 5; ++k) tick(-kDeep, false);
+  EXPECT_EQ(tick(-kDeep, false), 0.0);
 }
 
 }  // namespace
