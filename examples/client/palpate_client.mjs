@@ -42,7 +42,7 @@ const clamped = (v, most) => {
   const length = norm(v);
   return length > most ? scaled(v, most / length) : v;
 };
-const isVector = (v) => v?.length === 3 && v.every(Number.isFinite);
+const isVector = (v) => v?.length === 3 && [0, 1, 2].every((k) => Number.isFinite(v[k]));
 
 /// Whether it is a place: finite, and near enough that nothing made of it overflows. In m.
 const isPlace = (v) => isVector(v) && norm(v) <= 1e6;
@@ -188,9 +188,10 @@ export class LocalRenderer {
   }
 
   #restart(position, now) {
-    this.#position = [...position];
+    const known = isPlace(position);
+    this.#position = known ? [...position] : [0, 0, 0];
     this.#proxy = this.#position;
-    this.#t = isPlace(position) ? now : -Infinity;
+    this.#t = known ? now : -Infinity;
     this.#velocity = [0, 0, 0];
     this.#shown = [0, 0, 0];
     this.#stored = 0;

@@ -150,6 +150,25 @@ describe('the governor of a client', () => {
     }
   });
 
+  test('is zero within 5 ms where the handle is nowhere, however that is said', () => {
+    for (const nowhere of [null, undefined, [], [0, 0], [0, NaN, -0.003], ['0', '0', '0'], 'abc', 7, {}]) {
+      const governor = new WrenchGovernor({ forceMax: 12, damping: 1 });
+      const model = { planes: [{ point: [0, 0, 0], normal: [0, 0, 1] }], stiffness: 500, damping: 0, friction: 0, share: 1 };
+      let now = 100;
+      const tick = (z, place) => {
+        now += 1e-3;
+        governor.takeModel({ ...model, position: [0, 0, z] }, now, now);
+        return governor.showAt(place, now).force[2];
+      };
+      for (let k = 0; k < 150; k += 1) tick(0.001, [0, 0, 0.001]);
+      let last = 0;
+      for (let k = 10; k >= -30; k -= 1) last = tick(1e-4 * k, [0, 0, 1e-4 * k]);
+      near(last, 1.5);
+      for (let k = 0; k < 5; k += 1) assert.ok(tick(-0.003, nowhere) <= 1.5);
+      assert.equal(tick(-0.003, nowhere), 0);
+    }
+  });
+
   test('refuses limits that are none', () => {
     for (const limits of [{}, { forceMax: 0 }, { forceMax: NaN }, { forceMax: 1, torqueMax: -1 }])
       assert.throws(() => new WrenchGovernor(limits), RangeError);
