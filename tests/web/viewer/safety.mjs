@@ -98,13 +98,37 @@ describe('safety', () => {
     await desk.page.waitForFunction(() => document.getElementById('state').textContent === 'disconnected');
     assert.equal(await ask(desk.page, (v) => v.connected), false);
     await desk.page.locator('#stop').click();
-    await desk.page.getByText('Not connected.').waitFor();
+    await desk.page.getByText('Stop not confirmed').waitFor();
     desk.gateway = await new MockGateway(folder, desk.scene).start(port);
     desk.gateway.tool.position = touching;
     await until(desk.page, () => window.palpateViewer.connected && window.palpateViewer.force() !== null && window.palpateViewer.drawnContacts() > 0);
-    assert.deepEqual(desk.gateway.requests, []); // nothing that was asked for before arrives late
+    // Nothing that was asked for before arrives late but the stop.
+    await desk.page.getByText('Stop not confirmed').waitFor({ state: 'hidden' });
+    assert.deepEqual(desk.gateway.requests.map((r) => r.service), ['/palpate/emergency_stop']);
+    await stopped();
+    await desk.page.locator('#resume').click();
+    await desk.page.locator('#stopped').waitFor({ state: 'hidden' });
     desk.gateway.tool.position = clear;
     await settle(desk.page);
+  });
+
+  test('a stop that is lost with its connection is sent again, once', async () => {
+    desk.gateway.breaksOff = '/palpate/emergency_stop';
+    await desk.page.locator('#stop').click();
+    await desk.page.getByText('Stop not confirmed').waitFor();
+    await stopped();
+    await desk.page.getByText('Stop not confirmed').waitFor({ state: 'hidden' });
+    assert.equal(requests('emergency_stop').length, 2);
+    await desk.page.locator('#resume').click();
+    await desk.page.locator('#stopped').waitFor({ state: 'hidden' });
+    desk.gateway.breaksOff = '/palpate/pause'; // drops the connection: what was confirmed is not repeated
+    await desk.page.getByRole('button', { name: 'Pause' }).click();
+    await waitFor(() => requests('pause').length === 1, 'a pause');
+    await until(desk.page, () => !window.palpateViewer.connected);
+    await until(desk.page, () => window.palpateViewer.connected);
+    await settle(desk.page);
+    assert.equal(requests('emergency_stop').length, 2);
+    assert.equal(requests('pause').length, 1);
   });
 
   test('where there is no WebGL, it says so, and still stops; a token in the address goes along', async () => {

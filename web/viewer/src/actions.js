@@ -2,7 +2,7 @@
 
 import { notify } from './notices.js';
 
-export function createActions({ connection, parameters, statusBar, hold }) {
+export function createActions({ connection, parameters, statusBar, hold, emergencyStop }) {
   const asked = (promise) => promise.catch((error) => {
     notify(error.message);
     return null;
@@ -11,8 +11,11 @@ export function createActions({ connection, parameters, statusBar, hold }) {
   const pause = (on) => ask('pause', 'std_srvs/SetBool', { data: on });
   const actions = {
     asked,
-    stop: () => ask('emergency_stop', 'std_srvs/Trigger'),
-    resume: () => (parameters.current?.paused ? pause(false) : ask('resume', 'std_srvs/Trigger')),
+    stop: () => emergencyStop.press(),
+    async resume() {
+      const done = await (parameters.current?.paused ? pause(false) : ask('resume', 'std_srvs/Trigger'));
+      if (done !== null) emergencyStop.forget();
+    },
     pauseOrResume: () => (statusBar.needsResume ? actions.resume() : pause(true)),
     toggleDemo() {
       hold.endAll(); // only the simulated hand may hold the tool then

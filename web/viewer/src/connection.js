@@ -1,7 +1,7 @@
 // The rosbridge connection to the program that served this page. Reconnects automatically.
 //
 // Every attempt uses a new Ros, so that no message from before an interruption is sent after it: a pose or a `resume`
-// must never arrive late.
+// must never arrive late. Only an emergency stop is asked for again (emergency_stop.js).
 
 import { Ros, Service, Topic, WebSocketTransportFactory } from 'roslib';
 

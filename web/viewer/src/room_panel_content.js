@@ -12,7 +12,7 @@ export function roomPanelContent({ statusBar, live, frames, felt, room }) {
   const force = live.force ? `${formatFixed(Math.hypot(...live.force), 2)} N` : 'unknown';
   return {
     lines: [
-      statusBar.stop || text, statusBar.whoHolds, `Force ${force}`,
+      statusBar.unconfirmed || statusBar.stop || text, statusBar.whoHolds, `Force ${force}`,
       `Frame ${formatFixed(frames.mean / millisecond, 1)} ms, longest ${formatFixed(frames.longest / millisecond, 0)} ms`,
       `${statusBar.parameters.current?.model ?? ''}, ${formatFixed(statusBar.parameters.current?.stiffness, 0)} N/m`,
     ],

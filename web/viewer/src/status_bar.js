@@ -13,8 +13,8 @@ function setText(node, text) {
 export class StatusBar {
   #waitsSince = null; // time since which the force waits for the tool to be lifted. Unit: [ms].
 
-  constructor({ connection, live, parameters, hold }) {
-    Object.assign(this, { connection, live, parameters, hold });
+  constructor({ connection, live, parameters, hold, emergencyStop }) {
+    Object.assign(this, { connection, live, parameters, hold, emergencyStop });
     this.state = byId('state');
     this.holder = byId('holder');
     this.advice = byId('advice');
@@ -64,6 +64,11 @@ export class StatusBar {
     return this.needsResume ? `No force: ${this.said.text.replace(/^\w+: /, '')}.` : '';
   }
 
+  /// That the force may be on although the user has stopped it; empty if not.
+  get unconfirmed() {
+    return this.emergencyStop.isUnconfirmed ? 'Stop not confirmed; repeating it.' : '';
+  }
+
   #title(stop) {
     const { scene, hand } = this.parameters.current ?? {};
     const title = [stop && 'Stopped', hand && `hand ${hand}`, scene?.name, 'Palpate'].filter(Boolean).join(' · ');
@@ -75,10 +80,10 @@ export class StatusBar {
     const { text, level, advice } = this.said;
     setText(this.state, text);
     if (this.state.dataset.level !== level) this.state.dataset.level = level;
-    const { stop } = this;
-    setText(this.advice, [stop, advice && `${advice[0].toUpperCase()}${advice.slice(1)}.`].filter(Boolean).join(' '));
-    this.stopped.hidden = advice === '' && stop === '';
-    this.stopped.dataset.level = stop === '' ? level : 'bad';
+    const { stop, unconfirmed } = this;
+    setText(this.advice, [unconfirmed, stop, advice && `${advice[0].toUpperCase()}${advice.slice(1)}.`].filter(Boolean).join(' '));
+    this.stopped.hidden = advice === '' && stop === '' && unconfirmed === '';
+    this.stopped.dataset.level = stop === '' && unconfirmed === '' ? level : 'bad';
     byId('resume').hidden = stop === '';
     document.body.classList.toggle('stopped-force', stop !== '');
     this.#title(stop);
