@@ -9,24 +9,27 @@
 #include <cerrno>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
-#include <ros/master.h>
 #include <ros/network.h>
 #include <ros/this_node.h>
-#include <xmlrpcpp/XmlRpcException.h>
 
 namespace palpate::ros1 {
 namespace {
 
-using XmlRpc::XmlRpcValue;
-
 /// Longest wait for a node to accept a connection. Unit: [ms].
 constexpr int kAccepts = 200;
 
-/// Returns whether a connection to `address` is refused; a host that does not answer refuses nothing.
-bool refuses(const addrinfo& address) {
+/// Result of an attempt to connect.
+enum class Attempt {
+  kRefused,  ///< nobody listens
+  kNoRoute,  ///< this host has no such network, so that it says nothing about the other
+  kOpen      ///< accepted, or unanswered
+};
+
+Attempt connect_to(const addrinfo& address) {
   const int socket = ::socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (socket < 0) return false;
+  if (socket < 0) return errno == EAFNOSUPPORT ? Attempt::kNoRoute : Attempt::kOpen;
   int error = ::connect(socket, address.ai_addr, address.ai_addrlen) == 0 ? 0 : errno;
   if (error == EINPROGRESS) {
     pollfd waits{socket, POLLOUT, 0};
@@ -35,51 +38,75 @@ bool refuses(const addrinfo& address) {
       error = 0;
   }
   ::close(socket);
-  return error == ECONNREFUSED;
+  if (error == ECONNREFUSED) return Attempt::kRefused;
+  return error == EADDRNOTAVAIL || error == ENETUNREACH ? Attempt::kNoRoute : Attempt::kOpen;
 }
 
-/// Returns whether the process of node `name` has certainly ended.
-bool has_ended(const std::string& name) {
-  XmlRpcValue request, response, uri;
-  request[0] = ros::this_node::getName();
-  request[1] = name;
-  if (!ros::master::execute("lookupNode", request, response, uri, false)) return false;
+/// Returns whether the process of the node with this URI has certainly ended: its host refuses, at all of its
+/// addresses. Nodes listen at those of IPv4 only, which need not come first.
+bool has_ended(const std::string& uri) {
   std::string host;
   std::uint32_t port = 0;
-  if (uri.getType() != XmlRpcValue::TypeString ||
-      !ros::network::splitURI(static_cast<std::string>(uri), host, port))
-    return false;
+  if (!ros::network::splitURI(uri, host, port)) return false;
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return false;
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> all(found, ::freeaddrinfo);
-  return refuses(*all);
-}
-
-/// \param publishers of all topics: [[topic, [node, ...]], ...]
-std::string find(XmlRpcValue publishers, const std::vector<std::string>& topics) {
-  for (int k = 0; k < publishers.size(); ++k) {
-    if (std::count(topics.begin(), topics.end(), static_cast<std::string>(publishers[k][0])) == 0) continue;
-    XmlRpcValue& nodes = publishers[k][1];
-    for (int n = 0; n < nodes.size(); ++n) {
-      std::string name = nodes[n];
-      if (name != ros::this_node::getName() && !has_ended(name)) return name;
-    }
+  bool refused = false;
+  for (const addrinfo* address = all.get(); address != nullptr; address = address->ai_next) {
+    const Attempt attempt = connect_to(*address);
+    if (attempt == Attempt::kOpen) return false;
+    refused = refused || attempt == Attempt::kRefused;
   }
-  return {};
+  return refused;
 }
 
 }  // namespace
 
-std::optional<std::string> other_publisher(const std::vector<std::string>& topics) {
-  XmlRpcValue request, response, state;  // [publishers, subscribers, services]
-  request[0] = ros::this_node::getName();
-  if (!ros::master::execute("getSystemState", request, response, state, false)) return std::nullopt;
-  try {
-    return find(state[0], topics);
-  } catch (const XmlRpc::XmlRpcException&) {
-    return std::nullopt;
+void OtherPublisher::update(const MasterState& state, bool restarted) {
+  look_at_list(state, restarted);
+  tell();  // before what follows, which may take long
+  for (auto& [name, node] : known_) {
+    if (node.listed) {
+      const std::string uri = uri_of(name);
+      const bool another = !uri.empty() && std::exchange(node.uri, uri) != uri;
+      if (another && std::exchange(node.ended, false)) tell();
+    }
+    node.ended = !node.uri.empty() && has_ended(node.uri);
   }
+  tell();
+}
+
+void OtherPublisher::look_at_list(const MasterState& state, bool restarted) {
+  const std::string& self = ros::this_node::getName();
+  // Otherwise, others need not be registered either.
+  const bool has_this = std::all_of(topics_.begin(), topics_.end(), [&](const std::string& topic) {
+    return has(state.publishers, topic, self);
+  });
+  std::map<std::string, Node> now;
+  for (auto& [name, node] : known_) {
+    const bool unknown_to_master = restarted || !has_this || !node.listed;
+    node.listed = false;
+    if (unknown_to_master && !node.ended && !node.uri.empty()) now.insert({name, node});
+  }
+  for (const std::string& topic : topics_) {
+    const auto found = state.publishers.find(topic);
+    if (found == state.publishers.end()) continue;
+    for (const std::string& name : found->second) {
+      if (name == self) continue;
+      const auto before = known_.find(name);
+      Node& node = now[name];
+      if (before != known_.end()) node = before->second;
+      node.listed = true;
+    }
+  }
+  known_ = std::move(now);
+}
+
+void OtherPublisher::tell() const {
+  const auto one =
+      std::find_if(known_.begin(), known_.end(), [](const auto& of) { return !of.second.ended; });
+  tell_(one == known_.end() ? std::string() : one->first);
 }
 
 }  // namespace palpate::ros1

@@ -42,6 +42,10 @@ constexpr const char* kAnyType = "*";
 /// True once the loss of the master has been reported; one flag per process, shared by all links.
 std::atomic<bool> lost{false};
 
+/// How often a link has found that the master lacks topics of this process; shared by all links, since each
+/// registers all topics.
+std::atomic<unsigned> restarts{0};
+
 /// Whether a link has initialised ROS, in a program that is no node otherwise.
 std::atomic<bool> initialised{false};
 
@@ -184,7 +188,10 @@ class Link::Implementation {
     const ros::SubscriberStatusCallback come = [this](const auto&) { ++came_; };
     spatial_ = node_->advertise<geometry_msgs::WrenchStamped>("spatial/servo_cf", 1, come);
     body_ = node_->advertise<geometry_msgs::WrenchStamped>("body/servo_cf", 1, come);
-    look_for_other_writer();  // before the first pose
+    others_ = std::make_unique<OtherPublisher>(
+        std::vector<std::string>{spatial_.getTopic(), body_.getTopic()},
+        [this](const std::string& name) { listener_.on_other_writer(name); });
+    if (const auto state = ask_master()) others_->update(*state, false);  // before the first pose
     const auto hints = ros::TransportHints().tcpNoDelay();
     subscriptions_ = {node_->subscribe<geometry_msgs::PoseStamped>(
                           "measured_cp", kQueue,
@@ -225,25 +232,34 @@ class Link::Implementation {
   void watch_master() {
     watch_ = std::make_unique<MasterWatch>(
         [this] { tell_lost("lost the ROS master; existing connections persist; waiting for it"); },
-        [this](bool another) {
-          if (another) register_anew();
-          tell_found();
-        },
-        [this] { look_for_other_writer(); });
+        [this] { tell_found(); },
+        [this](const MasterState& state) {
+          register_missing(state);
+          const unsigned now = restarts;
+          others_->update(state, std::exchange(restarts_, now) != now);
+        });
   }
 
-  void look_for_other_writer() {
-    if (const auto name = other_publisher({spatial_.getTopic(), body_.getTopic()}))
-      listener_.on_other_writer(*name);
-  }
-
-  /// Registers all topics of the process with a restarted master; connections persist.
-  static void register_anew() {
-    std::vector<std::string> topics;
-    ros::this_node::getSubscribedTopics(topics);
-    for (const std::string& topic : topics) update(topic, register_as("registerSubscriber", topic, kAnyType));
-    ros::this_node::getAdvertisedTopics(topics);
-    for (const std::string& topic : topics)
+  /// Registers the topics of the process that the master does not have, as after its restart; connections
+  /// persist. What fails is tried again at the next look.
+  static void register_missing(const MasterState& state) {
+    const std::string& self = ros::this_node::getName();
+    const auto missing = [&self](std::vector<std::string> topics, const MasterState::Nodes& all) {
+      topics.erase(std::remove_if(topics.begin(), topics.end(),
+                                  [&](const std::string& topic) { return has(all, topic, self); }),
+                   topics.end());
+      return topics;
+    };
+    std::vector<std::string> subscribed, advertised;
+    ros::this_node::getSubscribedTopics(subscribed);
+    ros::this_node::getAdvertisedTopics(advertised);
+    subscribed = missing(std::move(subscribed), state.subscribers);
+    advertised = missing(std::move(advertised), state.publishers);
+    if ((subscribed.empty() && advertised.empty()) || is_replaced()) return;
+    ++restarts;  // before another link finds its topics registered
+    for (const std::string& topic : subscribed)
+      update(topic, register_as("registerSubscriber", topic, kAnyType));
+    for (const std::string& topic : advertised)
       if (const auto publication = ros::TopicManager::instance()->lookupPublication(topic))
         register_as("registerPublisher", topic, publication->getDataType());
   }
@@ -292,6 +308,8 @@ class Link::Implementation {
   std::uint64_t arrivals_ = 0;
   std::atomic<std::uint64_t> came_ = 0;
   std::atomic<bool> ends_ = false, connected_ = false;
+  std::unique_ptr<OtherPublisher> others_;  ///< of wrenches for the device
+  unsigned restarts_ = 0;                   ///< that others_ knows of
   std::unique_ptr<MasterWatch> watch_;
   std::thread thread_;
 };

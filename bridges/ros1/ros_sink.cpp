@@ -1,5 +1,6 @@
 #include "ros_sink.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -194,6 +195,12 @@ class Ros1Sink final : public node::NodeSink {
             hand, pace, [&](const auto& name, const auto& work) { trigger(node_of(pace), name, work); },
             [&](const auto& name, const auto& work) { set_bool(node_of(pace), name, work); });
   }
+  void serve_again(const MasterState& state) {
+    const bool all = std::all_of(servers_.begin(), servers_.end(), [&](const ros::ServiceServer& server) {
+      return state.services.count(server.getService()) > 0;
+    });
+    if (!all && !is_replaced()) serve();
+  }
   void listen(ros::NodeHandle& node, const std::string& name,
               const std::function<void(const std::string&)>& work) {
     const boost::function<void(const std_msgs::String::ConstPtr&)> hear =
@@ -225,11 +232,9 @@ class Ros1Sink final : public node::NodeSink {
   ros::Publisher transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
   std::vector<ros::Subscriber> listeners_;
-  /// Advertises the services again after a restart of the master; Link does so for topics.
-  MasterWatch watch_{[] {},
-                     [this](bool another) {
-                       if (another) serve();
-                     }};
+  /// Advertises the services again whenever the master does not have them, as after its restart; Link does so
+  /// for topics.
+  MasterWatch watch_{[] {}, [] {}, [this](const MasterState& state) { serve_again(state); }};
 };
 
 }  // namespace

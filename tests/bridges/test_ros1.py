@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 import unittest
+import xmlrpc.client
 
 import rospy
 
@@ -44,7 +45,8 @@ class Ros1(unittest.TestCase):
         with open(cls.said, "ab") as said:
             cls.run_ = subprocess.Popen([PALPATE, "run", scene, "--no-gateway", "--no-index-file", "--tool", "0.02,0.02,0.02",
                                          "--device", "ros1:/omni,force_max=8,rate=20", "--json"],
-                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=said)
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=said,
+                                        env={**os.environ, "LD_PRELOAD": os.environ["PALPATE_TWO_ADDRESSES"]})
         cls.wait_said("there is no ROS master at")
         cls.master = Master(port)
         rospy.init_node("driver", disable_signals=True, disable_rosout=True)
@@ -148,10 +150,16 @@ class Ros1(unittest.TestCase):
             other.kill()
             other.wait()
 
-    def other_writer(self, topic):
+    def name(self):
+        """Palpate's, as a node."""
+        _, _, state = rospy.get_master().getSystemState()
+        [name] = {node for topic, nodes in state[0] for node in nodes if topic == "/omni/spatial/servo_cf"}
+        return name
+
+    def other_writer(self, topic, env=None):
         before = self.text().count("publishes wrenches for the device, too")
         other = subprocess.Popen(["rostopic", "pub", "-r", "50", topic, "geometry_msgs/WrenchStamped", "{}"],
-                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                                 env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             self.wait_said("publishes wrenches for the device, too", before + 1)
             newest = newest_line(self.text(), "publishes wrenches for the device, too")
@@ -186,6 +194,22 @@ class Ros1(unittest.TestCase):
         other.wait()
         self.lean()
 
+    def test_3d_one_counts_that_listens_at_its_second_address_only(self):
+        self.lean()
+        env = {name: value for name, value in os.environ.items() if name != "ROS_IP"}
+        other = self.other_writer("/omni/spatial/servo_cf", {**env, "ROS_HOSTNAME": "localhost"})
+        try:
+            self.no_force()
+            self.driver.height = FREE
+            time.sleep(1.5)
+            self.driver.height = PRESSED
+            time.sleep(1.0)
+            self.assertEqual(self.forces_of_palpate(), {0.0})
+        finally:
+            other.kill()
+            other.wait()
+        self.lean()
+
     def test_4_the_master_is_killed_and_started_again(self):
         self.master.kill()
         self.wait_said("lost the ROS master")
@@ -197,6 +221,34 @@ class Ros1(unittest.TestCase):
         found = subprocess.run(["timeout", "20", "rostopic", "echo", "-n", "1", "/omni/spatial/servo_cf"], capture_output=True,
                                text=True, check=False)
         self.assertIn("force:", found.stdout, found.stderr)
+
+    def test_4b_a_master_that_has_restarted_need_not_know_another_publisher_of_wrenches(self):
+        self.lean()
+        other = self.other_writer("/omni/spatial/servo_cf")  # which, as rospy does, registers once only
+        try:
+            self.no_force()
+            found = self.text().count("connected to the ROS master")
+            self.master.kill()
+            self.wait_said("lost the ROS master", found)
+            self.master.start()
+            self.wait_said("connected to the ROS master", found + 1)
+            self.wait(lambda: any(topic == "/omni/spatial/servo_cf" for topic, _ in rospy.get_master().getSystemState()[2][0]))
+            self.driver.height = FREE
+            time.sleep(1.5)
+            self.driver.height = PRESSED
+            time.sleep(1.0)
+            self.assertEqual(self.forces_of_palpate(), {0.0})
+        finally:
+            other.kill()
+            other.wait()
+        self.lean()
+
+    def test_4c_what_the_master_has_lost_is_registered_again(self):
+        topic = "/omni/body/servo_cf"
+        name = self.name()
+        master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
+        self.assertEqual(master.unregisterPublisher(name, topic, master.lookupNode("/test", name)[2])[2], 1)
+        self.wait(lambda: [topic, [name]] in master.getSystemState("/test")[2][0], 5.0)
 
     def test_5_silence_ends_the_force_and_it_comes_back(self):
         self.lean()
@@ -250,9 +302,7 @@ class Ros1(unittest.TestCase):
 
     def test_9_a_node_that_is_killed_by_name_ends_with_a_zero_wrench(self):
         self.lean()
-        _, _, state = rospy.get_master().getSystemState()
-        [name] = {node for topic, nodes in state[0] for node in nodes if topic == "/omni/spatial/servo_cf"}
-        end_by_name(name)
+        end_by_name(self.name())
         # As a zombie, it still has an exit status for the end of this class.
         self.wait(lambda: os.waitid(os.P_PID, self.run_.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT))
         time.sleep(0.3)

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
+import xmlrpc.client
 
 import rospy
 import rosservice
@@ -427,6 +428,11 @@ class Node(unittest.TestCase):
             subprocess.run(["timeout", "20", "rostopic", "pub", "-1", "/palpate/set_parameters", "std_msgs/String",
                             f'data: "{{\\"stiffness\\": {stiffness}}}"'], capture_output=True, check=True)
             self.wait(lambda: self.parameters()["stiffness"] == stiffness)
+
+    def test_6b_a_service_that_the_master_has_lost_is_registered_again(self):
+        master, service = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]), "/palpate/emergency_stop"
+        self.assertEqual(master.unregisterService("/palpate", service, master.lookupService("/test", service)[2])[2], 1)
+        self.wait(lambda: service in rosservice.get_service_list(), 5.0)
 
     def test_7_every_pose_is_answered_or_counted(self):
         self.lean()
