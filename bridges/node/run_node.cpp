@@ -4,6 +4,9 @@
 #include <deque>
 #include <exception>
 #include <filesystem>
+#include <new>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,6 +45,21 @@ struct NodeParts {
     return std::any_of(of_hands.begin(), of_hands.end(),
                        [](const HandParts& hand) { return !hand.recording->path().empty(); });
   }
+};
+
+/// Ramps the forces down before its owner's other members are destroyed, which may take long, also when an
+/// exception is thrown.
+class FallFirst {
+ public:
+  explicit FallFirst(const std::vector<LiveSystem*>& systems) : systems_(systems) {}
+  ~FallFirst() {
+    for (LiveSystem* system : systems_) system->begin_to_stop();
+  }
+  FallFirst(const FallFirst&) = delete;
+  FallFirst& operator=(const FallFirst&) = delete;
+
+ private:
+  const std::vector<LiveSystem*>& systems_;
 };
 
 /// Runs `work`; reports an exception as a one-line notice.
@@ -121,6 +139,35 @@ std::vector<SinkHand> sink_hands(const NodeParts& node) {
   return all;
 }
 
+/// Publishes the hands and provides their services until the node ends; the forces then fall.
+void serve(const NodeSettings& settings, const NodeNetwork& network, const NodeParts& node,
+           const std::vector<LiveSystem*>& systems, NodeNotices& notices) {
+  const auto sink = network.sink(settings, sink_hands(node));
+  std::optional<SceneShow> scene;
+  std::deque<LiveShow> shows;
+  const FallFirst fall(systems);
+  scene.emplace(*systems.front(), settings.decimation, *sink, notices);
+  for (std::size_t k = 0; k < node.of_hands.size(); ++k) {
+    const HandParts& hand = node.of_hands[k];
+    shows.emplace_back(
+        ShownHand{k, hand.settings, *systems[k], *hand.device, *hand.view, hand.notices, *hand.recording},
+        settings.tf_prefix, *sink);
+  }
+  bool lacks_memory = false;
+  for (int count = 0; network.is_up() && !RunSignals::ended(); ++count) {
+    const LoopClock& clock = systems.front()->clock();
+    const double begin = clock.now();
+    try {
+      scene->update();
+      publish(shows, scene->scene().get(), *sink, count % LiveShow::kDiagnosticsEvery == 0);
+      lacks_memory = false;
+    } catch (const std::bad_alloc&) {
+      if (!std::exchange(lacks_memory, true)) notices.say("warning: not enough memory to publish");
+    }
+    clock.sleep_until(begin + 1.0 / LiveShow::kRate);
+  }
+}
+
 }  // namespace
 
 void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNotices& notices) {
@@ -155,21 +202,9 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
   hands.start(observers);
   const LoopEnd end(hands);
   for (const std::string& line : systems.front()->loop().refused()) notices.say("note: " + line);
-  const auto sink = network.sink(settings, sink_hands(node));
-  SceneShow scene(*systems.front(), settings.decimation, *sink, notices);
-  std::deque<LiveShow> shows;
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    shows.emplace_back(ShownHand{k, parts[k].settings, *systems[k], *parts[k].device, *parts[k].view,
-                                 parts[k].notices, *parts[k].recording},
-                       settings.tf_prefix, *sink);
-  for (int count = 0; network.is_up() && !RunSignals::ended(); ++count) {
-    const LoopClock& clock = systems.front()->clock();
-    const double begin = clock.now();
-    scene.update();
-    publish(shows, scene.scene().get(), *sink, count % LiveShow::kDiagnosticsEvery == 0);
-    clock.sleep_until(begin + 1.0 / LiveShow::kRate);
-  }
-  for (LiveSystem* system : systems) system->begin_to_stop();  // ramps the force down while slow services end
+  serve(settings, network, node, systems, notices);
+  hands.stop();
+  if (const std::string left = hands.left_devices(); !left.empty()) throw Error("{}", left);
 }
 
 }  // namespace palpate::node

@@ -23,9 +23,9 @@ struct NodeNetwork {
   std::function<bool()> is_up;
 };
 
-/// Runs the node until a signal or the network ends it; on return the force is zero and the devices are
-/// closed. Main thread. \param notices of the first hand \throws Error if a scene, tool or device cannot be
-/// loaded.
+/// Runs the node until a signal or the network ends it; on return, and when it throws, the force is zero and
+/// the devices are closed, except those that hang. Main thread. \param notices of the first hand \throws
+/// Error if a scene, tool or device cannot be loaded, and if the driver of a device hangs when it is closed.
 void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNotices& notices);
 
 }  // namespace palpate::node

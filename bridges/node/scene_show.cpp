@@ -1,6 +1,7 @@
 #include "scene_show.h"
 
 #include <chrono>
+#include <exception>
 #include <new>
 #include <utility>
 
@@ -17,24 +18,31 @@ SceneShow::SceneShow(const LiveSystem& first, int decimation, NodeSink& sink, No
       notices_(notices),
       looked_at_(first.felt()->index()),
       name_(felt_name(first)) {
-  publish(make(looked_at_, decimation_));
+  if (!publish(make(looked_at_, decimation_))) say_no_memory();
 }
 
 void SceneShow::update() {
   if (making_.valid()) {
     if (making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     const Made made = making_.get();
-    publish(made);
     std::string name = felt_name(first_);
-    if (!made.scene)
-      notices_.say(fmt::format("warning: {}: not enough memory to publish its centres and contacts", name));
+    if (!publish(made)) say_no_memory();
     if (name != name_) notices_.say(fmt::format("{} is active", name));
     name_ = std::move(name);
   }
   std::shared_ptr<const SceneIndex> felt = first_.felt()->index();
   if (felt == looked_at_) return;
   looked_at_ = std::move(felt);
-  making_ = std::async(std::launch::async, make, looked_at_, decimation_);
+  try {
+    making_ = std::async(std::launch::async, make, looked_at_, decimation_);
+  } catch (const std::exception&) {  // no memory or no thread
+    say_no_memory();
+  }
+}
+
+void SceneShow::say_no_memory() {
+  notices_.say(
+      fmt::format("warning: {}: not enough memory to publish its centres and contacts", felt_name(first_)));
 }
 
 SceneShow::Made SceneShow::make(const std::shared_ptr<const SceneIndex>& index, int decimation) {
@@ -52,9 +60,16 @@ SceneShow::Made SceneShow::make(const std::shared_ptr<const SceneIndex>& index, 
   }
 }
 
-void SceneShow::publish(const Made& made) {
+/// \returns false if there is not enough memory
+bool SceneShow::publish(const Made& made) {
+  if (!made.scene) return false;
+  try {
+    sink_.publish_centers(made.centers);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
   scene_ = made.scene;
-  sink_.publish_centers(made.centers);
+  return true;
 }
 
 }  // namespace palpate::node

@@ -27,11 +27,12 @@ struct ShownScene {
 /// provides its ellipsoids for the display of contacts. One thread; long work runs on another.
 class SceneShow {
  public:
-  /// Publishes the initial scene. The references must outlive this. \param first a started system
-  /// \param decimation every n-th centre is published
+  /// Publishes the initial scene; reports it if there is not enough memory. The references must outlive this.
+  /// \param first a started system \param decimation every n-th centre is published
   SceneShow(const LiveSystem& first, int decimation, NodeSink& sink, NodeNotices& notices);
 
-  /// Publishes a new scene once it is felt and its lookup is built; reports its name.
+  /// Publishes a new scene once it is felt and its lookup is built; reports its name. If there is not enough
+  /// memory, reports that, and what was published stays.
   void update();
   /// The scene published last.
   const std::shared_ptr<const ShownScene>& scene() const { return scene_; }
@@ -42,7 +43,8 @@ class SceneShow {
     std::vector<float> centers;
   };
   static Made make(const std::shared_ptr<const SceneIndex>& index, int decimation);
-  void publish(const Made& made);
+  bool publish(const Made& made);
+  void say_no_memory();
 
   const LiveSystem& first_;
   int decimation_;
