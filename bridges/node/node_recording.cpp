@@ -39,12 +39,16 @@ std::string NodeRecording::next() const {
   return path.string();
 }
 
-std::string NodeRecording::set(bool on) {
+std::string NodeRecording::set(bool on, const std::function<void()>& may_begin) {
   const std::scoped_lock lock(mutex_);
   std::string failure;
   if (on) {
-    switch_.begin([this] { return to_toml(system_.provenance("run")); },
-                  [&failure](const std::string& why) { failure = why; });
+    switch_.begin(
+        [&] {
+          may_begin();
+          return to_toml(system_.provenance("run"));
+        },
+        [&failure](const std::string& why) { failure = why; });
     show();
   } else {
     failure = end();

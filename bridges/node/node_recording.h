@@ -2,6 +2,7 @@
 /// Recording of a hand of a node, started and ended by a service.
 #pragma once
 
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -19,10 +20,13 @@ class NodeRecording {
   /// Observer to pass to LiveHands::start(). Must outlive the loop.
   TickObserver& observer() { return switch_; }
 
-  /// Starts or ends a recording; blocks until the file is created or complete. Any thread. \returns its path
-  /// \throws Error if a recording is running already, or none is, or the disk is full; the file then holds
-  /// everything recorded so far.
-  std::string set(bool on);
+  /// Starts or ends a recording; blocks until the file is created or complete. Any thread. \param may_begin
+  /// throws Error if no recording may begin; called once is_under_way() is true, before there is a file
+  /// \returns its path \throws Error if a recording is running already, or none is, or the disk is full; the
+  /// file then holds everything recorded so far.
+  std::string set(bool on, const std::function<void()>& may_begin);
+  /// Returns whether a recording runs, is starting or ending. Any thread; does not block.
+  bool is_under_way() const { return switch_.is_under_way(); }
   /// Path of the running recording; empty if there is none. Any thread; does not block.
   std::string path() const;
   /// Ends the recording if it has failed; otherwise does not block. \returns a message about the failure;

@@ -43,7 +43,7 @@ struct NodeParts {
 
   bool is_recording() const {
     return std::any_of(of_hands.begin(), of_hands.end(),
-                       [](const HandParts& hand) { return !hand.recording->path().empty(); });
+                       [](const HandParts& hand) { return hand.recording->is_under_way(); });
   }
 };
 
@@ -84,9 +84,11 @@ std::string parameters(const LiveSystem& system, const NodeRecording& recording)
 /// Adds the services that may block. They run one at a time, on one thread.
 void add_slow_services(NodeServices& services, const NodeParts& node, const HandParts& hand, bool first) {
   services.record = [&node, &recording = *hand.recording](bool on) {
-    if (on && node.hands.is_changing_scene())
-      throw Error("the scene is being changed; start the recording when that is done");
-    return recording.set(on);
+    // Once it is under way: set_parameters refuses another placement only from then on.
+    return recording.set(on, [&node] {
+      if (node.hands.is_changing_scene())
+        throw Error("the scene is being changed; start the recording when that is done");
+    });
   };
   if (!first) return;
   services.list_scenes = [&node] { return node.scenes.list(); };

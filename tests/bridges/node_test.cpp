@@ -3,15 +3,19 @@
 #include <run_node.h>
 
 #include <atomic>
-#include <mutex>
+#include <filesystem>
+#include <fstream>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <palpate/base/error.h>
+#include <palpate/live/config_json.h>
 #include <support/live_scene.h>
 
 namespace palpate::node {
@@ -140,6 +144,53 @@ TEST_F(NodeTest, GoesOnIfThereIsNotEnoughMemoryToPublishTheScene) {
   };
   EXPECT_NO_THROW(run(prepare, [&] { return count < 3; }));
   EXPECT_THAT(notices.said().newest, HasSubstr("not enough memory to publish its centres and contacts"));
+}
+
+/// First number of the translation at the head of a recording.
+double translation_of(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  constexpr std::string_view kKey = "# translate = [";
+  while (std::getline(file, line))
+    if (line.starts_with(kKey)) return std::stod(line.substr(kKey.size()));
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// However closely another placement is sent before or while it begins.
+TEST_F(NodeTest, HasOnePlacementOfTheSceneInARecording) {
+  std::atomic<bool> is_up = true;
+  std::atomic<int> count = 0;
+  const auto placed = [&] {
+    return decode_json(services.get_parameters())["registration"]["translation"][0].get<double>();
+  };
+  int made = 0;
+  std::thread client([&] {
+    while (count < 3) sleep_until(monotonic_now() + 1e-3);
+    constexpr double kStep = 5e-5;  // s; a recording begins within some milliseconds
+    for (int k = 1; k <= 80; ++k) {
+      std::thread other([&, begin = monotonic_now()] {
+        sleep_until(begin + k * kStep);
+        services.set_parameters(
+            fmt::format(R"({{"registration": {{"translation": [{}, 0, 0]}}}})", 1e-4 * k));
+      });
+      std::string path;
+      EXPECT_TRUE(comes_true([&] {
+        if (!path.empty()) return true;
+        const Answer answer = answer_of([&] { return services.record(true); });
+        if (answer.success) path = answer.message;
+        return answer.success;
+      }));
+      other.join();
+      EXPECT_NEAR(translation_of(path), placed(), 1e-9) << k;
+      services.record(false);
+      std::filesystem::remove(path);
+      ++made;
+    }
+    is_up = false;
+  });
+  run([&](Sink& sink) { sink.at_transforms = [&] { ++count; }; }, [&] { return is_up.load(); });
+  client.join();
+  EXPECT_EQ(made, 80);
 }
 
 TEST_F(NodeTest, GoesOnIfThereIsNotEnoughMemoryForAMessage) {
