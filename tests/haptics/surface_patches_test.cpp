@@ -425,6 +425,85 @@ TEST(SurfacePatches, AreNoMoreThanThereIsRoomFor) {
   EXPECT_FALSE(patches.add_at(splats, solid, Vector3d::UnitZ(), -0.95 * kRadius * Vector3d::UnitZ()));
 }
 
+/// An eight-sided pipe along x that a ball of radius `radius` fits in, with an end across x = 0.
+std::vector<test::Splat> closed_pipe(double radius) {
+  constexpr double kApart = 0.002;
+  constexpr int kSides = 8, kAcross = 12, kLength = 60;
+  std::vector<test::Splat> splats;
+  const auto add = [&](const Vector3d& at, const Vector3d& normal) {
+    splats.push_back(test::splat(at, {0.0015, 0.0015, 1e-4},
+                                 Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal)));
+  };
+  for (int k = -kAcross; k <= kAcross; ++k)
+    for (int i = -kAcross; i <= kAcross; ++i) add({0.0, kApart * i, kApart * k}, Vector3d::UnitX());
+  const double half = std::tan(std::numbers::pi / kSides) * radius;
+  for (int side = 0; side < kSides; ++side) {
+    const double angle = 2.0 * std::numbers::pi * side / kSides;
+    const Vector3d normal(0.0, std::cos(angle), std::sin(angle)), across = normal.cross(Vector3d::UnitX());
+    for (int k = -kAcross; k <= kAcross; ++k)
+      for (int i = 0; i < kLength && std::abs(kApart * k) <= half; ++i)
+        add(radius * normal + kApart * k * across - kApart * i * Vector3d::UnitX(), normal);
+  }
+  return splats;
+}
+
+// A ball that a pipe holds all around has as many patches as there is room for. It meets the end of the pipe
+// all the same, on the axis and pressed against a wall.
+TEST(SurfacePatches, AWallIsMetWhereThereIsNoRoomForItsPatch) {
+  constexpr double kAside = 0.004, kPast = 0.03, kFrom = -0.05;
+  for (const double pipe : {0.0202, 0.0203, 0.0205}) {
+    const SceneIndex index(test::scene_of(closed_pipe(pipe)), SceneFilter{}, Similarity{});
+    for (const double pressed : {0.0, kAside}) {
+      ProxyForce model(index, Tool(Vector3d::Constant(kRadius)),
+                       {.stiffness = kUsualStiffness, .detail = 0.004});
+      ForceInput input;
+      input.dt = 1e-3;
+      ForceOutput felt;
+      const auto at = [&](double x, double aside, double angle) {
+        input.tool.position = {x, aside * std::cos(angle), aside * std::sin(angle)};
+        felt = model.evaluate(input);
+      };
+      for (int k = 0; k < 50; ++k) at(kFrom, 0.0, 0.0);
+      for (double angle = 0.0; angle < 2.0 * std::numbers::pi; angle += 0.3) at(kFrom, kAside, angle);
+      double farthest = kFrom;
+      for (double x = kFrom; x < -kRadius + kPast; x += 1e-4) {
+        at(x, pressed, 0.0);
+        farthest = std::max(farthest, felt.proxy.position.x());
+      }
+      EXPECT_NEAR(farthest, -kRadius, 5e-4) << pipe << " " << pressed;
+      EXPECT_NEAR(felt.wrench.force.x(), -kUsualStiffness * kPast, 0.15 * kUsualStiffness * kPast)
+          << pipe << " " << pressed;
+    }
+  }
+}
+
+// What makes room for it is what is farthest away by then, and what is nearer than the new one stays.
+TEST(SurfacePatches, WhatIsFarthestAwayMakesRoom) {
+  constexpr double kPipe = 0.0205, kOff = 3e-4, kClear = 5e-4;
+  Feeler ball(closed_pipe(kPipe), Vector3d::Constant(kRadius), 0.013);
+  const Vector3d at(-kRadius - kClear, kOff, 0.0);
+  const auto look = [&](const Vector3d& along) {
+    ball.budget.refill();
+    ball.patches.view_ahead(ball.around(at), ball.solid(at), along, at + kRadius * along, 0.002, 0.0,
+                            [] { return true; });
+  };
+  for (int k = 0; k < 8; ++k) {
+    const double angle = 0.25 * std::numbers::pi * k;
+    look({0.0, std::cos(angle), std::sin(angle)});
+  }
+  ASSERT_EQ(ball.patches.patches().size(), SurfacePatches::kMost);
+  ASSERT_EQ(ball.patches.added(), SurfacePatches::kMost);
+  look(Vector3d::UnitX());
+  ASSERT_EQ(ball.patches.patches().size(), SurfacePatches::kMost);
+  EXPECT_EQ(ball.patches.added(), SurfacePatches::kMost + 1);
+  int ends = 0;
+  for (const SurfacePatch& patch : ball.patches.patches()) {
+    EXPECT_LT(patch.normal.y(), 0.9) << "the wall that is 0.8 mm away";
+    ends += patch.normal.x() < -0.9 ? 1 : 0;
+  }
+  EXPECT_EQ(ends, 1);
+}
+
 // So small that no ray of the lattice need meet it: it is felt from where it is met, however quickly.
 TEST(SurfacePatches, ASpeckIsFeltWhereItIs) {
   const SceneIndex index(test::scene_of({test::splat({0.003, 0.002, 0}, {1e-4, 1e-4, 1e-4},

@@ -473,9 +473,9 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
     if (held.push == 0.0) break;  // free along a way that has been viewed
     bool found = false;
     for (Part& part : parts_) {
-      const std::size_t known = part.patches.patches().size();
+      const std::size_t known = part.patches.added();
       if (!view_aside(part, motion, goal)) return std::nullopt;
-      if (part.patches.patches().size() == known) continue;
+      if (part.patches.added() == known) continue;
       part.aside.done = false;
       found = true;
     }

@@ -168,7 +168,7 @@ bool SurfacePatches::view(const LocalSplats& splats, const Ellipsoid& solid, Sur
   return true;
 }
 
-bool SurfacePatches::keep(const SurfacePatch& patch) {
+bool SurfacePatches::keep(const SurfacePatch& patch, std::size_t place) {
   const double near = kWindow * detail_;
   for (std::size_t i = 0; i < size_; ++i) {
     SurfacePatch& other = patches_[i];
@@ -180,8 +180,9 @@ bool SurfacePatches::keep(const SurfacePatch& patch) {
     }
     return false;
   }
-  patches_[size_] = patch;
-  remember_witnesses(size_++);
+  patches_[place] = patch;
+  remember_witnesses(place);
+  size_ = std::max(size_, place + 1);
   return true;
 }
 
@@ -234,7 +235,7 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
       seen_count_ = witness_count_[i];
       std::copy_n(witnesses_[i].begin(), seen_count_, seen_.begin());
     }
-    if (patch.gap <= kGone * detail_) keep(patch);
+    if (patch.gap <= kGone * detail_) keep(patch, size_);
   }
 }
 
@@ -299,8 +300,21 @@ double SurfacePatches::meet(const LocalSplats& splats, const Ellipsoid& solid, c
   return first;
 }
 
+std::size_t SurfacePatches::place_for(const Meeting& meeting, const std::bitset<kMost>& added) const {
+  if (size_ < kMost) return size_;
+  std::size_t place = kMost;
+  double farthest = -kFlat * detail_;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const double gap_there = patches_[i].gap + meeting.clearance * meeting.along.dot(patches_[i].normal);
+    if (added.test(i) || gap_there <= farthest) continue;
+    place = i;
+    farthest = gap_there;
+  }
+  return place;
+}
+
 bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting,
-                         bool only_wall) {
+                         bool only_wall, std::size_t place) {
   SurfacePatch patch;
   patch.normal = -meeting.along;
   patch.tangent = meeting.along.unitOrthogonal();
@@ -326,7 +340,9 @@ bool SurfacePatches::add(const LocalSplats& splats, const Ellipsoid& solid, cons
   if (only_wall && (best.covered < kWhole || best.confidence < kCertain)) return false;
   best.seen_at = best.foot;
   best.seen_by = best.viewed_from = solid;
-  return keep(best);
+  if (!keep(best, place)) return false;
+  ++added_;
+  return true;
 }
 
 bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, const Vector3d& normal,
@@ -346,7 +362,9 @@ bool SurfacePatches::add_at(const LocalSplats& splats, const Ellipsoid& solid, c
   }
   patch.seen_at = patch.foot;
   patch.seen_by = patch.viewed_from = solid;
-  return found && keep(patch);
+  if (!found || !keep(patch, size_)) return false;
+  ++added_;
+  return true;
 }
 
 }  // namespace palpate

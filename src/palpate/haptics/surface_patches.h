@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -98,22 +99,24 @@ class SurfacePatches {
 
   /// Searches along the unit vector `along` for surfaces that the solid, moved that way by `way`, would touch
   /// and no patch covers, at highest resolution about the point `about`; each becomes a patch if `admit()`
-  /// permits. \returns how far the solid may move without another view; nothing if the budget did not allow a
-  /// view, or a further one after a patch was added. Unit: [m]. \param head_on if above 0, only surfaces met
-  /// head-on count: the least cosine between `along` and its outward normal there
+  /// permits, in place of another one if there are kMost (see place_for()). \returns how far the solid may
+  /// move without another view; nothing if the budget did not allow a view, or a further one after a patch
+  /// was added. Unit: [m]. \param head_on if above 0, only surfaces met head-on count: the least cosine
+  /// between `along` and its outward normal there
   template <class Admit>
   std::optional<double> view_ahead(const LocalSplats& splats, const Ellipsoid& solid,
                                    const Eigen::Vector3d& along, const Eigen::Vector3d& about, double way,
                                    double head_on, const Admit& admit) {
-    double clear = 0.0;
-    while (size_ < kMost) {
+    // No more than kMost rounds: each adds one, and none that was added makes room for another.
+    for (std::bitset<kMost> added;;) {
       if (budget_.is_spent()) return std::nullopt;
       Meeting meeting;
-      clear = meet(splats, solid, along, about, way, head_on, meeting);
-      if (clear > way || !admit()) break;
-      if (!add(splats, solid, meeting, head_on > 0.0)) break;
+      const double clear = meet(splats, solid, along, about, way, head_on, meeting);
+      if (clear > way || !admit()) return clear;
+      const std::size_t place = place_for(meeting, added);
+      if (place == kMost || !add(splats, solid, meeting, head_on > 0.0, place)) return clear;
+      added.set(place);
     }
-    return clear;
   }
 
   /// Adds a patch where the tool is inside an object already: facing along `normal` at `point`. \returns
@@ -122,6 +125,8 @@ class SurfacePatches {
               const Eigen::Vector3d& point);
 
   std::span<const SurfacePatch> patches() const { return {patches_.data(), size_}; }
+  /// Number of patches that have been added so far.
+  std::size_t added() const { return added_; }
   /// Gaussians that patch `i` was fitted to in the last follow(), view_ahead() or add_at(). The weights sum
   /// to 1; empty if there are none.
   std::span<const PatchWitness> witnesses(std::size_t i) const {
@@ -143,7 +148,12 @@ class SurfacePatches {
 
   double meet(const LocalSplats& splats, const Ellipsoid& solid, const Eigen::Vector3d& along,
               const Eigen::Vector3d& about, double way, double head_on, Meeting& meeting);
-  bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting, bool only_wall);
+  /// Returns where a patch of `meeting` is stored: behind the others or, if there are kMost, in place of the
+  /// one that the solid is farthest in front of when it has come to the new surface, other than those in
+  /// `added`; kMost if it is inside of all of them by then. What makes room is seen again before it is met.
+  std::size_t place_for(const Meeting& meeting, const std::bitset<kMost>& added) const;
+  bool add(const LocalSplats& splats, const Ellipsoid& solid, const Meeting& meeting, bool only_wall,
+           std::size_t place);
   bool view(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch, ViewGaps& gaps);
   /// Carries the transmittance of rays over a free motion, to a view from `solid` along `along`.
   void carry_light(const Ellipsoid& solid, const Eigen::Vector3d& along);
@@ -153,7 +163,8 @@ class SurfacePatches {
   bool see_again(const LocalSplats& splats, const Ellipsoid& solid, SurfacePatch& patch);
   /// Keeps a patch unchanged. \returns false if the tool has moved away from it.
   bool stay(const Ellipsoid& solid, SurfacePatch& patch) const;
-  bool keep(const SurfacePatch& patch);
+  /// Stores a patch at `place`, at most size_, unless it is one with another. \returns false if so
+  bool keep(const SurfacePatch& patch, std::size_t place);
   void remember_witnesses(std::size_t i);
 
   double detail_;
@@ -162,7 +173,7 @@ class SurfacePatches {
   std::unique_ptr<DepthView> view_;
   RayLight light_;  ///< of the last view along a free motion
   Eigen::Vector3d light_from_ = Eigen::Vector3d::Zero(), light_along_ = Eigen::Vector3d::Zero();
-  std::size_t size_ = 0;
+  std::size_t size_ = 0, added_ = 0;
   std::array<SurfacePatch, kMost> patches_;
   std::array<std::array<PatchWitness, DepthView::kRegular>, kMost> witnesses_;
   std::array<std::size_t, kMost> witness_count_{};
