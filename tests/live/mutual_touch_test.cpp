@@ -185,6 +185,61 @@ TEST(MutualTouch, TakesNothingFromTheHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
+/// A row of `count` balls of 10 mm along y, one every `apart`, in which two handles at one place coincide.
+Tool row(std::size_t count, double apart) {
+  std::vector<ToolPart> parts;
+  for (std::size_t k = 0; k < count; ++k) {
+    Pose pose;
+    pose.position.y() = apart * (static_cast<double>(k) - 0.5 * static_cast<double>(count));
+    parts.push_back({"ball", Vector3d::Constant(0.01), pose});
+  }
+  return Tool(parts);
+}
+
+// Side by side, 19 mm apart: each of 256 balls overlaps that beside it by 1 mm, and none overlaps another.
+TEST(MutualTouch, ToolsOfAsManyPartsAsAToolMayHaveAreFeltWhole) {
+  constexpr std::size_t kParts = 256;
+  Hands hands({row(kParts, 0.01), row(kParts, 0.01)});
+  for (const double x : {0.03, 0.019}) {
+    hands.feel(0, 0.0);
+    hands.feel(1, x);
+  }
+  const ForceOutput other = hands.feel(0, 0.0), felt = hands.feel(1, 0.019);
+  EXPECT_NEAR(felt.wrench.force.x(), kParts * 0.5 * kStiffness * 0.001, 1e-6);
+  EXPECT_EQ(felt.wrench.force, -other.wrench.force);
+  EXPECT_EQ(felt.stiffness, kParts * 0.5 * kStiffness);
+}
+
+// All of 256 balls in one place overlap all of the others: those that are examined are felt, alike by both.
+TEST(MutualTouch, ExaminesNoMorePairsThanItMay) {
+  Hands hands({row(256, 0.0), row(256, 1e-6)});
+  for (const double x : {0.03, 0.019}) {
+    hands.feel(0, 0.0);
+    hands.feel(1, x);
+  }
+  const AllocationGuard guard;
+  const ForceOutput other = hands.feel(0, 0.0), felt = hands.feel(1, 0.019);
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_EQ(felt.stiffness, MutualTouch::kMostPairs * 0.5 * kStiffness);
+  EXPECT_NEAR(felt.wrench.force.x(), MutualTouch::kMostPairs * 0.5 * kStiffness * 0.001, 1e-3);
+  EXPECT_EQ(felt.wrench.force, -other.wrench.force);
+}
+
+// Long parts whose spheres overlap, but which do not touch, are not known to be apart where there are more of
+// them than are examined: they push once they are.
+TEST(MutualTouch, DoesNotBeginToPushWhereThereIsMoreThanItExamines) {
+  const auto rods = [] { return Tool(std::vector<ToolPart>(17, {"rod", Vector3d(0.01, 0.01, 0.1)})); };
+  Hands hands({rods(), rods()});
+  const auto both = [&](double x) {
+    hands.feel(0, 0.0);
+    return hands.feel(1, x).wrench.force.x();
+  };
+  both(0.03);
+  EXPECT_EQ(both(0.019), 0.0);
+  both(0.21);
+  EXPECT_GT(both(0.019), 0.0);
+}
+
 /// Two simulated devices in hands that are led into each other and back again, with all that a loop does.
 class Pressed {
  public:

@@ -31,10 +31,17 @@ namespace palpate {
 /// overlap when a hand starts or returns do not push until they have been apart once: the sudden overlap
 /// would otherwise release energy that nobody has put in. A hand whose loop hangs is felt at its last pose.
 ///
+/// Of two tools, the kMostPairs pairs of parts whose bounding spheres overlap most are examined in a tick,
+/// the same ones by both hands. Where there are more, others exert no force, and the tools count as
+/// overlapping, so that they do not begin to push.
+///
 /// Threads: around() is called where models are created; all else runs inside these models on the servo
 /// thread of each hand, without allocation, locks or waiting.
 class MutualTouch {
  public:
+  /// Pairs of parts of two tools examined in a tick: all of tools of up to 16 parts.
+  static constexpr std::size_t kMostPairs = 256;
+
   explicit MutualTouch(std::size_t hands);
 
   /// Returns `model` of hand `hand` with `tool`, with the forces from the other hands added. `model` and this
