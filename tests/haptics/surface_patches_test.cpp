@@ -853,6 +853,40 @@ TEST(Haze, IsFeltByAHandThatTrembles) {
   }
 }
 
+// A veil that a tool has come through takes light from what is ahead, however far, and from nothing beside it
+// that the tool goes to through empty space, fast or slowly.
+TEST(Haze, IsLeftBehindWhereTheToolGoesAnotherWay) {
+  constexpr double kAside = 0.5, kVeil = 1.0, kBetween = 0.5, kFaint = 0.2, kIn = 0.005;
+  const auto disc = [](double y, double z, double opacity) {
+    return test::splat({0.0, y, z}, {0.05, 0.05, 1e-5}, Eigen::Quaterniond::Identity(), opacity);
+  };
+  const SceneIndex index(
+      test::scene_of({disc(0.0, kVeil, 0.35), disc(0.0, 0.0, kFaint), disc(kAside, 0.0, kFaint)}),
+      SceneFilter{}, Similarity{});
+  const auto force_at = [&](double aside, double step) {
+    ProxyForce model(index, Tool(Vector3d::Constant(kRadius)), {.stiffness = kUsualStiffness});
+    ForceInput input;
+    input.dt = 1e-3;
+    ForceOutput felt;
+    const auto to = [&](const Vector3d& end, double longest) {
+      while (input.tool.position != end) {
+        const Vector3d way = end - input.tool.position;
+        input.tool.position =
+            way.norm() > longest ? Vector3d(input.tool.position + longest * way.normalized()) : end;
+        felt = model.evaluate(input);
+      }
+    };
+    input.tool.position = {0.0, 0.0, kVeil + 0.1};
+    to({0.0, 0.0, kBetween}, 1e-4);
+    EXPECT_EQ(felt.wrench.force.norm(), 0.0);
+    to({0.0, aside, kBetween}, step);
+    to({0.0, aside, kRadius - kIn}, 1e-4);
+    return felt.wrench.force.z();
+  };
+  EXPECT_GT(force_at(0.0, 1e-3), 0.4 * kUsualStiffness * kIn);
+  for (const double step : {0.001, 0.01, 0.05, 0.5}) EXPECT_EQ(force_at(kAside, step), 0.0) << step;
+}
+
 // What a veil has hidden of h of the light gives way, where there is none any more, over half a detail times
 // the square of how hazy it is, 2 (1 - confidence): what is seen behind it is felt from there on, but for
 // exp(-way / that).

@@ -266,8 +266,12 @@ bool SurfacePatches::explained(const Ellipsoid& solid, const Vector3d& point,
 
 void SurfacePatches::carry_light(const Ellipsoid& solid, const Vector3d& along) {
   // In contact, Gaussians beside the tool are not haze that it has passed through.
-  if (size_ > 0 || along.dot(light_along_) < kSameRay) light_ = RayLight();
-  light_.since -= (solid.center - light_from_).dot(along);
+  const Vector3d moved = solid.center - light_from_;
+  const double way = moved.norm(), ahead = moved.dot(along);
+  // Nor is haze that it has left another way, through free space, which needs no view.
+  const bool elsewhere = way > kLinger * detail_ && ahead < kSameRay * way;
+  if (size_ > 0 || elsewhere || along.dot(light_along_) < kSameRay) light_ = RayLight();
+  light_.since -= ahead;
   light_from_ = solid.center;
   light_along_ = along;
 }
