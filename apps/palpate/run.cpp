@@ -231,6 +231,13 @@ void run(const RunOptions& options) {
   signals.reset();  // no force is left: from here, a signal may end the program
   recordings.close();
   failure = recordings.failure();
+  for (std::size_t k = 0; k < recordings.all().size(); ++k) {
+    const HandRecording& recording = *recordings.all()[k];
+    outcomes[k].lost = recording.recorder.lost();
+    if (outcomes[k].lost > 0 && !failure)
+      say(fmt::format("warning: {} lacks {} ticks: the disk is too slow", printable(recording.path),
+                      outcomes[k].lost));
+  }
   if (talks || options.common.json) tell_outcomes(outcomes, hands, options.common.json);
   if (talks && !options.common.json && !failure) print(recordings);
   if (failure) throw Error("{}", *failure);

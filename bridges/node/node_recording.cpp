@@ -22,11 +22,12 @@ void at_once(const std::function<void()>& work, const std::function<void()>& the
 
 }  // namespace
 
-NodeRecording::NodeRecording(const std::string& folder, std::string hand, const LiveSystem& system)
+NodeRecording::NodeRecording(const std::string& folder, std::string hand, const LiveSystem& system,
+                             const std::optional<RecorderOptions>& rows)
     : folder_(std::filesystem::absolute(folder).lexically_normal().string()),
       hand_(std::move(hand)),
       system_(system),
-      switch_(at_once, {}, recorder_options(system.device()), [this] { return next(); }) {}
+      switch_(at_once, {}, rows.value_or(recorder_options(system.device())), [this] { return next(); }) {}
 
 /// Path of the next file, named as rosbag names its files: palpate-2026-11-26-17-34-05.csv, palpate-left-...
 std::string NodeRecording::next() const {
@@ -64,6 +65,10 @@ std::string NodeRecording::end() {
     if (!failure.empty())
       said =
           fmt::format("the recording has ended: {}; the data up to then is in {}", failure, switch_.path());
+    else if (switch_.lost() > 0)
+      lacks_ =
+          fmt::format("warning: the recording lacks {} ticks: the disk is too slow; the others are in {}",
+                      switch_.lost(), switch_.path());
   });
   show();
   return said;
@@ -71,7 +76,14 @@ std::string NodeRecording::end() {
 
 std::string NodeRecording::look() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  return lock.owns_lock() && switch_.failure() ? end() : std::string();
+  if (!lock.owns_lock()) return {};
+  return switch_.failure() ? end() : std::exchange(lacks_, {});
+}
+
+std::string NodeRecording::close() {
+  const std::scoped_lock lock(mutex_);
+  const std::string failure = switch_.is_on() ? end() : std::string();
+  return failure.empty() ? std::exchange(lacks_, {}) : failure;
 }
 
 std::string NodeRecording::path() const {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <palpate/live/live_system.h>
@@ -15,7 +16,9 @@ namespace palpate::node {
 class NodeRecording {
  public:
   /// \param hand name of the hand; empty: the first \param system must outlive the last set()
-  NodeRecording(const std::string& folder, std::string hand, const LiveSystem& system);
+  /// \param rows options that match the device; nothing: recorder_options()
+  NodeRecording(const std::string& folder, std::string hand, const LiveSystem& system,
+                const std::optional<RecorderOptions>& rows = std::nullopt);
 
   /// Observer to pass to LiveHands::start(). Must outlive the loop.
   TickObserver& observer() { return switch_; }
@@ -29,9 +32,11 @@ class NodeRecording {
   bool is_under_way() const { return switch_.is_under_way(); }
   /// Path of the running recording; empty if there is none. Any thread; does not block.
   std::string path() const;
-  /// Ends the recording if it has failed; otherwise does not block. \returns a message about the failure;
-  /// empty if there is none. Any thread.
+  /// Ends the recording if it has failed; otherwise does not block. \returns a message about the failure, or
+  /// about ticks that the last recording lacks, once; empty if there is none. Any thread.
   std::string look();
+  /// Ends the recording if one is running. \returns as look(). \pre set() is not called any more
+  std::string close();
 
  private:
   std::string next() const;
@@ -42,6 +47,7 @@ class NodeRecording {
   const LiveSystem& system_;
   std::mutex mutex_;  ///< guards `switch_`, except for the calls of the servo thread
   RecordingSwitch switch_;
+  std::string lacks_;               ///< message about ticks that a recording lacks; guarded by mutex_
   mutable std::mutex shown_mutex_;  ///< guards `shown_`
   std::string shown_;
 };

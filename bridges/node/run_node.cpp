@@ -62,6 +62,25 @@ class FallFirst {
   const std::vector<LiveSystem*>& systems_;
 };
 
+/// Ends the recordings once the loops have ended, and says what has failed in them until then.
+class RecordingsEnd {
+ public:
+  explicit RecordingsEnd(const std::vector<HandParts>& hands) : hands_(hands) {}
+  ~RecordingsEnd() {
+    for (const HandParts& hand : hands_) {
+      try {
+        if (const std::string said = hand.recording->close(); !said.empty()) hand.notices.say(said);
+      } catch (const std::exception&) {  // not enough memory to say it
+      }
+    }
+  }
+  RecordingsEnd(const RecordingsEnd&) = delete;
+  RecordingsEnd& operator=(const RecordingsEnd&) = delete;
+
+ private:
+  const std::vector<HandParts>& hands_;
+};
+
 /// Runs `work`; reports an exception as a one-line notice.
 void say_refusal(NodeNotices& notices, const char* what, const std::function<void()>& work) {
   try {
@@ -201,6 +220,7 @@ void run_node(const NodeSettings& settings, const NodeNetwork& network, NodeNoti
   }
   hands.enable();
   const RunSignals signals(systems);  // outlives `end`: a signal during the stop still ramps the force down
+  const RecordingsEnd recordings(parts);
   hands.start(observers);
   const LoopEnd end(hands);
   for (const std::string& line : systems.front()->loop().refused()) notices.say("note: " + line);

@@ -1,14 +1,22 @@
 // The part of a node that knows nothing of its network, with a driver that presses on a plane, and a network
 // of its own.
+#include <node_recording.h>
 #include <run_node.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -191,6 +199,42 @@ TEST_F(NodeTest, HasOnePlacementOfTheSceneInARecording) {
   run([&](Sink& sink) { sink.at_transforms = [&] { ++count; }; }, [&] { return is_up.load(); });
   client.join();
   EXPECT_EQ(made, 80);
+}
+
+TEST(NodeRecording, SaysHowManyTicksItLacksOnce) {
+  const LiveSystem system(test::plane_config());
+  RecorderOptions rows = recorder_options(system.device());
+  rows.room = 4;
+  NodeRecording recording(testing::TempDir(), "slow", system, rows);
+  for (const bool by_service : {true, false}) {
+    const std::string path = recording.set(true, [] {});
+    TickRecord record;
+    constexpr int kTicks = 10'000;  // before the writer looks again
+    for (int k = 0; k < kTicks; ++k) {
+      record.t = 1e-3 * k;
+      recording.observer().see(record, {});
+    }
+    if (by_service) recording.set(false, {});
+    const std::string said = by_service ? recording.look() : recording.close();
+    EXPECT_THAT(said, testing::MatchesRegex(
+                          "warning: the recording lacks [0-9]+ ticks: .*; the others are in " + path));
+    EXPECT_EQ(recording.look(), "");
+    std::filesystem::remove(path);
+  }
+}
+
+TEST_F(NodeTest, SaysAtItsEndThatItsRecordingFailed) {
+  std::string path;
+  int count = 0;
+  const auto prepare = [&](Sink& sink) {
+    sink.at_transforms = [&] {
+      if (++count == 3) path = services.record(true);
+    };
+    // The services have ended: nobody looks at the recording any more.
+    sink.at_end = [&] { std::filesystem::remove(path); };
+  };
+  run(prepare, [&] { return count < 6; });
+  EXPECT_THAT(notices.said().newest, HasSubstr("the recording has ended: " + path + ": was removed"));
 }
 
 TEST_F(NodeTest, GoesOnIfThereIsNotEnoughMemoryForAMessage) {

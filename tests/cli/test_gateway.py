@@ -24,6 +24,7 @@ TOKEN = "s3cret_s3cret_s3cret"
 EVERY_TOPIC = ("measured_cp", "measured_cv", "spatial/servo_cf", "body/servo_cf", "proxy_cp", "contacts", "tool", "diagnostics",
                "parameters", "client/servo_cf")
 SLOW_DISK = os.environ.get("SLOW_DISK_LIBRARY")
+STUCK_DISK = os.environ.get("STUCK_DISK_LIBRARY")
 
 
 class Gateway(Case):
@@ -397,6 +398,15 @@ class Recorded(Gateway):
         self.assertLess(heard, ended - 0.5)  # a slow machine answers in a second or two
         self.assertEqual(self.ask("/recording")[0], 200)
         self.assertIn("emergency-stop", self.end()["faults"])
+
+    @unittest.skipUnless(STUCK_DISK, "not with a sanitizer, or not started by ctest")
+    def test_ticks_that_a_recording_lacks_are_said(self):
+        self.start("--rate", "10000", "--no-index-file", hand=(), env={**os.environ, "LD_PRELOAD": STUCK_DISK})
+        call = self.client()
+        self.assertTrue(call("/palpate/record", data=True)["success"])
+        time.sleep(9.0)
+        self.assertTrue(call("/palpate/record", data=False)["success"])
+        self.assertRegex(self.parameters(call)["message"], r"the recording lacks \d+ ticks: the disk is too slow")
 
     def test_a_disk_that_is_full_ends_a_recording_and_nothing_else(self):
         def limit():

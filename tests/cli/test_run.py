@@ -15,7 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from support import LIVE_HEADER, PALPATE, RUN_HEADER, SANITIZED, Case, columns_of, faults_but_late, head_of, path_csv, ply, rows_of, stood_still, table_of, wall_rows
 
 KEYS = ["ticks", "rate_hz", "overruns", "tick_us", "cpu_us", "age_us", "late_us", "contact_ticks", "contacts_max", "force_max",
-        "port_energy", "margin_min", "state", "faults", "made"]
+        "port_energy", "margin_min", "state", "faults", "lost", "made"]
+STUCK_DISK = os.environ.get("STUCK_DISK_LIBRARY")
 RATE = "200" if SANITIZED else "1000"
 
 
@@ -247,6 +248,20 @@ class Recording(Live):
         rows = self.rows("run.csv")  # whole to the last line
         self.assertGreater(len(rows), 100)
         self.succeed("report", "run.csv", "--out", "report.html")
+
+    @unittest.skipUnless(STUCK_DISK, "not with a sanitizer, or not started by ctest")
+    def test_ticks_that_a_recording_lacks_are_said(self):
+        env = {**os.environ, "LD_PRELOAD": STUCK_DISK}
+        runs = [subprocess.Popen([PALPATE, "run", "--no-gateway", "--rate", "10000", "--seconds", "9", "--record", self.path(name), *option],
+                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env)
+                for name, option in (("a.csv", ["--json"]), ("b.csv", ["--quiet"]))]
+        (out, err), (none, quiet) = (run.communicate(timeout=60) for run in runs)
+        self.assertEqual([run.returncode for run in runs], [0, 0], err + quiet)
+        lost = json.loads(out)["lost"]
+        self.assertGreater(lost, 0)
+        self.assertIn(b"a.csv lacks %d ticks: the disk is too slow" % lost, err)
+        self.assertEqual(none, b"")
+        self.assertRegex(quiet, rb"^palpate: warning: .*b.csv lacks \d+ ticks: the disk is too slow\n$")
 
     def test_a_recording_that_is_removed_ends_the_run_and_one_that_is_moved_is_said(self):
         for name, change, words in (("removed.csv", os.remove, b"removed.csv: was removed while it was being written"),

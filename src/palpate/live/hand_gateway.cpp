@@ -104,10 +104,14 @@ void HandGateway::look_at_recording() {
 
 void HandGateway::end_recording(RecordingSwitch::Done done) {
   recording_.end([this, done = std::move(done)](const std::string& failure) {
+    const std::string of = name_.empty() ? "" : "of hand " + name_ + " ";
     if (!failure.empty())
+      around_.notices.tell(
+          recording_notice_,
+          fmt::format("the recording {}was ended: {}; the rows until then are kept", of, failure));
+    else if (const std::uint64_t lost = recording_.lost(); lost > 0)
       around_.notices.tell(recording_notice_,
-                           fmt::format("the recording {}was ended: {}; the rows until then are kept",
-                                       name_.empty() ? "" : "of hand " + name_ + " ", failure));
+                           fmt::format("the recording {}lacks {} ticks: the disk is too slow", of, lost));
     done(failure);
   });
 }

@@ -94,6 +94,7 @@ void RecordingSwitch::finish(Job& job) {
     sleep_until(monotonic_now() + kLook);
   job.recorder->close();
   job.failure = job.recorder->failure().value_or("");
+  job.lost = job.recorder->lost();
   if (ticks_.load(std::memory_order_acquire) == seen) retired_.push_back(std::move(job.recorder));
   job.recorder.reset();
   if (maker_.joinable()) maker_.join();

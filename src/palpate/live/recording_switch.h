@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -61,6 +62,9 @@ class RecordingSwitch final : public TickObserver {
   bool is_under_way() const { return under_way_.load(std::memory_order_acquire); }
   /// Returns the file of the recording that was started last; empty before the first.
   std::string path() const { return job_ ? job_->path : std::string(); }
+  /// Returns how many ticks the recording that ended last lacks, because the disk was too slow or because it
+  /// failed.
+  std::uint64_t lost() const { return job_ ? job_->lost : 0; }
   /// Returns why the running recording has failed; nothing if it is fine.
   std::optional<std::string> failure() const;
   /// @}
@@ -80,6 +84,7 @@ class RecordingSwitch final : public TickObserver {
     std::unique_ptr<Recorder> recorder;
     std::function<std::string()> made;
     std::string path, failure;
+    std::uint64_t lost = 0;
   };
 
   std::string next_in_own_folder();

@@ -133,6 +133,7 @@ const Names kRun{
     {"margin_min", "1", "smallest stiffness margin; 0 if unknown"},
     {"state", "word", "state of the governor before shutdown"},
     {"faults", "word", "faults that occurred, once each"},
+    {"lost", "1", "with --record: ticks that the recording lacks; else 0"},
     {"made", "", "provenance (see `made`)"},
     {"hands", "", "with --hands: the same fields for each other hand, keyed by its name"},
 };

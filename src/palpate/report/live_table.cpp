@@ -46,7 +46,8 @@ OrderedJson live_json(const LiveOutcome& outcome, const LoopStatistics& statisti
           {"port_energy", totals.port_energy},
           {"margin_min", totals.margin_min},
           {"state", to_string(outcome.state)},
-          {"faults", outcome.faults}};
+          {"faults", outcome.faults},
+          {"lost", outcome.lost}};
 }
 
 std::string live_text(const LiveOutcome& outcome, const LoopStatistics& statistics) {

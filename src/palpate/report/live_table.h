@@ -19,6 +19,7 @@ struct LiveOutcome {
   LiveTotals totals;
   GovernorState state;              ///< before the end was requested
   std::vector<std::string> faults;  ///< all that occurred, once each, in order
+  std::uint64_t lost = 0;           ///< ticks that the recording lacks, if there is one
 };
 
 /// Returns the names of the faults that occurred, once each, in order.
