@@ -230,6 +230,27 @@ struct Feeler {
   SurfacePatches patches;
 };
 
+// The material of a patch is known until it is fitted to another view.
+TEST(SurfacePatches, KnowTheirMaterialForAsLongAsTheirWitnessesAreTheSame) {
+  Feeler ball(sheet(0.8), Vector3d::Constant(kRadius), 0.013);
+  Vector3d at(0.001, 0.001, kRadius + 0.0005);
+  ball.look_down(at, 0.002);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  EXPECT_FALSE(ball.patches.patches()[0].material);
+  ball.patches.set_material(0, {1200.0, 0.3, 2.0});
+  ball.follow(at);
+  at.x() += 1e-5;  // less than needs another view
+  ball.follow(at);
+  ball.patches.carry(ball.solid(at));
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  ASSERT_TRUE(ball.patches.patches()[0].material);
+  EXPECT_EQ(ball.patches.patches()[0].material->stiffness, 1200.0);
+  at.x() += 1e-3;
+  ball.follow(at);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  EXPECT_FALSE(ball.patches.patches()[0].material);
+}
+
 // On a plane that all of a long solid is above, one patch answers for all of it.
 TEST(SurfacePatches, OnePlaneIsOnePatch) {
   Feeler rod(sheet(0.8), {0.08, 0.02, 0.02}, 0.01);
@@ -995,6 +1016,20 @@ TEST(ProxyMaterials, AreMixedWhereTheyMeet) {
   // The border runs under the ball: half of what it touches is 1500, half the usual 500.
   EXPECT_NEAR(press(sheet(0.8), 0.0, 0.005, parameters).wrench.force.z(), 1000.0 * 0.005,
               0.15 * 1000.0 * 0.005);
+}
+
+// As many regions as there may be, all but one of them elsewhere.
+TEST(ProxyMaterials, OfManyRegionsAreFeltAsOfOne) {
+  std::vector<MaterialRegion> regions{{MaterialRegion::Everywhere{}, {.stiffness = 1200.0}}};
+  const double alone = [&] {
+    ProxyParameters parameters;
+    parameters.materials = std::make_shared<MaterialMap>(regions);
+    return press(sheet(0.8), 0.0, 0.005, parameters).wrench.force.z();
+  }();
+  while (regions.size() < 256) regions.push_back({MaterialSphere{{5.0, 0.0, 0.0}, 0.1}, {.stiffness = 1.0}});
+  ProxyParameters parameters;
+  parameters.materials = std::make_shared<MaterialMap>(regions);
+  EXPECT_NEAR(press(sheet(0.8), 0.0, 0.005, parameters).wrench.force.z(), alone, 1e-3 * alone);
 }
 
 TEST(ProxyMaterials, NothingIsFeltOfWhatHasNoStiffnessHoweverItDamps) {

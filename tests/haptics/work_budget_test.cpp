@@ -26,12 +26,25 @@ TEST(WorkBudget, AllowsFewerViewsTheMoreTheyContain) {
   EXPECT_GT(drawn, 4);
 }
 
+// Of a patch with as many witnesses and a scene with as many regions as there may be, a few.
+TEST(WorkBudget, AllowsToFindTheMaterialsOfAFewPatches) {
+  WorkBudget budget;
+  int patches = 0;
+  for (; !budget.is_spent(); ++patches) budget.spend_on_materials(64, 256);
+  EXPECT_GE(patches, 2);
+  EXPECT_LE(patches, 8);
+}
+
 TEST(WorkBudget, CountsAllThatATickDoes) {
   const std::function<void(WorkBudget&)> all[] = {
-      [](WorkBudget& b) { b.spend_on_touch(10); },          [](WorkBudget& b) { b.spend_on_fit(); },
-      [](WorkBudget& b) { b.spend_on_search(100, 50); },    [](WorkBudget& b) { b.spend_on_taking_up(100); },
-      [](WorkBudget& b) { b.spend_on_selection(100, 10); }, [](WorkBudget& b) { b.spend_on_start(); },
+      [](WorkBudget& b) { b.spend_on_touch(10); },
+      [](WorkBudget& b) { b.spend_on_fit(); },
+      [](WorkBudget& b) { b.spend_on_search(100, 50); },
+      [](WorkBudget& b) { b.spend_on_taking_up(100); },
+      [](WorkBudget& b) { b.spend_on_selection(100, 10); },
+      [](WorkBudget& b) { b.spend_on_start(); },
       [](WorkBudget& b) { b.spend_on_motion(10); },
+      [](WorkBudget& b) { b.spend_on_materials(64, 256); },
   };
   for (const auto& spend : all) {
     WorkBudget budget;

@@ -2,6 +2,7 @@
 /// Materials of a scene: stiffness, friction and damping by place.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -55,6 +56,8 @@ class MaterialMap {
 
   /// True if no Gaussian has any property.
   bool empty() const { return regions_.empty() && rows_.empty(); }
+  /// Number of regions.
+  std::size_t size() const { return regions_.size(); }
 
   /// Returns the material of Gaussian `id`, whose centre is `center` in the world, in [m]. Does not throw or
   /// allocate; takes time proportional to the number of regions.

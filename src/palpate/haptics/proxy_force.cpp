@@ -238,6 +238,7 @@ bool ProxyForce::start() {
 
 void ProxyForce::leave_known() {
   for (Part& part : parts_) part.meets = true;
+  // Patches whose material there was no time to find hold, too.
   find_obstacles();
   budget_.spend_on_motion(obstacles_.planes.size());
   const Motion motion = constrained_motion({}, obstacles_.planes, gyration_);
@@ -381,34 +382,45 @@ bool ProxyForce::search(Group& group, std::size_t most) {
   return found;
 }
 
-void ProxyForce::find_obstacles() {
+bool ProxyForce::find_obstacles() {
   obstacles_.planes.clear();
   obstacles_.properties.clear();
-  for (const Part& part : parts_) {
+  bool knows_all = true;
+  for (Part& part : parts_) {
     if (!part.meets) continue;
     const std::span<const SurfacePatch> patches = part.patches.patches();
     for (std::size_t i = 0; i < patches.size(); ++i) {
-      const Properties properties = properties_of(part.patches, i);
+      knows_all = find_material(part.patches, i) && knows_all;
+      const Properties properties = properties_of(patches[i]);
       obstacles_.planes.push_back(
           {patches[i].normal, patches[i].foot - proxy_.position, patches[i].gap, properties.friction});
       obstacles_.properties.push_back(properties);
     }
   }
+  return knows_all;
 }
 
-ProxyForce::Properties ProxyForce::properties_of(const SurfacePatches& patches, std::size_t i) const {
-  const double confidence = patches.patches()[i].confidence;
-  const Properties usual{parameters_.stiffness, parameters_.friction, 0.0, confidence};
+bool ProxyForce::find_material(SurfacePatches& patches, std::size_t i) {
   const std::span<const PatchWitness> witnesses = patches.witnesses(i);
-  if (!parameters_.materials || parameters_.materials->empty() || witnesses.empty()) return usual;
-  Properties sum{0.0, 0.0, 0.0, confidence};
+  if (!parameters_.materials || parameters_.materials->empty() || witnesses.empty()) return true;
+  if (patches.patches()[i].material) return true;
+  if (budget_.is_spent()) return false;
+  PatchMaterial sum{0.0, 0.0, 0.0};
   for (const PatchWitness& witness : witnesses) {
     const Material material = parameters_.materials->of(witness.id, witness.position);
-    sum.stiffness += witness.weight * material.stiffness.value_or(usual.stiffness);
-    sum.friction += witness.weight * material.friction.value_or(usual.friction);
-    sum.damping += witness.weight * material.damping.value_or(usual.damping);
+    sum.stiffness += witness.weight * material.stiffness.value_or(parameters_.stiffness);
+    sum.friction += witness.weight * material.friction.value_or(parameters_.friction);
+    sum.damping += witness.weight * material.damping.value_or(0.0);
   }
-  return sum;
+  budget_.spend_on_materials(witnesses.size(), parameters_.materials->size());
+  patches.set_material(i, sum);
+  return true;
+}
+
+ProxyForce::Properties ProxyForce::properties_of(const SurfacePatch& patch) const {
+  const PatchMaterial material =
+      patch.material.value_or(PatchMaterial{parameters_.stiffness, parameters_.friction, 0.0});
+  return {material.stiffness, material.friction, material.damping, patch.confidence};
 }
 
 ProxyForce::Hold ProxyForce::hold() const {
@@ -464,8 +476,7 @@ std::optional<Motion> ProxyForce::way_to(const Goal& goal, double stretch, Hold&
   const Motion wanted = motion_between(proxy_, goal.target);
   Motion motion;
   for (int k = 0; k < kMostTurns; ++k) {
-    find_obstacles();
-    if (!budget_.allows_motion(obstacles_.planes.size())) return std::nullopt;
+    if (!find_obstacles() || !budget_.allows_motion(obstacles_.planes.size())) return std::nullopt;
     budget_.spend_on_motion(obstacles_.planes.size());
     motion = constrained_motion(wanted, obstacles_.planes, gyration_);
     held = hold();

@@ -257,8 +257,9 @@ class ProxyForce final : public ForceModel {
   /// Finds the Gaussians around a group, visiting about `most` Gaussians of the index. \returns false if
   /// there are more to visit
   bool search(Group& group, std::size_t most);
-  /// Collects the patches of all parts as obstacles.
-  void find_obstacles();
+  /// Collects the patches of all parts as obstacles. \returns false if the budget did not suffice to find all
+  /// of their materials, and some are uniform yet: those found are not looked for again
+  bool find_obstacles();
   /// Discards all knowledge of the scene, which may have been replaced; keeps the pose and history of the
   /// proxy.
   void forget_surface();
@@ -290,7 +291,9 @@ class ProxyForce final : public ForceModel {
   void find_deepest(Part& part, const Ellipsoid& solid);
   /// Adds patches of the objects in which a part starts. \returns false if the budget did not suffice
   bool start_patches(Part& part, bool at_once);
-  Properties properties_of(const SurfacePatches& patches, std::size_t i) const;
+  /// Finds the material of patch `i` if that is not known. \returns false if the budget did not suffice
+  bool find_material(SurfacePatches& patches, std::size_t i);
+  Properties properties_of(const SurfacePatch& patch) const;
   Hold hold() const;
   /// Returns the obstacles of the last step with the largest pushes, then the least gaps.
   LocalSurface local() const;

@@ -165,6 +165,7 @@ bool SurfacePatches::view(const LocalSplats& splats, const Ellipsoid& solid, Sur
   }
   for (std::size_t k = 0; k < seen_count_; ++k) seen_[k].weight /= sum;
   patch.mostly = majority({seen_.data(), seen_count_});
+  patch.material.reset();
   return true;
 }
 

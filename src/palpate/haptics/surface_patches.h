@@ -17,6 +17,11 @@
 
 namespace palpate {
 
+/// Mean material of the Gaussians that a patch is fitted to.
+struct PatchMaterial {
+  double stiffness, friction, damping;  ///< see Material
+};
+
 /// Tangent plane of the surface where the tool touches or may soon touch. World frame.
 struct SurfacePatch {
   Eigen::Vector3d normal;  ///< unit, towards the tool
@@ -40,6 +45,8 @@ struct SurfacePatch {
   float light = 1.0F;   ///< transmittance along the motion up to here
   /// The Gaussian that accounts for more than half of the hits, if there is one.
   std::optional<std::uint32_t> mostly;
+  /// See SurfacePatches::set_material(); unset again where the patch is fitted to another view.
+  std::optional<PatchMaterial> material;
 
   Eigen::Vector3d on_surface() const { return foot - gap * normal; }
 };
@@ -132,6 +139,9 @@ class SurfacePatches {
   std::span<const PatchWitness> witnesses(std::size_t i) const {
     return {witnesses_[i].data(), witness_count_[i]};
   }
+  /// Remembers the material of the witnesses of patch `i`, whose lookup takes time, for as long as they are
+  /// the same.
+  void set_material(std::size_t i, const PatchMaterial& material) { patches_[i].material = material; }
 
  private:
   /// First hit along a motion.
