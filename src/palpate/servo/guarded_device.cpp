@@ -51,6 +51,7 @@ template <class Work>
 bool GuardedDevice::guard(const Work& work) {
   if (!thrown().empty()) return false;
   Call& call = call_;
+  HapticDevice& device = device_;  // read before the call, at which this object may be destroyed
   std::string_view why = kUnknown;
   const auto keep = [&] {
     const std::size_t length = why.copy(text_.data(), text_.size());
@@ -59,7 +60,7 @@ bool GuardedDevice::guard(const Work& work) {
   };
   call.enter();
   try {
-    const bool done = work(device_, call);
+    const bool done = work(device, call);
     call.leave();
     return done;
   } catch (const std::exception& error) {
