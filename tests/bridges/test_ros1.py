@@ -172,6 +172,14 @@ class Ros1(unittest.TestCase):
     def no_force(self):
         self.wait(lambda: self.forces_of_palpate() == {0.0})
 
+    def lean_without_force(self):
+        """As lean(), where the force is not to come back."""
+        self.driver.height = FREE
+        time.sleep(1.5)
+        self.driver.height = PRESSED
+        time.sleep(1.0)
+        self.assertEqual(self.forces_of_palpate(), {0.0})
+
     def forces_of_palpate(self):
         """Those of the next wrenches, whoever else publishes some."""
         with Ear("/omni/spatial/servo_cf", WrenchStamped) as ear:
@@ -200,11 +208,7 @@ class Ros1(unittest.TestCase):
         other = self.other_writer("/omni/spatial/servo_cf", {**env, "ROS_HOSTNAME": "localhost"})
         try:
             self.no_force()
-            self.driver.height = FREE
-            time.sleep(1.5)
-            self.driver.height = PRESSED
-            time.sleep(1.0)
-            self.assertEqual(self.forces_of_palpate(), {0.0})
+            self.lean_without_force()
         finally:
             other.kill()
             other.wait()
@@ -233,11 +237,7 @@ class Ros1(unittest.TestCase):
             self.master.start()
             self.wait_said("connected to the ROS master", found + 1)
             self.wait(lambda: any(topic == "/omni/spatial/servo_cf" for topic, _ in rospy.get_master().getSystemState()[2][0]))
-            self.driver.height = FREE
-            time.sleep(1.5)
-            self.driver.height = PRESSED
-            time.sleep(1.0)
-            self.assertEqual(self.forces_of_palpate(), {0.0})
+            self.lean_without_force()
         finally:
             other.kill()
             other.wait()
