@@ -213,7 +213,7 @@ void run(const RunOptions& options) {
       for (const std::string& message : gateway->take_notices()) console.tell(message);
     }
     if (failure) {
-      for (LiveSystem* system : systems) system->stop_force(Fault::kRecorder);
+      hands.stop_force(Fault::kRecorder);
       console.wait_for_no_force();
     }
     for (const auto& view : views) view->update();
@@ -225,7 +225,7 @@ void run(const RunOptions& options) {
     outcomes.push_back({systems[k]->clock().now(), systems[k]->loop().statistics().ticks, view.totals(),
                         view.totals().state, faults_of(view)});
   }
-  for (LiveSystem* system : systems) system->begin_to_stop();  // they ramp down while the gateway stops
+  hands.stop_force(Fault::kEnded);  // falls while the gateway stops
   if (gateway) gateway->stop();
   hands.stop();
   signals.reset();  // no force is left: from here, a signal may end the program

@@ -51,15 +51,13 @@ struct NodeParts {
 /// exception is thrown.
 class FallFirst {
  public:
-  explicit FallFirst(const std::vector<LiveSystem*>& systems) : systems_(systems) {}
-  ~FallFirst() {
-    for (LiveSystem* system : systems_) system->begin_to_stop();
-  }
+  explicit FallFirst(LiveHands& hands) : hands_(hands) {}
+  ~FallFirst() { hands_.stop_force(Fault::kEnded); }
   FallFirst(const FallFirst&) = delete;
   FallFirst& operator=(const FallFirst&) = delete;
 
  private:
-  const std::vector<LiveSystem*>& systems_;
+  LiveHands& hands_;
 };
 
 /// Ends the recordings once the loops have ended, and says what has failed in them until then.
@@ -166,7 +164,7 @@ void serve(const NodeSettings& settings, const NodeNetwork& network, const NodeP
   const auto sink = network.sink(settings, sink_hands(node));
   std::optional<SceneShow> scene;
   std::deque<LiveShow> shows;
-  const FallFirst fall(systems);
+  const FallFirst fall(node.hands);
   scene.emplace(*systems.front(), settings.decimation, *sink, notices);
   for (std::size_t k = 0; k < node.of_hands.size(); ++k) {
     const HandParts& hand = node.of_hands[k];

@@ -84,7 +84,7 @@ void LiveHands::start(const std::vector<std::vector<TickObserver*>>& observers) 
 }
 
 void LiveHands::stop() {
-  for (const Hand& hand : hands_) hand.system->begin_to_stop();
+  stop_force(Fault::kEnded);
   for (const Hand& hand : hands_) hand.system->stop();  // the first one first: none follows it any more
 }
 

@@ -300,8 +300,6 @@ void LiveSystem::start(std::vector<TickObserver*> observers) {
   }
 }
 
-void LiveSystem::begin_to_stop() { stop_force(Fault::kEnded); }
-
 void LiveSystem::stop() {
   {
     const std::scoped_lock lock(mutex_);

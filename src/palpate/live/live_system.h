@@ -73,13 +73,11 @@ class LiveSystem {
   /// receive every tick, on the servo thread; must outlive stop() \throws Error as enable(), and if the
   /// system has been started before.
   void start(std::vector<TickObserver*> observers);
-  /// Starts ramping the force down, and braking a device of the admittance type. Owner's thread, before
-  /// stop(), which then waits less: when several systems stop, their forces fall together.
-  void begin_to_stop();
   /// Ramps the force down, brings a device of the admittance type to rest within MotionLimits::stop_time(),
-  /// stops the loop and closes the device. Owner's thread; further calls do nothing. A device whose driver
-  /// does not return, from the loop or within 5 s from close(), is stopped and not closed; it and its thread
-  /// are then left behind.
+  /// stops the loop and closes the device. After stop_force(Fault::kEnded) it waits less: when several
+  /// systems stop, their forces fall together. Owner's thread; further calls do nothing. A device whose
+  /// driver does not return, from the loop or within 5 s from close(), is stopped and not closed; it and its
+  /// thread are then left behind.
   void stop();
   /// Returns whether stop() had to leave the device behind. Owner's thread.
   bool has_left_device() const { return device_hangs_; }
