@@ -11,6 +11,7 @@
 
 #include <palpate/collision/scene_index.h>
 #include <palpate/device/profiles.h>
+#include <palpate/haptics/proxy_force.h>
 #include <palpate/servo/servo_tick.h>
 #include <palpate/study/procedural.h>
 #include <support/allocation_guard.h>
@@ -129,6 +130,38 @@ TEST_P(ClosedLoop, RestsHoweverLateAndUneven) {
     if (delay == 10e-3) {
       EXPECT_LT(softest, 1.0) << "500 N/m at 10 ms are not passive";
     }
+  }
+}
+
+// As above, on a material with all the damping that the device can render.
+TEST_P(ClosedLoop, RestsOnADampedMaterialHoweverLate) {
+  if (GetParam().model != "proxy") GTEST_SKIP() << "feels no materials";
+  ProxyParameters parameters;
+  Material material;
+  material.damping = 1e3;
+  parameters.materials =
+      std::make_shared<MaterialMap>(std::vector<MaterialRegion>{{MaterialRegion::Everywhere{}, material}});
+  for (const double delay : {0.0, 1e-3, 3e-3, 10e-3}) {
+    model_ = std::make_unique<ProxyForce>(test::noisy_plane(), tool(), parameters);
+    capabilities_.damping = 0.0;
+    plant_ = device_profile(GetParam().profile).plant;
+    plant_.damping *= 0.5;
+    plant_.delay = delay;
+    hold(press(0.01, 5.5));
+    loop_->set_delay(delay);
+    test::UnevenTicks ticks;
+    double t = 0.0, softest = std::numeric_limits<double>::infinity();
+    Eigen::AlignedBox3d rest;
+    const TickRecord* now = nullptr;
+    while (t < 6.5) {
+      t = ticks.next();
+      now = &loop_->run(t);
+      if (now->margin > 0.0) softest = std::min(softest, now->margin);
+      if (t > 4.5 && t < 5.5) rest.extend(device_->pose().position);
+    }
+    EXPECT_EQ(now->state, GovernorState::kActive) << delay << ": " << traits(now->fault).name;
+    EXPECT_LE(rest.diagonal().norm(), 0.05e-3) << delay << ", margin " << softest;
+    EXPECT_LE(now->port_energy, 1e-3) << delay << ", margin " << softest;
   }
 }
 

@@ -303,9 +303,11 @@ TEST_F(GiantDeviceTest, HasTheDampingThatItTellsOfHoweverItIsChanged) {
   const double told = loop_->capabilities().damping;
   Admittance lighter = loop_->admittance();
   lighter.damping.setConstant(0.8 * told);
+  lighter.angular_damping *= 0.8;
   loop_->change(lighter, 100.0);
   run(2.0);
   EXPECT_GE(loop_->admittance().damping.minCoeff(), loop_->capabilities().damping);
+  EXPECT_GE(loop_->admittance().angular_damping.minCoeff(), loop_->capabilities().angular_damping);
 }
 
 // ThreadSanitizer looks on.

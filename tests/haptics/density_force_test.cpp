@@ -131,6 +131,9 @@ TEST(DensityForce, DampingAddsOnTheWayInAndSubtractsOnTheWayOut) {
   EXPECT_NEAR((force_at({7, 9, 0}) - Eigen::Vector3d(0, 0, 4)).norm(), 0.0, kClose);  // sliding costs nothing
   EXPECT_EQ(force_at({0, 0, 2.0}), Eigen::Vector3d::Zero());                          // 4 - 6: never pulls
   EXPECT_NEAR((force_at({0, 0, -1000.0}) - Eigen::Vector3d(0, 0, 100)).norm(), 0.0, 1e-13);  // F_max
+  ForceInput weak = input(set, 0.0, {0, 0, -0.5});
+  weak.damping_max = 1.0;  // of a device that can render less
+  EXPECT_NEAR(DensityForce(plain()).evaluate(weak).wrench.force.z(), 4.5, kClose);
 }
 
 TEST(DensityForce, IsClampedToTheDevice) {

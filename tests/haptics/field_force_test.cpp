@@ -416,9 +416,11 @@ TEST(FieldForce, TellsItsStiffnessWhereItIsFelt) {
   const ForceOutput felt = model.evaluate(input);
   EXPECT_EQ(felt.stored_energy, model.potential(input));
   EXPECT_EQ(felt.stiffness, 700.0);
+  EXPECT_DOUBLE_EQ(felt.angular_stiffness, 700.0 * 0.02 * 0.02);
   EXPECT_EQ(felt.confidence, 1.0);
   input.contacts = &none;
   EXPECT_EQ(model.evaluate(input).stiffness, 0.0);
+  EXPECT_EQ(model.evaluate(input).angular_stiffness, 0.0);
 }
 
 TEST(FieldForce, HasNoForceWhereCentresCoincide) {

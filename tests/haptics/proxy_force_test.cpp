@@ -931,18 +931,27 @@ TEST(ProxyForce, TwoBallsOnARodAreHeldWithoutATurn) {
 
 TEST(ProxyForce, OneOfTwoBallsOnARodTurnsTheHandle) {
   const Tool tool = dumbbell();
-  Bench bench("plane", even(0.004), {}, tool);
   constexpr double kDepth = 0.003;
   // The plane ends at x = 0.2, so that nothing is below the right ball.
-  const ForceOutput felt = press(bench, 0.2, 0.02, kRadius - kDepth);
   // What pushes up at x = -kArm turns about +y; of one plane, the nearest motion is exact: pushed by p, the
   // handle goes up by p and turns by p kArm / g^2, so that the ball comes up by p (1 + kArm^2 / g^2).
-  const double g = ProxyForce::kTurning * tool.gyration();
-  const double force = kStiffness * kDepth / (1.0 + kArm * kArm / (g * g));
-  EXPECT_NEAR(felt.wrench.force.z(), force, 0.1 * force);
-  EXPECT_NEAR(felt.wrench.torque.y(), kArm * felt.wrench.force.z(), 0.1 * kArm * force);
-  EXPECT_NEAR(felt.wrench.torque.x(), 0.0, 0.03 * kArm * force);
-  EXPECT_NEAR(felt.wrench.torque.z(), 0.0, 0.03 * kArm * force);
+  for (const double g : {ProxyForce::kTurning * tool.gyration(), 0.05}) {
+    ProxyParameters parameters;
+    parameters.arm_max = g;
+    Bench bench("plane", even(0.004), parameters, tool);
+    const ForceOutput felt = press(bench, 0.2, 0.02, kRadius - kDepth);
+    const double force = kStiffness * kDepth / (1.0 + kArm * kArm / (g * g));
+    EXPECT_NEAR(felt.wrench.force.z(), force, 0.1 * force);
+    EXPECT_NEAR(felt.wrench.torque.y(), kArm * felt.wrench.force.z(), 0.1 * kArm * force);
+    EXPECT_NEAR(felt.wrench.torque.x(), 0.0, 0.03 * kArm * force);
+    EXPECT_NEAR(felt.wrench.torque.z(), 0.0, 0.03 * kArm * force);
+    EXPECT_NEAR(felt.angular_stiffness, felt.stiffness * g * g, 1e-9);
+  }
+  ProxyParameters longer;
+  longer.arm_max = 1.0;
+  Bench own("plane", even(0.004), {}, tool), bounded("plane", even(0.004), longer, tool);
+  const ForceOutput felt = press(own, 0.2, 0.02, kRadius - kDepth);
+  EXPECT_EQ(press(bounded, 0.2, 0.02, kRadius - kDepth).wrench.force, felt.wrench.force);
 }
 
 TEST(ProxyForce, AnOpenHandRestsOnAPlane) {

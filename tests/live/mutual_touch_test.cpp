@@ -96,6 +96,23 @@ TEST(MutualTouch, BallsRepelByTheirOverlap) {
   EXPECT_NEAR(felt.wrench.force.tail<2>().norm(), 0.0, 1e-9);
   EXPECT_NEAR(felt.stored_energy, 0.25 * kStiffness * 1e-6, 1e-12);
   EXPECT_EQ(felt.stiffness, 0.5 * kStiffness);
+  EXPECT_NEAR(felt.angular_stiffness, 0.0, 1e-9) << "a ball has no lever";
+}
+
+// Held 50 mm beside its centre, a ball is pushed at that lever.
+TEST(MutualTouch, TellsTheStiffnessAboutTheHandle) {
+  Pose beside;
+  beside.position.y() = 0.05;
+  Hands hands({ball(), Tool({{"beside", ball().parts()[0].semi_axes, beside}})});
+  Pose apart, there;
+  apart.position = {0.1, -0.05, 0.0};
+  there.position = {0.019, -0.05, 0.0};
+  hands.feel(0, Pose{});
+  hands.feel(1, apart);
+  const ForceOutput felt = hands.feel(1, there);
+  EXPECT_NEAR(felt.wrench.torque.z(), -0.05 * felt.wrench.force.x(), 1e-9);
+  EXPECT_NEAR(felt.angular_stiffness, 0.05 * 0.05 * felt.stiffness, 1e-6);
+  EXPECT_GT(felt.stiffness, 0.0);
 }
 
 TEST(MutualTouch, IsEqualAndOppositeAndSmoothFromTheFirstTouch) {

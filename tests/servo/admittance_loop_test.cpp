@@ -109,6 +109,7 @@ TEST(AdmittanceLoopCapabilities, AreOfItsControllersDampingAndItsLoopsDelay) {
   AdmittanceLoopOptions options = without_margin();
   options.along.lag = 4e-3;
   options.along.sensor_lag = 2e-3;
+  options.admittance.angular_damping = {0.3, 0.2, 0.4};
   Quiet quiet;
   quiet.can.damping = 7.0;
   quiet.can.force_max = 33.0;
@@ -116,10 +117,14 @@ TEST(AdmittanceLoopCapabilities, AreOfItsControllersDampingAndItsLoopsDelay) {
   const DeviceCapabilities& can = loop.capabilities();
   EXPECT_EQ(can.kind, Causality::kAdmittance);
   EXPECT_EQ(can.damping, 250.0);
+  EXPECT_EQ(can.angular_damping, 0.2);
   EXPECT_EQ(can.damping_max, 125.0);
   EXPECT_EQ(can.damping_source, DampingSource::kSimulated);
   EXPECT_DOUBLE_EQ(can.delay, 9e-3);
   EXPECT_EQ(can.force_max, 33.0) << "the rest is the device's";
+  options.about = options.along;
+  options.about.delay += 1e-3;
+  EXPECT_DOUBLE_EQ(AdmittanceLoop(quiet, options).capabilities().delay, 10e-3) << "the longer of the two";
 }
 
 TEST_F(AdmittanceLoopTest, MovesNothingBeforeTheDeviceHasSpoken) {

@@ -48,6 +48,8 @@ TEST(DeviceCapabilities, ThatContradictThemselvesAreRefusedByName) {
       {"stiffness_max", [&](DeviceCapabilities& d) { d.stiffness_max = nan; }},
       {"damping_max", [](DeviceCapabilities& d) { d.damping_max = -1.0; }},
       {"damping", [](DeviceCapabilities& d) { d.damping = 1.0; }},  // known from nowhere
+      {"angular_damping", [](DeviceCapabilities& d) { d.angular_damping = 1e-3; }},
+      {"angular_damping must not", [](DeviceCapabilities& d) { d.angular_damping = -1e-3; }},
       {"delay", [](DeviceCapabilities& d) { d.delay = -1e-3; }},
       {"watchdog", [&](DeviceCapabilities& d) { d.watchdog = nan; }},
       {"workspace", [](DeviceCapabilities& d) { d.workspace = -1.0; }},

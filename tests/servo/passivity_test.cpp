@@ -34,6 +34,20 @@ TEST(PassiveStiffness, ByHand) {
   EXPECT_EQ(passive_stiffness(1.0, 2.0, 1e-3, 0.0), 0.0);
 }
 
+// A torsional spring of 2 N m/rad, turned by 0.1 rad a tick, generates 2 * 0.1^2 / 2 J in each: 1e-3 N m
+// s/rad absorb it, 0.1^2 / T of that.
+TEST(PassivityController, CreditsTheDampingAboutAxes) {
+  for (const double damping : {0.0, 0.4e-3, 1e-3}) {
+    PassivityController controller(kPeriod, 0.0, 10.0, 0.05, damping);
+    DevicePose pose;
+    controller.correct({}, 0.0, {}, pose, kPeriod);
+    pose.orientation = Eigen::AngleAxisd(0.1, Vector3d::UnitX());
+    const Wrench wanted{Vector3d::Zero(), {-0.2, 0.0, 0.0}};
+    controller.correct(wanted, 0.5 * 2.0 * 0.1 * 0.1, {}, pose, kPeriod);
+    EXPECT_NEAR(controller.excess(), 0.5 * 2.0 * 0.1 * 0.1 - damping * 0.1 * 0.1 / kPeriod, 1e-12) << damping;
+  }
+}
+
 TEST(PassivityController, AddsTheDampingThatASampledSpringLacks) {
   const SpringWall wall{1000.0};
   for (const double damping : {0.0, 0.2, 0.7}) {

@@ -197,10 +197,11 @@ TEST_F(ServoTickTest, ThePassivityControllerIsThatOfTheDevice) {
   device.can.damping = 0.2;
   ServoTickOptions options;
   options.keeps_passive = false;
+  device.can.angular_damping = 0.2 * 0.04 * 0.04;  // an arm less than that of the motors, 0.5 / 10 m
   begin(options);
   device.pose.position.x() = 0.01;
   run(1.0);
-  PassivityController reference(1.0 / device.can.rate, 0.2, 20.0, 0.5 / 10.0);
+  PassivityController reference(1.0 / device.can.rate, 0.2, 20.0, 0.04, device.can.angular_damping);
   TickRecord before = run(kTick);
   reference.correct(before.felt.wrench, before.felt.stored_energy, before.sent, before.reading.pose, kTick);
   int damped = 0;
@@ -361,6 +362,60 @@ TEST_F(ServoTickTest, ASlowDeviceGetsWhatItCanHold) {
   EXPECT_NEAR(run(1.0).felt.stiffness, 500.0, 1.0);
 }
 
+// Along, (2 + 1) N s/m hold 6000 N/m at 1 kHz; about, (0.0011 + 0.0009) N m s/rad hold 4 N m/rad.
+TEST(PassiveStiffness, OfADeviceInAHand) {
+  DeviceCapabilities can;
+  can.damping = 2.0;
+  can.angular_damping = 1.1e-3;
+  const PassiveStiffness of_three = ServoTick::passive_stiffness(can, 1e-3);
+  EXPECT_DOUBLE_EQ(of_three.along, 6000.0);
+  EXPECT_TRUE(std::isinf(of_three.about)) << "no torque is shown";
+  EXPECT_TRUE(std::isinf(ServoTick::longest_arm(can, 500.0, 1e-3)));
+  can.torque_max = 0.5;
+  EXPECT_DOUBLE_EQ(ServoTick::passive_stiffness(can, 1e-3).about, 4.0);
+  EXPECT_NEAR(ServoTick::longest_arm(can, 500.0, 1e-3), std::sqrt(4.0 / 1000.0), 1e-12);
+  EXPECT_NEAR(ServoTick::longest_arm(can, 5000.0, 1e-3), std::sqrt(4.0 / 6000.0), 1e-12)
+      << "it is softened anyway";
+  can.delay = 1.5e-3;
+  EXPECT_DOUBLE_EQ(ServoTick::passive_stiffness(can, 1e-3).about, 1.0);
+  EXPECT_DOUBLE_EQ(ServoTick::passive_stiffness(can, 1e-3, 2e-3).along, 750.0);
+}
+
+// A spring of 500 N/m and 3 N m/rad on a device that holds 6000 N/m or 3.6 N m/rad: at twice the size of the
+// hand's world, a quarter of the latter.
+TEST_F(ServoTickTest, TorqueCountsWhereItIsShown) {
+  struct Torsion final : ForceModel {
+    explicit Torsion(ForceModel& of) : model(of) {}
+    bool wants_contacts() const override { return false; }
+    void reset() override { model.reset(); }
+    ForceOutput evaluate(const ForceInput& input) override {
+      ForceOutput out = model.evaluate(input);
+      if (out.stiffness > 0.0) out.angular_stiffness = 3.0;
+      return out;
+    }
+    ForceModel& model;
+  } torsion(wall);
+  device.can.angular_damping = 0.9e-3;
+  for (const double torque_max : {0.5, 0.0}) {
+    for (const double scale : {1.0, 2.0}) {
+      device.can.torque_max = torque_max;
+      ServoTickOptions options;
+      options.map.scale = scale;
+      loop = std::make_unique<ServoTick>(device, FeltModel{&torsion, &contacts}, options);
+      device.pose.position.x() = 0.001;
+      run(2.0);
+      device.pose.position.x() = -0.001;
+      const TickRecord& first = run(kTick);
+      const double about = torque_max > 0.0 ? 3.0 / (scale * scale) / 3.6 : 0.0;
+      ASSERT_EQ(first.fault, Fault::kNone) << traits(first.fault).name;
+      EXPECT_NEAR(first.margin, 1.0 / (500.0 / 6000.0 + about), 1e-3 * first.margin);
+      const double gain = std::min(1.0, first.margin);
+      EXPECT_NEAR(first.felt.stiffness, 500.0 * gain, 1.0) << "soft from the start";
+      EXPECT_NEAR(first.felt.angular_stiffness, 3.0 * gain, 0.01);
+    }
+  }
+}
+
 // A force model may have a little energy in reserve before it touches anything: that is no contact.
 TEST_F(ServoTickTest, ASlowDeviceGetsNoMoreInTheFirstTickOfAContact) {
   struct Reserve final : ForceModel {
@@ -423,6 +478,9 @@ TEST_F(ServoTickTest, AModelIsToldWhatDampingTheDeviceShows) {
   loop = std::make_unique<ServoTick>(device, FeltModel{&listener, &contacts}, options);
   run(0.1);
   EXPECT_DOUBLE_EQ(listener.damping_max, 5.0);  // 20 N s/m, of forces that are felt four times as large
+  loop->set_delay(9.5e-3);                      // 0.05 kg / (0.5 ms + 9.5 ms) = 5 N s/m
+  run(kTick);
+  EXPECT_NEAR(listener.damping_max, 1.25, 1e-9);
 }
 
 TEST_F(ServoTickTest, NoReadingIsInventedForADeviceThatIsLateToStart) {

@@ -19,7 +19,7 @@ extern "C" {
 #endif
 
 /// Version of the interface below; any change of layout changes the number.
-#define PALPATE_DEVICE_PLUGIN_VERSION 1u
+#define PALPATE_DEVICE_PLUGIN_VERSION 2u
 /// Name of the one symbol that a plug-in exports.
 #define PALPATE_DEVICE_PLUGIN_SYMBOL "palpate_device_plugin"
 
@@ -50,6 +50,7 @@ typedef struct PalpateDeviceCapabilities {
   double stiffness_max;     ///< Unit: [N/m].
   double damping_max;       ///< Unit: [N s/m].
   double damping;           ///< own viscous damping, credited by the passivity control. Unit: [N s/m].
+  double angular_damping;   ///< likewise, about its axes. Unit: [N m s/rad].
   double delay;             ///< from write until the motors apply it. Unit: [s].
   double watchdog;          ///< time without a write after which the motors turn off. Unit: [s].
   double workspace;         ///< radius of the largest inscribed ball. Unit: [m].

@@ -85,6 +85,7 @@ class ExportedDevice {
     out->stiffness_max = c.stiffness_max;
     out->damping_max = c.damping_max;
     out->damping = c.damping;
+    out->angular_damping = c.angular_damping;
     out->damping_source = static_cast<int>(c.damping_source);
     out->delay = c.delay;
     out->watchdog = c.watchdog;

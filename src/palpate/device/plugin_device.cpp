@@ -18,7 +18,7 @@ constexpr std::string_view kPathPrefix = "plugin:";
 constexpr std::string_view kExtension = ".so";
 
 // Layout that both sides rely on, whatever compiled them.
-static_assert(sizeof(PalpateDeviceCapabilities) == 176 && sizeof(PalpateDeviceReading) == 120 &&
+static_assert(sizeof(PalpateDeviceCapabilities) == 184 && sizeof(PalpateDeviceReading) == 120 &&
               sizeof(PalpateDeviceWrench) == 48);
 static_assert(std::is_trivial_v<PalpateDevicePlugin> && sizeof(PalpateDevicePlugin) == 104);
 static_assert(static_cast<int>(DeviceStatus::kFault) == PALPATE_DEVICE_FAULT &&
@@ -129,6 +129,7 @@ class PluginDevice final : public HapticDevice {
     c.stiffness_max = can.stiffness_max;
     c.damping_max = can.damping_max;
     c.damping = can.damping;
+    c.angular_damping = can.angular_damping;
     const bool known = can.damping_source >= 0 && can.damping_source <= PALPATE_DAMPING_SIMULATED;
     c.damping_source = known ? static_cast<DampingSource>(can.damping_source) : DampingSource::kUnknown;
     c.delay = can.delay;

@@ -23,12 +23,13 @@ struct NumberOption {
   double& (*place)(CrtkOptions& options);
 };
 
-constexpr std::array<NumberOption, 9> kNumbers{{
+constexpr std::array<NumberOption, 10> kNumbers{{
     {"force_max", [](CrtkOptions& o) -> double& { return o.capabilities.force_max; }},
     {"force_sustained", [](CrtkOptions& o) -> double& { return o.capabilities.force_sustained; }},
     {"torque_max", [](CrtkOptions& o) -> double& { return o.capabilities.torque_max; }},
     {"stiffness_max", [](CrtkOptions& o) -> double& { return o.capabilities.stiffness_max; }},
     {"damping", [](CrtkOptions& o) -> double& { return o.capabilities.damping; }},
+    {"angular_damping", [](CrtkOptions& o) -> double& { return o.capabilities.angular_damping; }},
     {"workspace", [](CrtkOptions& o) -> double& { return o.capabilities.workspace; }},
     {"rate", [](CrtkOptions& o) -> double& { return o.capabilities.rate; }},
     {"delay", [](CrtkOptions& o) -> double& { return o.capabilities.delay; }},
@@ -102,7 +103,7 @@ CrtkArguments parse_crtk_arguments(const std::string& kind, const std::string& t
     set(where, result.options, part.substr(0, equals), part.substr(equals + 1));
   }
   if (can.torque_max > 0.0) can.actuated.rotation = 3;
-  if (can.damping > 0.0) can.damping_source = DampingSource::kMeasured;
+  if (can.damping > 0.0 || can.angular_damping > 0.0) can.damping_source = DampingSource::kMeasured;
   check_capabilities(can);
   check_units(where, can);
   return result;

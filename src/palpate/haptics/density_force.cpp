@@ -29,7 +29,8 @@ void DensityForce::reset() { std::fill(parts_.begin(), parts_.end(), Part{}); }
 
 Eigen::Vector3d DensityForce::force_on(Part& part, const Eigen::Vector3d& center,
                                        const Eigen::Vector3d& velocity, std::span<const Contact> contacts,
-                                       double dt) const {
+                                       const ForceInput& input) const {
+  const double dt = input.dt;
   part.velocity += (part.moving ? blend(dt, parameters_.tau_velocity) : 1.0) * (velocity - part.velocity);
   part.moving = true;
   if (contacts.empty()) {
@@ -49,9 +50,10 @@ Eigen::Vector3d DensityForce::force_on(Part& part, const Eigen::Vector3d& center
   }
   const Eigen::Vector3d outward = -part.inward;
   const double n = static_cast<double>(contacts.size());
-  const double elastic = parameters_.k_base * part.alpha * n;                // eqs. 9-10
-  const double damping = -parameters_.damping * outward.dot(part.velocity);  // eq. 10
-  return std::clamp(elastic + damping, 0.0, parameters_.f_max) * outward;    // eq. 11
+  const double elastic = parameters_.k_base * part.alpha * n;  // eqs. 9-10
+  const double most = std::min(parameters_.damping, input.damping_max);
+  const double damping = -most * outward.dot(part.velocity);               // eq. 10
+  return std::clamp(elastic + damping, 0.0, parameters_.f_max) * outward;  // eq. 11
 }
 
 ForceOutput DensityForce::evaluate(const ForceInput& input) {
@@ -63,7 +65,7 @@ ForceOutput DensityForce::evaluate(const ForceInput& input) {
     const Eigen::Vector3d lever = input.tool.orientation * tool_.parts()[k].pose.position;
     const Eigen::Vector3d force =
         force_on(parts_[k], input.tool.position + lever,
-                 input.velocity.linear + input.velocity.angular.cross(lever), rest.first(size), input.dt);
+                 input.velocity.linear + input.velocity.angular.cross(lever), rest.first(size), input);
     wrench.force += force;
     wrench.torque += lever.cross(force);
     rest = rest.subspan(size);

@@ -62,7 +62,7 @@ class DensityForce final : public ForceModel {
 
   /// The force on a part at `center` that moves at `velocity` and has these contacts.
   Eigen::Vector3d force_on(Part& part, const Eigen::Vector3d& center, const Eigen::Vector3d& velocity,
-                           std::span<const Contact> contacts, double dt) const;
+                           std::span<const Contact> contacts, const ForceInput& input) const;
 
   Tool tool_;
   DensityParameters parameters_;

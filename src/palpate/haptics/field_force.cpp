@@ -186,7 +186,8 @@ ForceOutput FieldForce::evaluate(const ForceInput& input) {
           input.tool,
           1.0,
           k * within * (field.depth - 0.5 * within),
-          field.depth > 0.0 ? k : 0.0};
+          field.depth > 0.0 ? k : 0.0,
+          field.depth > 0.0 ? k * radius_ * radius_ : 0.0};
 }
 
 }  // namespace palpate

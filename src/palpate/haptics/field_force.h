@@ -82,7 +82,7 @@ class FieldForce final : public ForceModel {
  public:
   /// \pre contacts passed to evaluate() are those of `tool`, in double precision.
   explicit FieldForce(const Tool& tool, const FieldParameters& parameters = {})
-      : tool_(tool), parameters_(parameters) {}
+      : tool_(tool), radius_(tool.radius()), parameters_(parameters) {}
 
   void reset() override {}
   ForceOutput evaluate(const ForceInput& input) override;
@@ -94,6 +94,7 @@ class FieldForce final : public ForceModel {
   double end_of_spring(const ForceInput& input) const;
 
   Tool tool_;
+  double radius_;  ///< of the tool about its handle. Unit: [m].
   FieldParameters parameters_;
 };
 

@@ -36,8 +36,9 @@ struct ForceOutput {
   /// Stored energy: in the spring that generates the wrench and any other storage, recoverable as work. NaN
   /// if the model has no potential. Unit: [J].
   double stored_energy = 0.0;
-  /// Stiffness of that spring in the current contact; 0 without contact. Unit: [N/m].
-  double stiffness = 0.0;
+  /// Stiffness of that spring in the current contact along any direction, and about any axis through the
+  /// handle; 0 without contact. Unit: [N/m], [N m/rad].
+  double stiffness = 0.0, angular_stiffness = 0.0;
   LocalSurface local = {};  ///< surface around the tool, world frame
   /// False while the model does not know yet what the tool is in: the wrench is then zero and says nothing.
   bool is_known = true;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,6 +32,9 @@ struct ProxyParameters {
   std::optional<double> detail = {};
   /// World metres per device metre: bounds on speed and energy that protect the hand apply at the device. > 0
   double hand_scale = 1.0;
+  /// Upper bound of the arm g of torques, for a device that holds no stiffer spring about its axes
+  /// (ServoTick::longest_arm()). Unit: [m]. > 0
+  double arm_max = std::numeric_limits<double>::infinity();
   /// Materials of the scene, which override the parameters above; null or empty = uniform.
   std::shared_ptr<const MaterialMap> materials = {};
 
@@ -79,10 +83,10 @@ std::size_t enough_for(const ToolPart& part, double detail);
 ///     energy the spring loses otherwise, kReserve at most. The proxy stays inside such a patch until the
 ///     tool has moved out of the way;
 ///  5. force = k (x_proxy - x_tool), torque = k g^2 (turn from tool to proxy), g kTurning times the tool's
-///     radius of gyration, or less, so that the stored energy is at most the hand's work plus the reserve: a
-///     change of stiffness does no work. Zero if the proxy has met no constraint since it last coincided with
-///     the tool. With damping b, the force changes by -b times the tool's velocity along it, at most by its
-///     own magnitude.
+///     radius of gyration, arm_max at most; or less, so that the stored energy is at most the hand's work
+///     plus the reserve: a change of stiffness does no work. Zero if the proxy has met no constraint since it
+///     last coincided with the tool. With damping b, the force changes by -b times the tool's velocity along
+///     it, at most by its own magnitude.
 ///
 /// k is the stiffness of the surface in contact with the proxy times its confidence.
 ///

@@ -75,7 +75,7 @@ std::unique_ptr<HapticDevice> make_device(const DeviceConfig& config, double loo
   if (config.kind == DeviceKind::kClient) {
     capabilities.rate = config.client_rate;
     // The mechanics of a client's device are unknown.
-    capabilities.damping = capabilities.watchdog = 0.0;
+    capabilities.damping = capabilities.angular_damping = capabilities.watchdog = 0.0;
     capabilities.damping_source = DampingSource::kUnknown;
     return std::make_unique<ClientDevice>(capabilities, *connections.client_hand);
   }

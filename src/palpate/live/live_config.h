@@ -90,8 +90,8 @@ struct SceneConfig {
 /// Force rendering.
 struct ForceConfig {
   ForceModelKind model = ForceModelKind::kProxy;
-  ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too; hand_scale and materials are set by
-                          ///< the factories
+  ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too; hand_scale, arm_max and materials are
+                          ///< set by the factories
   DensityParameters density;  ///< eqs. 9-11
   std::string materials;      ///< file of read_materials(), felt by the proxy; empty: none
 

@@ -255,7 +255,10 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
                                                  const Materials& materials) const {
   ForceConfig force = settings.force;
   force.proxy.stiffness = stiffness_;  // at gain 1; set_stiffness() sets the gain
+  const DeviceCapabilities& can = device_->capabilities();
+  const double held = 1.0 / std::min(settings.loop.rate, can.rate);
   force.proxy.hand_scale = settings.device.map.scale;
+  force.proxy.arm_max = force.proxy.hand_scale * ServoTick::longest_arm(can, stiffness_, held);
   MakeAround around;
   if (touch_ != nullptr)
     around = [&](ForceModel& model) { return touch_->around(number_, model, settings.tool, stiffness_); };

@@ -216,9 +216,11 @@ bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bo
     const Contact contact = make_contact(*whitened, two, k, minimum);
     const Eigen::Vector3d force = sign * stiffness * contact.depth * contact.normal;
     felt.wrench.force += force;
-    felt.wrench.torque += (contact.point - handle.position).cross(force);
+    const Eigen::Vector3d lever = contact.point - handle.position;
+    felt.wrench.torque += lever.cross(force);
     felt.stored_energy += 0.5 * stiffness * contact.depth * contact.depth;
     felt.stiffness += stiffness;
+    felt.angular_stiffness += stiffness * lever.cross(contact.normal).squaredNorm();
   }
   return meet;
 }

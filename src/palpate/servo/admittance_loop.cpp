@@ -35,9 +35,11 @@ DeviceCapabilities AdmittanceLoop::told(const MotionDevice& device, const Admitt
   DeviceCapabilities can = device.capabilities();
   can.kind = Causality::kAdmittance;
   can.damping = options.admittance.damping.minCoeff();
+  can.angular_damping = options.admittance.angular_damping.minCoeff();
   can.damping_max = 0.5 * can.damping;
   can.damping_source = DampingSource::kSimulated;  // by the controller, for every device
-  can.delay = options.along.delay + options.along.lag + options.along.sensor_lag;
+  const auto late = [](const AdmittanceLoopModel& loop) { return loop.delay + loop.lag + loop.sensor_lag; };
+  can.delay = std::max(late(options.along), late(options.about));
   return can;
 }
 
@@ -92,6 +94,7 @@ void AdmittanceLoop::change(const Admittance& admittance, double contact_stiffne
   AdmittanceLoopOptions changed = options_;
   changed.admittance = admittance;
   changed.admittance.damping = admittance.damping.cwiseMax(capabilities_.damping);
+  changed.admittance.angular_damping = admittance.angular_damping.cwiseMax(capabilities_.angular_damping);
   changed.along.contact_stiffness = contact_stiffness;
   check(changed);
   options_ = changed;

@@ -32,8 +32,10 @@ void check_capabilities(const DeviceCapabilities& device) {
   require(not_negative(device.stiffness_max), "stiffness_max must not be negative");
   require(not_negative(device.damping_max), "damping_max must not be negative");
   require(not_negative(device.damping), "damping must not be negative");
-  require(device.damping == 0.0 || device.damping_source != DampingSource::kUnknown,
-          "damping must be 0 if its source is unknown");
+  require(not_negative(device.angular_damping), "angular_damping must not be negative");
+  require((device.damping == 0.0 && device.angular_damping == 0.0) ||
+              device.damping_source != DampingSource::kUnknown,
+          "damping and angular_damping must be 0 if their source is unknown");
   require(not_negative(device.delay), "delay must not be negative");
   require(not_negative(device.watchdog), "watchdog must not be negative");
   require(not_negative(device.workspace), "workspace must not be negative");

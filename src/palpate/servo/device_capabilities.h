@@ -45,6 +45,7 @@ struct DeviceCapabilities {
   /// Its own viscous damping, credited by the passivity control: at most that of its least damped pose and
   /// direction. 0 unless damping_source names a source. Unit: [N s/m].
   double damping = 0.0;
+  double angular_damping = 0.0;  ///< likewise, about its axes. Unit: [N m s/rad].
   DampingSource damping_source = DampingSource::kUnknown;
   double delay =
       0.0;  ///< from write() until the motors apply the wrench; reduces the stability margin. Unit: [s].

@@ -19,8 +19,13 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
   return std::max(0.0, damping - std::abs(virtual_damping)) / (0.5 * period + delay);
 }
 
-PassivityController::PassivityController(double period, double damping, double damping_max, double arm)
-    : period_(period), damping_(damping), damping_max_(damping_max), arm_(arm) {}
+PassivityController::PassivityController(double period, double damping, double damping_max, double arm,
+                                         double angular_damping)
+    : period_(period),
+      damping_(damping),
+      damping_max_(damping_max),
+      arm_(arm),
+      angular_damping_(angular_damping) {}
 
 void PassivityController::reset() {
   started_ = false;
@@ -40,7 +45,8 @@ Wrench PassivityController::correct(const Wrench& wanted, double stored, const W
   const auto work = [&](const Wrench& w) { return w.force.dot(way) + w.torque.dot(turn); };
   const double squared = way.squaredNorm() + arm_ * arm_ * turn.squaredNorm();
   const double sampling = 0.5 * (work(sent) - work(wanted));
-  const double absorbed = std::clamp(sampling, 0.0, damping_ * way.squaredNorm() / period);
+  const double own = damping_ * way.squaredNorm() + angular_damping_ * turn.squaredNorm();
+  const double absorbed = std::clamp(sampling, 0.0, own / period);
   held_ -= work(sent) - absorbed;
   const double out = std::max(0.0, -held_);
   port_energy_ += out;

@@ -23,7 +23,8 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 ///
 ///     W = f_sent . d                          work on the hand; exact, since the force was held
 ///     Z = (f_sent - f_wanted) . d / 2         part of W that is due to the hold
-///     A = min(max(0, Z), b |d|^2 / T)         part of Z that the device's own damping b absorbs in T
+///     A = min(max(0, Z), b |d|^2 / T)         part of Z that the device's own damping b absorbs in T,
+///                                             with b of its own about axes
 ///     E' = E - W + A,  O = max(0, -E')        output beyond the stored energy
 ///     E = min(max(0, E'), S)                  at most the energy in the model's spring
 ///     D += Z - A + O,  D >= 0                 decays within about 20 ms
@@ -43,9 +44,11 @@ double passive_stiffness(double damping, double virtual_damping, double period, 
 class PassivityController {
  public:
   /// \param period nominal time between calls. Unit: [s]. > 0 \param damping b. Unit: [N s/m]. \param
-  /// damping_max Unit: [N s/m]. 0 = observe only \param arm whose square converts damping to rotational
-  /// damping. 0 = rotations are not damped. Unit: [m].
-  PassivityController(double period, double damping, double damping_max, double arm = 0.0);
+  /// damping_max Unit: [N s/m]. 0 = observe only \param arm whose square converts added damping to rotational
+  /// damping. 0 = rotations are not damped. Unit: [m]. \param angular_damping b about axes. Unit: [N m
+  /// s/rad].
+  PassivityController(double period, double damping, double damping_max, double arm = 0.0,
+                      double angular_damping = 0.0);
 
   /// Returns the wrench to send at a pose X_DH in place of `wanted`; wrenches F_H_D. \param stored S at this
   /// pose; infinite if unknown: the port is then only observed. Unit: [J]. \param sent wrench actually sent
@@ -64,7 +67,7 @@ class PassivityController {
   void reset();
 
  private:
-  double period_, damping_, damping_max_, arm_;
+  double period_, damping_, damping_max_, arm_, angular_damping_;
   bool started_ = false;
   DevicePose pose_;
   double excess_ = 0.0, added_ = 0.0;

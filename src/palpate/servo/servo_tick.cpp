@@ -13,6 +13,8 @@ namespace {
 constexpr double kGainFilter = 0.1;
 /// Time constant of the mean hold time of forces: longer than an occasional late tick. Unit: [s].
 constexpr double kHeldFilter = 0.5;
+/// A hold time that changes by less is the same: a stiffness that follows every late tick moves the hand.
+constexpr double kSameHold = 0.1;
 /// Prevents division by zero.
 constexpr double kLeastGain = 1e-6;
 
@@ -25,6 +27,14 @@ double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
   return rho > 0.0 ? rho : 1.0;
 }
 
+/// Radius that converts the damping that is added to one about axes: both take the same share of the peak,
+/// and of the device's own. Unit: [m].
+double arm_of(const DeviceCapabilities& device) {
+  const double of_motors = device.torque_max / device.force_max;
+  const bool known = device.damping > 0.0 && device.angular_damping > 0.0;
+  return known ? std::min(of_motors, std::sqrt(device.angular_damping / device.damping)) : of_motors;
+}
+
 }  // namespace
 
 ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptions& options)
@@ -35,10 +45,11 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       passive_gain_(options.gain),
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
-                 device.capabilities().damping_max,
-                 device.capabilities().torque_max / device.capabilities().force_max),
+                 device.capabilities().damping_max, arm_of(device.capabilities()),
+                 device.capabilities().angular_damping),
       keeps_passive_(options.keeps_passive),
       held_for_(std::max(options.period, 1.0 / device.capabilities().rate)),
+      counted_hold_(held_for_),
       wanted_gain_(options.gain) {
   found_.contacts.reserve(ToolTracker::kRoom);
 }
@@ -84,11 +95,13 @@ void ServoTick::change(double passed) {
 
 void ServoTick::feel() {
   const DeviceReading& reading = record_.reading;
+  const DeviceCapabilities& can = device_.capabilities();
   const double passed = asked_ ? reading.t - asked_at_ : 0.0;
   // Largest force in the world that the device renders at this gain, and largest damping.
   const double least = std::max(gain_, kLeastGain);
-  const double force_max = device_.capabilities().force_max * map_.scale / least;
-  const double damping_max = device_.capabilities().damping_max / least;
+  const double force_max = can.force_max * map_.scale / least;
+  const double late = 0.5 * counted_hold_ + delay_.load(std::memory_order_relaxed) + can.delay;
+  const double damping_max = std::min(can.damping_max, kHandMass / late) / least;
   const ForceInput input{record_.tool, record_.velocity,       passed, &found_, force_max,
                          damping_max,  governor_.force_scale()};
   if (used_.model->wants_contacts()) {
@@ -101,7 +114,8 @@ void ServoTick::feel() {
   asked_ = true;
   asked_at_ = reading.t;
   held_for_ += -std::expm1(-passed / kHeldFilter) * (passed - held_for_);
-  const double margin = keep_passive(record_.felt.stiffness, begins);
+  if (std::abs(held_for_ - counted_hold_) > kSameHold * counted_hold_) counted_hold_ = held_for_;
+  const double margin = keep_passive(record_.felt, begins);
 
   ForceOutput& felt = record_.felt;
   const double gain = passive_gain_.at(gain_, felt.stored_energy, unfelt);
@@ -109,14 +123,15 @@ void ServoTick::feel() {
   felt.wrench.torque *= gain;
   felt.stored_energy = passive_gain_.stored_energy();
   felt.stiffness *= gain_;
+  felt.angular_stiffness *= gain_;
   // Clients that render the surface without this loop's delay need no softer one.
   felt.local.stiffness *= wanted_gain_.load(std::memory_order_relaxed);
   record_.margin = felt.stiffness > 0.0 ? margin : 0.0;
   Wrench wanted = map_.to_device(felt.wrench);
-  if (device_.capabilities().torque_max == 0.0 && wanted.torque.allFinite()) wanted.torque.setZero();
+  if (can.torque_max == 0.0 && wanted.torque.allFinite()) wanted.torque.setZero();
   // Clamped before it is damped: clamping afterwards would remove the damping. If the model's spring stores
   // S, a force clamped to the fraction rho returns S (2 rho - rho^2) along the way on which S was stored.
-  const double rho = share_shown(wanted, device_.capabilities());
+  const double rho = share_shown(wanted, can);
   const double stored = std::isnan(felt.stored_energy)
                             ? std::numeric_limits<double>::infinity()
                             : map_.to_device(felt.stored_energy) * (2.0 * rho - rho * rho);
@@ -124,18 +139,35 @@ void ServoTick::feel() {
                                passed);
 }
 
-/// Softens a spring that would be active. \param stiffness of the model, without a gain. Unit: [N/m].
-/// \param begins no contact before: the spring is then soft from the start \returns TickRecord::margin
-double ServoTick::keep_passive(double stiffness, bool begins) {
-  if (!(stiffness > 0.0)) return 0.0;
-  const DeviceCapabilities& device = device_.capabilities();
-  const double bound = passive_stiffness(device.damping + kHandDamping, 0.0, held_for_,
-                                         delay_.load(std::memory_order_relaxed) + device.delay);
+PassiveStiffness ServoTick::passive_stiffness(const DeviceCapabilities& device, double held, double delay) {
+  const auto bound = [&](double damping) {
+    return palpate::passive_stiffness(damping, 0.0, held, delay + device.delay);
+  };
+  return {bound(device.damping + kHandDamping), device.torque_max > 0.0
+                                                    ? bound(device.angular_damping + kHandAngularDamping)
+                                                    : std::numeric_limits<double>::infinity()};
+}
+
+double ServoTick::longest_arm(const DeviceCapabilities& device, double stiffness, double held) {
+  const PassiveStiffness bound = passive_stiffness(device, held);
+  return std::sqrt(bound.about / std::min(2.0 * stiffness, bound.along));  // half of each bound
+}
+
+/// Softens a spring that would be active. A force at a lever is a spring along and about at once, whose
+/// energy is at most absorbed by both dampings if the shares of both bounds are together at most 1.
+/// \param felt without a gain \param begins no contact before: the spring is then soft from the start
+/// \returns TickRecord::margin
+double ServoTick::keep_passive(const ForceOutput& felt, bool begins) {
+  if (!(felt.stiffness > 0.0)) return 0.0;
+  const PassiveStiffness bound =
+      passive_stiffness(device_.capabilities(), counted_hold_, delay_.load(std::memory_order_relaxed));
+  const double margin =
+      1.0 / (felt.stiffness / bound.along + map_.to_device(felt.angular_stiffness) / bound.about);
   if (keeps_passive_) {
-    gain_max_ = bound / stiffness;
+    gain_max_ = margin;
     if (begins) gain_ = std::min(gain_, gain_max_);
   }
-  return bound / (stiffness * std::max(wanted_gain_.load(std::memory_order_relaxed), kLeastGain));
+  return margin / std::max(wanted_gain_.load(std::memory_order_relaxed), kLeastGain);
 }
 
 double ServoTick::unfelt_work(const Wrench& felt) {

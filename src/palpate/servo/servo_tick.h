@@ -37,12 +37,17 @@ struct TickRecord {
   double energy = 0.0;         ///< SafetyGovernor::energy(). Unit: [J].
   double port_energy = 0.0;    ///< PassivityController::port_energy(). Unit: [J].
   double added_damping = 0.0;  ///< Unit: [N s/m].
-  /// Stiffness margin: ratio of the largest passive stiffness (passive_stiffness(), with a hand that damps by
-  /// ServoTick::kHandDamping) to the set stiffness; 0 if there is no spring or it is unknown. Below 1 the
-  /// spring is softened by this factor.
+  /// Stiffness margin: ratio of the largest passive stiffness (ServoTick::passive_stiffness()) to the set
+  /// stiffness; 0 if there is no spring or it is unknown. Below 1 the spring is softened by this factor.
   double margin = 0.0;
   double force_scale = 0.0;  ///< SafetyGovernor::force_scale()
   bool paused = false;       ///< SafetyGovernor::is_paused()
+};
+
+/// Stiffness along any direction, and about any axis.
+struct PassiveStiffness {
+  double along = 0.0;  ///< Unit: [N/m].
+  double about = 0.0;  ///< Unit: [N m/rad].
 };
 
 /// A force model and its contact search.
@@ -80,8 +85,23 @@ class ServoTick {
   /// record of run(), with the contact counts.
   const TickRecord& count_contacts();
 
-  /// Lower bound of the damping of a hand that holds the handle, in addition to the device's. Unit: [N s/m].
-  static constexpr double kHandDamping = 1.0;
+  /// Lower bound of the damping of a hand that holds the handle, in addition to the device's: assumed, and
+  /// the same about an axis, at a grip of 30 mm. Unit: [N s/m], [N m s/rad].
+  static constexpr double kHandDamping = 1.0, kHandAngularDamping = kHandDamping * 0.03 * 0.03;
+
+  /// Lower bound of the mass of handle and hand. A damper B whose force is late by tau moves a mass m to and
+  /// fro if B > (pi / 2) m / tau: models get at most m / tau, which also bounds B where nothing else absorbs
+  /// what a late damper generates. Unit: [kg].
+  static constexpr double kHandMass = 0.05;
+
+  /// Largest stiffness of each kind that `device` renders passively in such a hand, without the other;
+  /// infinite about axes without actuated rotation. \param held time between forces. Unit: [s]. > 0 \param
+  /// delay from reading to write(). Unit: [s].
+  static PassiveStiffness passive_stiffness(const DeviceCapabilities& device, double held,
+                                            double delay = 0.0);
+  /// Longest arm g of a spring of `stiffness` along, and stiffness g^2 about, that is passive as it is, or as
+  /// soft as it has to be along. Unit: [m], of the device.
+  static double longest_arm(const DeviceCapabilities& device, double stiffness, double held);
 
   /// Waits for the next tick: HapticDevice::wait().
   void wait(const LoopClock& clock, double until) { device_.wait(clock, until); }
@@ -133,7 +153,7 @@ class ServoTick {
   void feel();
   /// Energy stored by a rotation against a torque that the device does not render. Unit: [J], of the world.
   double unfelt_work(const Wrench& felt);
-  double keep_passive(double stiffness, bool begins);
+  double keep_passive(const ForceOutput& felt, bool begins);
   void tell();
 
   HapticDevice& device_;
@@ -144,7 +164,7 @@ class ServoTick {
   SafetyGovernor governor_;
   PassivityController passivity_;
   bool keeps_passive_;
-  double held_for_;  ///< hold time of a force, filtered. Unit: [s].
+  double held_for_, counted_hold_;  ///< hold time of a force: filtered, and as the bound has it. Unit: [s].
   double gain_max_ =
       std::numeric_limits<double>::infinity();        ///< largest gain with which the spring is passive
   Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();  ///< of the model, in the last tick

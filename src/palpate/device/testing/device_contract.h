@@ -122,6 +122,7 @@ TEST_P(HapticDeviceContract, SaysTheSameOfItselfForAsLongAsItIsOpen) {
   EXPECT_EQ(after.force_max, before.force_max);
   EXPECT_EQ(after.torque_max, before.torque_max);
   EXPECT_EQ(after.damping, before.damping);
+  EXPECT_EQ(after.angular_damping, before.angular_damping);
   EXPECT_EQ(after.rate, before.rate);
 }
 
