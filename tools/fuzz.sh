@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes every reader of the project for SECONDS each, under AddressSanitizer and UBSan; fails on any crash, hang or
-# leak, and leaves the failing input in build/fuzz.
+# Fuzzes every reader of the project for SECONDS each, one on each processor, under AddressSanitizer and UBSan; fails on
+# any crash, hang or leak, and leaves the failing input in build/fuzz.
 #   tools/fuzz.sh SECONDS [TARGET...]     targets: ply csv config materials tool index gateway
 # Needs clang-16 and libclang-rt-16-dev.
 set -euo pipefail
@@ -24,7 +24,9 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_
 cmake --build "$build" --target "${targets[@]/%/_fuzzer}" >&2
 
 /usr/bin/python3 -B "$root/fuzz/make_seeds.py" "$build/seeds"
-for target in "${targets[@]}"; do
+# fuzz TARGET
+fuzz() {
+  local target=$1
   say "fuzzing $target for $seconds s"
   mkdir -p "$build/corpus/$target"
   (cd "$build" && "./bin/${target}_fuzzer" "corpus/$target" "seeds/$target" "-max_total_time=$seconds" \
@@ -33,6 +35,15 @@ for target in "${targets[@]}"; do
     tail -n 40 "$build/$target.log" >&2
     die "$target: see $build/$target.log; the input is $build/$target-*"
   }
-  grep -E 'stat::(number_of_executed_units|peak_rss_mb)' "$build/$target.log" >&2
+  say "$target: $(sed -n 's/^stat::\(number_of_executed_units\|peak_rss_mb\): */\1 /p' "$build/$target.log" | xargs)"
+}
+processors=$(nproc)
+for ((first = 0; first < ${#targets[@]}; first += processors)); do
+  running=()
+  for target in "${targets[@]:first:processors}"; do
+    fuzz "$target" &
+    running+=($!)
+  done
+  for one in "${running[@]}"; do wait "$one"; done
 done
 say "no crash"
