@@ -68,6 +68,7 @@ static void capabilities(void* device, PalpateDeviceCapabilities* can) {
   strcpy(can->name, "pendulum");
   can->force_max = 10.0;
   can->stiffness_max = 2000.0;
+  can->damping_max = 10.0;
   can->workspace = 0.1;
   can->rate = 1000.0;
   can->sensed_translation = can->actuated_translation = 3;

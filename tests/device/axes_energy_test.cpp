@@ -100,7 +100,7 @@ Outcome AxesEnergy::run(double delay) {
   DeviceProfile profile = device_profile(name);
   DeviceCapabilities& can = profile.capabilities;
   can.force_sustained = can.torque_sustained = 0.0;
-  can.damping = 0.0;  // none is known
+  can.damping = can.angular_damping = 0.0;  // none is known
   can.sensed.rotation = axes.sensed;
   can.actuated.rotation = axes.actuated;
   can.torque_max = axes.actuated > 0 ? std::max(can.torque_max, 0.1) : 0.0;

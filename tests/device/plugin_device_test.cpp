@@ -1,4 +1,5 @@
 // Devices from shared libraries: good ones keep the contract, all others are refused with one line.
+#include <palpate/device/device_plugin.h>
 #include <palpate/device/plugin_device.h>
 
 #include <cmath>
@@ -71,7 +72,8 @@ TEST(PluginDevice, RefusesWhatIsNoPlugin) {
 
 TEST(PluginDevice, RefusesAnotherVersion) {
   EXPECT_THAT(refusal("plugin:" + plugin("bad_wrong_version")),
-              HasSubstr("uses version 7 of the plug-in interface, this program version 1; recompile it"));
+              HasSubstr("uses version 7 of the plug-in interface, this program version " +
+                        std::to_string(PALPATE_DEVICE_PLUGIN_VERSION) + "; recompile it"));
   EXPECT_THAT(refusal("plugin:" + plugin("bad_refuses_host")), HasSubstr("uses another version"));
 }
 
@@ -94,6 +96,13 @@ TEST(PluginDevice, RefusesCapabilitiesThatAreNotNumbersAndAStatusThatThereIsNot)
   EXPECT_THAT(refusal("plugin:" + plugin("bad_nan_force")), HasSubstr("force_max must be positive"));
   EXPECT_THAT(refusal("plugin:" + plugin("bad_odd_status")),
               HasSubstr("the plug-in returned an unknown status"));
+}
+
+TEST(PluginDevice, HasTheDampingThatItsDriverTells) {
+  const auto device = make_plugin_device("plugin:" + plugin("exported_plugin"));
+  EXPECT_EQ(device->capabilities().damping, 0.25);
+  EXPECT_EQ(device->capabilities().angular_damping, 0.5e-3);
+  EXPECT_EQ(device->capabilities().damping_source, DampingSource::kMeasured);
 }
 
 TEST(PluginDevice, NanFromADriverIsAFaultOfTheGovernor) {

@@ -167,6 +167,8 @@ TEST(DeviceProfiles, AreCreditedWithTheDampingOfTheirPlantAlone) {
   for (const DeviceProfile& p : device_profiles()) {
     EXPECT_NO_THROW(check_capabilities(p.capabilities));
     EXPECT_EQ(p.capabilities.damping, p.plant.damping);
+    const double about = p.capabilities.torque_max > 0.0 ? p.plant.gyration * p.plant.gyration : 0.0;
+    EXPECT_EQ(p.capabilities.angular_damping, about * p.plant.damping);
     EXPECT_EQ(p.capabilities.damping_source, DampingSource::kSimulated);
     EXPECT_GE(p.plant.damping, 0.1);
     EXPECT_LE(p.plant.damping, 5.0);

@@ -16,7 +16,7 @@ TEST(CrtkOptions, AreReadOneByOne) {
       parse_crtk_arguments("ros1",
                            "/arm/"
                            "left,force_max=12,force_sustained=4,torque_max=0.1,stiffness_max=5000,damping=2,"
-                           "angular_damping=0.001,workspace=0.08,"
+                           "angular_damping=0.001,damping_max=3,workspace=0.08,"
                            "rate=500,delay=0.002,one_way=0.001,frame=base,extrapolation=0.003");
   EXPECT_EQ(all.prefix, "/arm/left");
   const DeviceCapabilities& can = all.options.capabilities;
@@ -28,6 +28,7 @@ TEST(CrtkOptions, AreReadOneByOne) {
   EXPECT_EQ(can.stiffness_max, 5000.0);
   EXPECT_EQ(can.damping, 2.0);
   EXPECT_EQ(can.angular_damping, 0.001);
+  EXPECT_EQ(can.damping_max, 3.0);
   EXPECT_EQ(can.damping_source, DampingSource::kMeasured);
   EXPECT_EQ(can.workspace, 0.08);
   EXPECT_EQ(can.rate, 500.0);

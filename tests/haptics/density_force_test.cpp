@@ -134,6 +134,9 @@ TEST(DensityForce, DampingAddsOnTheWayInAndSubtractsOnTheWayOut) {
   ForceInput weak = input(set, 0.0, {0, 0, -0.5});
   weak.damping_max = 1.0;  // of a device that can render less
   EXPECT_NEAR(DensityForce(plain()).evaluate(weak).wrench.force.z(), 4.5, kClose);
+  const Tool two({{"first", Eigen::Vector3d::Ones(), {}}, {"second", Eigen::Vector3d::Ones(), {}}});
+  EXPECT_NEAR(DensityForce(two, plain()).evaluate(weak).wrench.force.z(), 4.25, kClose)
+      << "half for each part";
 }
 
 TEST(DensityForce, IsClampedToTheDevice) {

@@ -417,6 +417,7 @@ TEST(FieldForce, TellsItsStiffnessWhereItIsFelt) {
   EXPECT_EQ(felt.stored_energy, model.potential(input));
   EXPECT_EQ(felt.stiffness, 700.0);
   EXPECT_DOUBLE_EQ(felt.angular_stiffness, 700.0 * 0.02 * 0.02);
+  EXPECT_TRUE(felt.at_lever);
   EXPECT_EQ(felt.confidence, 1.0);
   input.contacts = &none;
   EXPECT_EQ(model.evaluate(input).stiffness, 0.0);

@@ -946,6 +946,7 @@ TEST(ProxyForce, OneOfTwoBallsOnARodTurnsTheHandle) {
     EXPECT_NEAR(felt.wrench.torque.x(), 0.0, 0.03 * kArm * force);
     EXPECT_NEAR(felt.wrench.torque.z(), 0.0, 0.03 * kArm * force);
     EXPECT_NEAR(felt.angular_stiffness, felt.stiffness * g * g, 1e-9);
+    EXPECT_FALSE(felt.at_lever);
   }
   ProxyParameters longer;
   longer.arm_max = 1.0;

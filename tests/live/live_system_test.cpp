@@ -52,6 +52,34 @@ TEST(LiveSystem, FeelsASceneWithADeviceOfTheCallers) {
   system.stop();
 }
 
+// A rod of 400 mm, in a world twice as large as the hand's, resists turns as far as the device can hold that.
+TEST(LiveSystem, MakesAProxyThatTurnsAsTheDeviceNeeds) {
+  DeviceCapabilities can;
+  can.name = "six axes";
+  can.force_max = 10.0;
+  can.torque_max = 1.0;
+  can.actuated.rotation = 3;
+  LiveConfig config = plane_config();
+  config.tool = Tool(Eigen::Vector3d(0.2, 0.02, 0.02));
+  config.device.map.scale = 2.0;
+  LiveSystem system(config, std::make_unique<ScriptedDevice>(can, [](double t) {
+                      Pose pose;
+                      pose.position.z() = std::max(0.009, 0.03 - 0.05 * t);
+                      return pose;
+                    }));
+  LiveView view;
+  system.start({&view});
+  EXPECT_TRUE(comes_true([&] {
+    view.update();
+    return view.newest().felt.stiffness > 0.0;
+  }));
+  const ForceOutput& felt = view.newest().felt;
+  const double arm = 2.0 * ServoTick::longest_arm(can, config.force.proxy.stiffness, 1e-3);
+  EXPECT_NEAR(std::sqrt(felt.angular_stiffness / felt.stiffness), arm, 1e-9);
+  EXPECT_LT(arm, ProxyForce::kTurning * config.tool.gyration());
+  system.stop();
+}
+
 TEST(LiveSystem, ChangesWhatIsFeltAndNothingElse) {
   LiveSystem system(plane_config(), own_device());
   LiveView view;

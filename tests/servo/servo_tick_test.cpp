@@ -197,11 +197,11 @@ TEST_F(ServoTickTest, ThePassivityControllerIsThatOfTheDevice) {
   device.can.damping = 0.2;
   ServoTickOptions options;
   options.keeps_passive = false;
-  device.can.angular_damping = 0.2 * 0.04 * 0.04;  // an arm less than that of the motors, 0.5 / 10 m
+  device.can.angular_damping = 0.3e-3;
   begin(options);
   device.pose.position.x() = 0.01;
   run(1.0);
-  PassivityController reference(1.0 / device.can.rate, 0.2, 20.0, 0.04, device.can.angular_damping);
+  PassivityController reference(1.0 / device.can.rate, 0.2, 20.0, 0.5 / 10.0, 0.3e-3);
   TickRecord before = run(kTick);
   reference.correct(before.felt.wrench, before.felt.stored_energy, before.sent, before.reading.pose, kTick);
   int damped = 0;
@@ -375,7 +375,7 @@ TEST(PassiveStiffness, OfADeviceInAHand) {
   EXPECT_DOUBLE_EQ(ServoTick::passive_stiffness(can, 1e-3).about, 4.0);
   EXPECT_NEAR(ServoTick::longest_arm(can, 500.0, 1e-3), std::sqrt(4.0 / 1000.0), 1e-12);
   EXPECT_NEAR(ServoTick::longest_arm(can, 5000.0, 1e-3), std::sqrt(4.0 / 6000.0), 1e-12)
-      << "it is softened anyway";
+      << "both use five sixths of their bounds";
   can.delay = 1.5e-3;
   EXPECT_DOUBLE_EQ(ServoTick::passive_stiffness(can, 1e-3).about, 1.0);
   EXPECT_DOUBLE_EQ(ServoTick::passive_stiffness(can, 1e-3, 2e-3).along, 750.0);
@@ -391,13 +391,17 @@ TEST_F(ServoTickTest, TorqueCountsWhereItIsShown) {
     ForceOutput evaluate(const ForceInput& input) override {
       ForceOutput out = model.evaluate(input);
       if (out.stiffness > 0.0) out.angular_stiffness = 3.0;
+      out.at_lever = at_lever;
       return out;
     }
     ForceModel& model;
+    bool at_lever = false;
   } torsion(wall);
   device.can.angular_damping = 0.9e-3;
-  for (const double torque_max : {0.5, 0.0}) {
+  for (const auto& [torque_max, at_lever] :
+       {std::pair(0.5, false), std::pair(0.5, true), std::pair(0.0, true)}) {
     for (const double scale : {1.0, 2.0}) {
+      torsion.at_lever = at_lever;
       device.can.torque_max = torque_max;
       ServoTickOptions options;
       options.map.scale = scale;
@@ -406,9 +410,11 @@ TEST_F(ServoTickTest, TorqueCountsWhereItIsShown) {
       run(2.0);
       device.pose.position.x() = -0.001;
       const TickRecord& first = run(kTick);
+      const double along = 500.0 / 6000.0;
       const double about = torque_max > 0.0 ? 3.0 / (scale * scale) / 3.6 : 0.0;
       ASSERT_EQ(first.fault, Fault::kNone) << traits(first.fault).name;
-      EXPECT_NEAR(first.margin, 1.0 / (500.0 / 6000.0 + about), 1e-3 * first.margin);
+      EXPECT_NEAR(first.margin, 1.0 / (at_lever ? along + about : std::max(along, about)),
+                  1e-3 * first.margin);
       const double gain = std::min(1.0, first.margin);
       EXPECT_NEAR(first.felt.stiffness, 500.0 * gain, 1.0) << "soft from the start";
       EXPECT_NEAR(first.felt.angular_stiffness, 3.0 * gain, 0.01);

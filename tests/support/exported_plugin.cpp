@@ -23,6 +23,9 @@ std::unique_ptr<palpate::HapticDevice> make(const std::string& arguments) {
   can.name = "scripted";
   can.force_max = 10.0;
   can.sensed.rotation = 0;
+  can.damping = 0.25;
+  can.angular_damping = 0.5e-3;
+  can.damping_source = palpate::DampingSource::kMeasured;
   const DeviceFault fault = arguments.empty() ? DeviceFault::kSilent : DeviceFault::kNan;
   return std::make_unique<palpate::test::ScriptedDevice>(
       can, swing, std::vector<palpate::test::ScriptedFault>{{0.05, 0.07, fault}});

@@ -42,7 +42,7 @@ DeviceProfile profile(const Figures& f) {
   p.capabilities.workspace = f.workspace;
   p.plant.mass = f.mass;
   p.plant.damping = p.capabilities.damping = f.damping;
-  p.capabilities.angular_damping = p.plant.gyration * p.plant.gyration * f.damping;
+  if (f.torque_max > 0.0) p.capabilities.angular_damping = p.plant.gyration * p.plant.gyration * f.damping;
   p.plant.coulomb = f.coulomb;
   p.plant.resolution = f.resolution;
   p.plant.turn_resolution = f.resolution / p.plant.gyration;

@@ -23,12 +23,13 @@ struct NumberOption {
   double& (*place)(CrtkOptions& options);
 };
 
-constexpr std::array<NumberOption, 10> kNumbers{{
+constexpr std::array<NumberOption, 11> kNumbers{{
     {"force_max", [](CrtkOptions& o) -> double& { return o.capabilities.force_max; }},
     {"force_sustained", [](CrtkOptions& o) -> double& { return o.capabilities.force_sustained; }},
     {"torque_max", [](CrtkOptions& o) -> double& { return o.capabilities.torque_max; }},
     {"stiffness_max", [](CrtkOptions& o) -> double& { return o.capabilities.stiffness_max; }},
     {"damping", [](CrtkOptions& o) -> double& { return o.capabilities.damping; }},
+    {"damping_max", [](CrtkOptions& o) -> double& { return o.capabilities.damping_max; }},
     {"angular_damping", [](CrtkOptions& o) -> double& { return o.capabilities.angular_damping; }},
     {"workspace", [](CrtkOptions& o) -> double& { return o.capabilities.workspace; }},
     {"rate", [](CrtkOptions& o) -> double& { return o.capabilities.rate; }},

@@ -21,6 +21,8 @@ struct CrtkArguments {
 ///     torque_max        N m (0: no motors for the orientation)
 ///     stiffness_max     N/m (0: unknown)
 ///     damping           N s/m (0: unknown)
+///     angular_damping   N m s/rad (0: unknown)
+///     damping_max       N s/m, that models may render (0: none)
 ///     workspace         m
 ///     rate              Hz, minimum rate of its poses, at least 20 (1000)
 ///     frame             frame_id of its poses (that of a publisher's first pose)

@@ -51,7 +51,7 @@ Eigen::Vector3d DensityForce::force_on(Part& part, const Eigen::Vector3d& center
   const Eigen::Vector3d outward = -part.inward;
   const double n = static_cast<double>(contacts.size());
   const double elastic = parameters_.k_base * part.alpha * n;  // eqs. 9-10
-  const double most = std::min(parameters_.damping, input.damping_max);
+  const double most = std::min(parameters_.damping, input.damping_max / static_cast<double>(parts_.size()));
   const double damping = -most * outward.dot(part.velocity);               // eq. 10
   return std::clamp(elastic + damping, 0.0, parameters_.f_max) * outward;  // eq. 11
 }

@@ -33,7 +33,8 @@ struct DensityParameters {
 ///    1 - exp(-dt/tau)), is normalised again.
 ///  - alpha_raw = sum w_i alpha_i, averaged likewise, k_eff = k_base alpha (eq. 9).
 ///  - |F| = clamp(k_eff N - D v_n, 0, F_max) along the outward normal, v_n the filtered velocity along it
-///    (eqs. 10-11): moving in (v_n < 0) increases the force, which never attracts.
+///    (eqs. 10-11): moving in (v_n < 0) increases the force, which never attracts. D is at most what the
+///    device can render.
 ///  - The averages start at the first instant of a contact and are discarded at its end; without contact the
 ///    force is exactly zero. The ellipsoid gets no torque.
 ///

@@ -187,7 +187,8 @@ ForceOutput FieldForce::evaluate(const ForceInput& input) {
           1.0,
           k * within * (field.depth - 0.5 * within),
           field.depth > 0.0 ? k : 0.0,
-          field.depth > 0.0 ? k * radius_ * radius_ : 0.0};
+          field.depth > 0.0 ? k * radius_ * radius_ : 0.0,
+          true};
 }
 
 }  // namespace palpate

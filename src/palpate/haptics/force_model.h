@@ -39,6 +39,9 @@ struct ForceOutput {
   /// Stiffness of that spring in the current contact along any direction, and about any axis through the
   /// handle; 0 without contact. Unit: [N/m], [N m/rad].
   double stiffness = 0.0, angular_stiffness = 0.0;
+  /// Whether both are of one spring at a lever: a motion along and about at once is then up to twice as
+  /// stiff.
+  bool at_lever = false;
   LocalSurface local = {};  ///< surface around the tool, world frame
   /// False while the model does not know yet what the tool is in: the wrench is then zero and says nothing.
   bool is_known = true;

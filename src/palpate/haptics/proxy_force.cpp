@@ -704,7 +704,7 @@ ForceOutput ProxyForce::evaluate_in_scene(const ForceInput& input) {
   if (replaced_ && starting_ > started) leave_known();
   if (!knows_all && !trails_) {
     tool_ = input.tool;
-    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, 0.0, local(), false};
+    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, 0.0, false, local(), false};
   }
   damping_max_ = input.damping_max;
   velocity_ += -std::expm1(-input.dt / kVelocityFilter) * (input.velocity.linear - velocity_);
@@ -749,13 +749,13 @@ ForceOutput ProxyForce::evaluate_in_scene(const ForceInput& input) {
   if (!trails_) {
     release(moved);
     pull_.reset();
-    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, 0.0, local(), steps_out_ == 0};
+    return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, 0.0, false, local(), steps_out_ == 0};
   }
   if (!starts) pull = smoothed(less_owed(pull), 2.0 * of_tool + catch_up() * input.dt);
   pull_ = pull;
   const double length = length_of(pull, gyration_);
   wind(pull, length, starts ? std::nullopt : std::optional(moved), input.dt);
-  if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, 0.0, local()};
+  if (spring_.felt == 0.0) return {Wrench{}, proxy_, 1.0, spring_.reserve, 0.0, 0.0, false, local()};
   const double k = spring_.stiffness, of_length = k * spring_.felt / length;
   const double push = of_length * damped(of_length * pull.translation);
   return {{push * pull.translation, push * gyration_ * gyration_ * pull.rotation},
@@ -764,6 +764,7 @@ ForceOutput ProxyForce::evaluate_in_scene(const ForceInput& input) {
           0.5 * k * spring_.felt * spring_.felt + spring_.reserve,
           k,
           k * gyration_ * gyration_,
+          false,
           local()};
 }
 

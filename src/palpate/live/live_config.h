@@ -91,7 +91,7 @@ struct SceneConfig {
 struct ForceConfig {
   ForceModelKind model = ForceModelKind::kProxy;
   ProxyParameters proxy;  ///< its stiffness is that of FieldForce, too; hand_scale, arm_max and materials are
-                          ///< set by the factories
+                          ///< set by LiveSystem
   DensityParameters density;  ///< eqs. 9-11
   std::string materials;      ///< file of read_materials(), felt by the proxy; empty: none
 

@@ -257,8 +257,9 @@ std::shared_ptr<FeltScene> LiveSystem::make_felt(std::shared_ptr<const SceneInde
   force.proxy.stiffness = stiffness_;  // at gain 1; set_stiffness() sets the gain
   const DeviceCapabilities& can = device_->capabilities();
   const double held = 1.0 / std::min(settings.loop.rate, can.rate);
+  const double wanted = settings.force.proxy.stiffness > 0.0 ? settings.force.proxy.stiffness : stiffness_;
   force.proxy.hand_scale = settings.device.map.scale;
-  force.proxy.arm_max = force.proxy.hand_scale * ServoTick::longest_arm(can, stiffness_, held);
+  force.proxy.arm_max = force.proxy.hand_scale * ServoTick::longest_arm(can, wanted, held);
   MakeAround around;
   if (touch_ != nullptr)
     around = [&](ForceModel& model) { return touch_->around(number_, model, settings.tool, stiffness_); };

@@ -201,6 +201,7 @@ bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bo
   // Its own fraction is applied by each hand's governor.
   const double share = sign > 0.0 ? high.force_scale : low.force_scale;
   const double stiffness = share * in_series(low.stiffness, high.stiffness);
+  const Place& own = sign > 0.0 ? low : high;
   bool meet = !near.are_all();
   std::optional<WhitenedTool> whitened;
   std::size_t whitened_part = 0;
@@ -216,11 +217,11 @@ bool MutualTouch::push_pair(const Place& low, const Place& high, double sign, bo
     const Contact contact = make_contact(*whitened, two, k, minimum);
     const Eigen::Vector3d force = sign * stiffness * contact.depth * contact.normal;
     felt.wrench.force += force;
-    const Eigen::Vector3d lever = contact.point - handle.position;
-    felt.wrench.torque += lever.cross(force);
+    felt.wrench.torque += (contact.point - handle.position).cross(force);
     felt.stored_energy += 0.5 * stiffness * contact.depth * contact.depth;
     felt.stiffness += stiffness;
-    felt.angular_stiffness += stiffness * lever.cross(contact.normal).squaredNorm();
+    felt.angular_stiffness += stiffness * own.radius * own.radius;
+    felt.at_lever = true;
   }
   return meet;
 }

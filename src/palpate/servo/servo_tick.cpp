@@ -13,7 +13,7 @@ namespace {
 constexpr double kGainFilter = 0.1;
 /// Time constant of the mean hold time of forces: longer than an occasional late tick. Unit: [s].
 constexpr double kHeldFilter = 0.5;
-/// A hold time that changes by less is the same: a stiffness that follows every late tick moves the hand.
+/// A hold time that falls by less is the same: a stiffness that follows every late tick moves the hand.
 constexpr double kSameHold = 0.1;
 /// Prevents division by zero.
 constexpr double kLeastGain = 1e-6;
@@ -27,12 +27,12 @@ double share_shown(const Wrench& wrench, const DeviceCapabilities& device) {
   return rho > 0.0 ? rho : 1.0;
 }
 
-/// Radius that converts the damping that is added to one about axes: both take the same share of the peak,
-/// and of the device's own. Unit: [m].
+/// Radius that converts the damping that is added to one about axes: both take the same share of the peak
+/// and, where a controller is the damper, of what that has. Unit: [m].
 double arm_of(const DeviceCapabilities& device) {
   const double of_motors = device.torque_max / device.force_max;
-  const bool known = device.damping > 0.0 && device.angular_damping > 0.0;
-  return known ? std::min(of_motors, std::sqrt(device.angular_damping / device.damping)) : of_motors;
+  if (device.kind == Causality::kImpedance) return of_motors;
+  return std::min(of_motors, std::sqrt(device.angular_damping / device.damping));
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ ServoTick::ServoTick(HapticDevice& device, FeltModel model, const ServoTickOptio
       governor_(options.limits.value_or(SafetyLimits::of(device.capabilities(), options.period))),
       passivity_(1.0 / device.capabilities().rate, device.capabilities().damping,
                  device.capabilities().damping_max, arm_of(device.capabilities()),
-                 device.capabilities().angular_damping),
+                 device.capabilities().torque_max > 0.0 ? device.capabilities().angular_damping : 0.0),
       keeps_passive_(options.keeps_passive),
       held_for_(std::max(options.period, 1.0 / device.capabilities().rate)),
       counted_hold_(held_for_),
@@ -114,7 +114,7 @@ void ServoTick::feel() {
   asked_ = true;
   asked_at_ = reading.t;
   held_for_ += -std::expm1(-passed / kHeldFilter) * (passed - held_for_);
-  if (std::abs(held_for_ - counted_hold_) > kSameHold * counted_hold_) counted_hold_ = held_for_;
+  if (held_for_ > counted_hold_ || held_for_ < (1.0 - kSameHold) * counted_hold_) counted_hold_ = held_for_;
   const double margin = keep_passive(record_.felt, begins);
 
   ForceOutput& felt = record_.felt;
@@ -150,19 +150,20 @@ PassiveStiffness ServoTick::passive_stiffness(const DeviceCapabilities& device, 
 
 double ServoTick::longest_arm(const DeviceCapabilities& device, double stiffness, double held) {
   const PassiveStiffness bound = passive_stiffness(device, held);
-  return std::sqrt(bound.about / std::min(2.0 * stiffness, bound.along));  // half of each bound
+  return std::sqrt(bound.about / std::min(2.0 * stiffness, bound.along));
 }
 
-/// Softens a spring that would be active. A force at a lever is a spring along and about at once, whose
-/// energy is at most absorbed by both dampings if the shares of both bounds are together at most 1.
-/// \param felt without a gain \param begins no contact before: the spring is then soft from the start
-/// \returns TickRecord::margin
+/// Softens a spring that would be active. A spring K at a lever r is K (n, r x n) (n, r x n)^T, of which
+/// neither damping may absorb more than is left of the other: their shares add up. \param felt without a gain
+/// \param begins no contact before: the spring is then soft from the start \returns TickRecord::margin
 double ServoTick::keep_passive(const ForceOutput& felt, bool begins) {
-  if (!(felt.stiffness > 0.0)) return 0.0;
   const PassiveStiffness bound =
       passive_stiffness(device_.capabilities(), counted_hold_, delay_.load(std::memory_order_relaxed));
-  const double margin =
-      1.0 / (felt.stiffness / bound.along + map_.to_device(felt.angular_stiffness) / bound.about);
+  const double along = felt.stiffness / bound.along;
+  const double about = map_.to_device(felt.angular_stiffness) / bound.about;
+  const double used = felt.at_lever ? along + about : std::max(along, about);
+  if (!(used > 0.0)) return 0.0;  // also NaN, which the governor handles
+  const double margin = 1.0 / used;
   if (keeps_passive_) {
     gain_max_ = margin;
     if (begins) gain_ = std::min(gain_, gain_max_);

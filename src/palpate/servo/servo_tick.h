@@ -99,8 +99,8 @@ class ServoTick {
   /// delay from reading to write(). Unit: [s].
   static PassiveStiffness passive_stiffness(const DeviceCapabilities& device, double held,
                                             double delay = 0.0);
-  /// Longest arm g of a spring of `stiffness` along, and stiffness g^2 about, that is passive as it is, or as
-  /// soft as it has to be along. Unit: [m], of the device.
+  /// Longest arm g of a spring of `stiffness` along, and stiffness g^2 about, that uses half of the latter's
+  /// bound, or as much of it as of the former's. Unit: [m], of the device.
   static double longest_arm(const DeviceCapabilities& device, double stiffness, double held);
 
   /// Waits for the next tick: HapticDevice::wait().
