@@ -265,13 +265,16 @@ TEST_F(MovedHandleTest, IsNotPulledBackFromWhereItIsFoundAfterAGap) {
     run(gap);
     EXPECT_EQ(loop.governor().fault(), Fault::kBadPose);
     const Eigen::Vector3d elsewhere = handle.at.position + Eigen::Vector3d(0.3, 0.9, -0.2);
-    handle.spoil = [&](MotionReading& r) { r.pose.position = elsewhere; };  // it ignores what it is told
-    tick();                                                                 // may be a glitch of one reading
-    tick();
+    // It ignores what it is told, and for a while its filter makes a velocity of the jump.
+    const double found = t;
+    handle.spoil = [&](MotionReading& r) {
+      r.pose.position = elsewhere;
+      r.velocity.linear.x() = 300.0 * std::exp(-(r.t - found) / 0.01);
+    };
     const std::size_t before = handle.told.size();
     const int stopped = handle.stops;
     run(0.2);
-    EXPECT_LE(handle.told.size(), before) << gap;
+    EXPECT_EQ(handle.told.size(), before) << gap;
     EXPECT_GT(handle.stops, stopped) << gap;
     handle.spoil = nullptr;
     handle.at.position = elsewhere;
@@ -292,7 +295,7 @@ TEST_F(MovedHandleTest, GoesOnBrakingAlongItsSetpointsAfterAJumpOfOneReading) {
   const std::size_t before = handle.told.size();
   run(options.limits.stop_time());
   EXPECT_EQ(handle.stops, 0);
-  EXPECT_GE(handle.told.size(), before + 240);
+  EXPECT_GE(handle.told.size(), before + 237);  // none while it may be elsewhere: not before two agree
   EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0));
   EXPECT_EQ(loop.governor().fault(), Fault::kJump);
 }
@@ -319,7 +322,8 @@ TEST_F(MovedHandleTest, IsAtRestInTimeHoweverLateTicksAre) {
       EXPECT_LE((now.motion.velocity.linear - before.motion.velocity.linear).norm(),
                 limits.acceleration * dt * room)
           << name;
-      EXPECT_LE(way.norm(), limits.velocity * std::min(dt, 0.05) * room) << name;  // no jump after a gap
+      EXPECT_LE(way.norm(), limits.velocity * std::min(dt, 2.0 * kTick) * room)
+          << name;  // no jump after a gap
       EXPECT_GE(way.x(), 0.0) << name;
     }
     handle.push.setZero();

@@ -8,13 +8,10 @@ namespace palpate {
 namespace {
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-/// Longest time that a late tick integrates while forces act: the motion slows down instead of catching up,
-/// as the forces of a later tick are those of another place. Unit: [ticks].
+/// Longest time whose travel a late tick makes up for: the motion slows down instead of catching up. The
+/// forces of a later tick are those of another place, and a drive that had no setpoint meanwhile has stopped
+/// at the last one, so that a setpoint farther ahead would be a jump. Unit: [ticks].
 constexpr double kLongestStep = 2.0;
-/// Longest time whose travel a late tick makes up for while it brakes. The velocity falls with the time that
-/// has passed, but after a longer gap the watchdogs of loop and device have stopped the device, and a
-/// setpoint farther ahead would be a jump. Unit: [s].
-constexpr double kLongestTravel = 0.05;
 
 }  // namespace
 
@@ -138,11 +135,11 @@ void AdmittanceLoop::tell_status() noexcept {
 void AdmittanceLoop::write(const Wrench& wrench) {
   if (!started_) return;
   const double passed = t_ > written_at_ ? t_ - written_at_ : period_;
-  const double dt = std::min(passed, governor_.brakes() ? kLongestTravel : kLongestStep * period_);
+  const double dt = std::min(passed, kLongestStep * period_);
   written_at_ = t_;
   if (next_.update()) controller_.set(next_.front());
   if (governor_.brakes()) {
-    controller_.brake(passed, kLongestTravel);
+    controller_.brake(passed, dt);  // the velocity falls with the time that has passed
   } else {
     const double share = governor_.share();
     const Wrench user = governor_.user();
@@ -152,6 +149,7 @@ void AdmittanceLoop::write(const Wrench& wrench) {
   const bool good = governor_.moved(controller_.motion(), answer_.motion, controller_.at_rest());
   if (!good) controller_.start(answer_.motion.pose);
   if (!governor_.knows_place()) return device_.stop();  // a setpoint would pull the handle to another place
+  if (governor_.doubts_place()) return;
   answer_ = device_.move(controller_.motion(), dt);
   if (!answer_.held) return;
   held_ = true;

@@ -94,7 +94,11 @@ void MotionGovernor::admit(const MotionReading& said, double t) {
     MotionReading reading = said;
     reading.pose.orientation.normalize();
     const Fault found = check(reading);
-    jumped_ = jumped_ || found == Fault::kJump || (started_ && reading.hand != newest_.hand);
+    moves_on_ = found != Fault::kJump;
+    if ((found == Fault::kJump || (started_ && reading.hand != newest_.hand)) && !jumped_) {
+      jumped_ = true;
+      jumped_at_ = t;
+    }
     newest_ = reading;
     arrived_ = t;
     started_ = true;
@@ -149,11 +153,13 @@ bool MotionGovernor::moved(const MotionSetpoint& wanted, const MotionSetpoint& f
   const bool good = wanted.pose.is_valid() && finite(wanted.velocity) && finite(wanted.acceleration);
   if (!good) raise(Fault::kBadForce);
   at_rest_ = at_rest;
+  if (elsewhere_) return good;
   // An old reading does not tell how a motion is followed that went on without it.
-  const bool current = started_ && arrived_ == t_ && reading_.t == newest_.t;
-  if (!current || elsewhere_) return good;
-  const bool far = way(followed.pose, reading_.pose) > safety_.following_max ||
-                   turn(followed.pose, reading_.pose) > safety_.angular_following_max;
+  const bool current = started_ && arrived_ == t_ && moves_on_;
+  elsewhere_ = jumped_ && !current && t_ - jumped_at_ > safety_.stale_after;
+  if (!current) return good;
+  const bool far = way(followed.pose, newest_.pose) > safety_.following_max ||
+                   turn(followed.pose, newest_.pose) > safety_.angular_following_max;
   if (far && jumped_)
     elsewhere_ = true;
   else if (far)

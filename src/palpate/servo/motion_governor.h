@@ -70,6 +70,9 @@ class MotionGovernor {
   /// the first valid reading, and from a handle found elsewhere (Fault::kJump, or another hand) until the
   /// state is kWaiting. Where admit() makes it true, the controller starts at rest at reading().
   bool knows_place() const { return started_ && !elsewhere_; }
+  /// True after a jump or with another hand, until a reading agrees with the one before it: that jump may
+  /// have been a false reading, or the setpoint may be elsewhere, and must not be sent meanwhile.
+  bool doubts_place() const { return jumped_; }
   /// Wrench of the hand, sensor bias removed. Device's frame.
   Wrench user() const { return sensor_.wrench(); }
   /// Fraction of all forces that takes effect in this tick, in [0, 1].
@@ -116,7 +119,8 @@ class MotionGovernor {
   SensorFault sensor_fault_ = SensorFault::kNone;
   double t_ = 0.0, since_ = 0.0, passed_ = 0.0;
   Lateness lateness_;
-  double small_since_ = 0.0, wrong_at_ = 0.0, arrived_ = 0.0;
+  double small_since_ = 0.0, wrong_at_ = 0.0, arrived_ = 0.0, jumped_at_ = 0.0;
+  bool moves_on_ = false;   ///< the newest reading agrees with the one before it
   bool jumped_ = false;     ///< no reading has shown yet whether the handle is still at its setpoint
   bool elsewhere_ = false;  ///< it is not
   bool begun_ = false, started_ = false, tared_ = false, at_rest_ = true, heard_sensor_ = false;
