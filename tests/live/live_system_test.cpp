@@ -351,6 +351,25 @@ TEST(LiveSystem, HasNoForceIfItWasStoppedBeforeItStarted) {
   EXPECT_TRUE(is(Fault::kNone));
 }
 
+// As by a page whose gateway is still there while all ends.
+TEST(LiveSystem, IsNotResumedOnceItEnds) {
+  for (const Fault why : {Fault::kEnded, Fault::kRecorder}) {
+    LiveView view;
+    LiveSystem system(plane_config(), std::make_unique<OddDevice>());
+    system.start({&view});
+    const auto is = [&](GovernorState state) {
+      view.update();
+      return view.newest().state == state;
+    };
+    EXPECT_TRUE(comes_true([&] { return is(GovernorState::kActive); }));
+    system.stop_force(why);
+    EXPECT_TRUE(comes_true([&] { return is(GovernorState::kStopped); }));
+    system.resume();
+    sleep_until(monotonic_now() + 0.5);
+    EXPECT_TRUE(is(GovernorState::kStopped)) << traits(why).name;
+  }
+}
+
 /// A handle above the plane that goes where it is told, under a hand that pushes it along x with 40 N.
 struct PushedHandle final : MotionDevice {
   struct Told {

@@ -325,8 +325,9 @@ void LiveSystem::stop() {
 }
 
 void LiveSystem::stop_force(Fault why) {
+  if (why == Fault::kEnded || why == Fault::kRecorder) is_over_.store(true);
   asked_to_stop_.store(why);  // before it is looked at whether it runs: start() does it the other way round
-  ServoTick* const tick = running_.load(std::memory_order_acquire);
+  ServoTick* const tick = running_.load();
   if (tick == nullptr) return;
   tick->governor().stop(why);
   // The handle can still be moved in a pause, and where the force returns by itself.
@@ -340,7 +341,7 @@ void LiveSystem::stop_motors() noexcept {
 }
 
 void LiveSystem::resume() {
-  if (tick_ == nullptr) return;
+  if (tick_ == nullptr || is_over_.load()) return;
   if (admittance_ != nullptr) admittance_->governor().resume();
   tick_->governor().resume();
 }

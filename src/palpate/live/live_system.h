@@ -232,6 +232,7 @@ class LiveSystem {
   std::unique_ptr<ServoTick> tick_;
   std::atomic<ServoTick*> running_ = nullptr;        ///< tick_, for signal handlers
   std::atomic<Fault> asked_to_stop_ = Fault::kNone;  ///< by stop_force(), the last one
+  std::atomic<bool> is_over_ = false;                ///< no resume() brings the force back
   std::unique_ptr<ServoLoop> loop_;
 
   mutable std::recursive_mutex mutex_;  ///< guards the members below; an edit may ask for them
