@@ -109,6 +109,8 @@ class Hanger final : public HapticDevice {
     return true;
   }
   void write(const Wrench&) override {}
+  void stop() noexcept override { ++stops; }
+  std::atomic<int> stops = 0;
 
  private:
   DeviceCapabilities capabilities_;
@@ -132,6 +134,7 @@ TEST(GuardedDevice, LeavesTheThreadOfACallThatHangsBehind) {
   sleep_until(monotonic_now() + 0.05);
   EXPECT_FALSE(came_back);
   EXPECT_EQ(reading.t, 0.0);
+  EXPECT_EQ(driver.stops, 1) << "what it has done at last may have been a write";
 }
 
 /// Throws what says nothing.

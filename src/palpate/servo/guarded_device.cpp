@@ -25,10 +25,12 @@ struct GuardedDevice::Call {
   LoopClock clock;
 
   void enter() { where.store(Where::kInside, std::memory_order_release); }
-  /// Does not return if the call was abandoned.
-  void leave() {
+  /// Does not return if the call was abandoned. The driver may have written a wrench just now, after it was
+  /// told to stop.
+  void leave(HapticDevice& device) {
     Where inside = Where::kInside;
     if (where.compare_exchange_strong(inside, Where::kOutside, std::memory_order_acq_rel)) return;
+    device.stop();
     for (;;) ::pause();
   }
 };
@@ -61,14 +63,14 @@ bool GuardedDevice::guard(const Work& work) {
   call.enter();
   try {
     const bool done = work(device, call);
-    call.leave();
+    call.leave(device);
     return done;
   } catch (const std::exception& error) {
-    call.leave();
+    call.leave(device);
     if (*error.what() != '\0') why = error.what();
     keep();
   } catch (...) {
-    call.leave();
+    call.leave(device);
     keep();
   }
   return false;

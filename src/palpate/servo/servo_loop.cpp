@@ -70,6 +70,7 @@ void ServoLoop::end_watchdog() {
 }
 
 void ServoLoop::watch(const Options& options) {
+  const SignalStack stack;                  // stop() of a driver may overflow the thread's own
   ThreadPriority above = options.priority;  // a busy loop must not keep it from running
   above.priority = std::min(above.priority + 1, 99);
   if (options.real_time) make_real_time(above);
