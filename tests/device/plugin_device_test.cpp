@@ -87,7 +87,9 @@ TEST(PluginDevice, TellsWhyADeviceCannotBeMadeOrOpened) {
   EXPECT_THAT(refusal("plugin:" + plugin("bad_cannot_open")), HasSubstr("xxxx"));
   EXPECT_THAT(refusal("plugin:" + plugin("pendulum") + ":high"), HasSubstr("'high' is no height"));
   EXPECT_THAT(refusal("plugin:" + plugin("exported_plugin") + ":x"),
-              HasSubstr("takes no arguments but nan, not 'x'"));
+              HasSubstr("takes no arguments but nan and admittance, not 'x'"));
+  EXPECT_THAT(refusal("plugin:" + plugin("exported_plugin") + ":admittance"),
+              HasSubstr("it is of the admittance type, which a plug-in cannot bring to rest"));
   EXPECT_THAT(refusal("plugin:" + plugin("exported_plugin") + ":null"),
               HasSubstr("its factory returned no device; correct the plug-in"));
 }
@@ -100,6 +102,7 @@ TEST(PluginDevice, RefusesCapabilitiesThatAreNotNumbersAndAStatusThatThereIsNot)
 
 TEST(PluginDevice, HasTheDampingThatItsDriverTells) {
   const auto device = make_plugin_device("plugin:" + plugin("exported_plugin"));
+  open_device(*device, {});
   EXPECT_EQ(device->capabilities().damping, 0.25);
   EXPECT_EQ(device->capabilities().angular_damping, 0.5e-3);
   EXPECT_EQ(device->capabilities().damping_source, DampingSource::kMeasured);

@@ -17,10 +17,11 @@ palpate::Pose swing(double t) {
 std::unique_ptr<palpate::HapticDevice> make(const std::string& arguments) {
   using palpate::test::DeviceFault;
   if (arguments == "null") return nullptr;
-  if (!arguments.empty() && arguments != "nan")
-    throw std::runtime_error("takes no arguments but nan, not '" + arguments + "'");
+  if (!arguments.empty() && arguments != "nan" && arguments != "admittance")
+    throw std::runtime_error("takes no arguments but nan and admittance, not '" + arguments + "'");
   palpate::DeviceCapabilities can;
   can.name = "scripted";
+  if (arguments == "admittance") can.kind = palpate::Causality::kAdmittance;
   can.force_max = 10.0;
   can.sensed.rotation = 0;
   can.damping = 0.25;

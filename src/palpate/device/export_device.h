@@ -58,6 +58,9 @@ class ExportedDevice {
     guarded(error, size, [&] {
       auto device = kMake(arguments);
       if (device == nullptr) throw std::runtime_error("its factory returned no device; correct the plug-in");
+      if (device->capabilities().kind == Causality::kAdmittance)
+        throw std::runtime_error(
+            "it is of the admittance type, which a plug-in cannot bring to rest; link it");
       held = new Held{std::move(device), {}};
     });
     return held;
