@@ -44,6 +44,7 @@ export class MockGateway {
   scenesSent; // how often the scene was asked for
   stalls; // half of the way through the scene
   breaksOff = ''; // once this service is asked for
+  holdsBack = ''; // the next answer of this service, until the connection breaks off
   fault;
   token; // wanted of every connection, if any
   tool;
@@ -57,6 +58,7 @@ export class MockGateway {
   uploadRefusal; // of the next, if any
   #named = new Map(); // scenes
   #shown = new Set(); // ids of the contacts in the last message
+  #heldBack = null; // the answer
   #sockets = new Map(); // socket: Set of topics
   #lastPose;
   #since; // reset(), on the clock of stamps. Unit: [ms].
@@ -188,11 +190,17 @@ export class MockGateway {
       this.requests.push({ service: message.service, args: message.args });
       if (message.service === this.breaksOff) {
         this.breaksOff = '';
-        socket.terminate();
+        this.#heldBack?.();
+        this.#heldBack = null;
+        socket.close(); // what was sent arrives
         return;
       }
       const values = this.#serve(message.service.replace('/palpate/', ''), message.args);
-      send({ op: 'service_response', id: message.id, service: message.service, result: true, values });
+      const answer = () => send({ op: 'service_response', id: message.id, service: message.service, result: true, values });
+      if (message.service === this.holdsBack) {
+        this.holdsBack = '';
+        this.#heldBack = answer;
+      } else answer();
     }
   }
 

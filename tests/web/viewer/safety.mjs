@@ -131,6 +131,18 @@ describe('safety', () => {
     assert.equal(requests('pause').length, 1);
   });
 
+  test('a stop is not forgotten for a resume that was sent before it and answered after', async () => {
+    await desk.page.locator('#stop').click();
+    await stopped();
+    desk.gateway.holdsBack = '/palpate/resume';
+    desk.gateway.breaksOff = '/palpate/emergency_stop';
+    await desk.page.locator('#resume').click();
+    await waitFor(() => requests('resume').length === 1, 'a resume');
+    await desk.page.locator('#stop').click();
+    await waitFor(() => requests('emergency_stop').length === 3, 'the stop, once more');
+    await stopped();
+  });
+
   test('where there is no WebGL, it says so, and still stops; a token in the address goes along', async () => {
     desk.gateway.token = 'secret';
     const other = await desk.browser.newPage();

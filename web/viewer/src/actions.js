@@ -13,8 +13,9 @@ export function createActions({ connection, parameters, statusBar, hold, emergen
     asked,
     stop: () => emergencyStop.press(),
     async resume() {
+      const presses = emergencyStop.presses;
       const done = await (parameters.current?.paused ? pause(false) : ask('resume', 'std_srvs/Trigger'));
-      if (done !== null) emergencyStop.forget();
+      if (done !== null) emergencyStop.forget(presses);
     },
     pauseOrResume: () => (statusBar.needsResume ? actions.resume() : pause(true)),
     toggleDemo() {

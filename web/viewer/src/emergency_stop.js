@@ -6,6 +6,7 @@ const repeatAfter = 1000; // delay of the next attempt after a refusal. Unit: [m
 
 export class EmergencyStop {
   #since = null; // time of the first press that is not confirmed. Unit: [ms].
+  #presses = 0;
   #newest = 0; // number of the newest attempt
   #timer = 0;
 
@@ -14,13 +15,20 @@ export class EmergencyStop {
     connection.onChange((connected) => { if (connected && this.#since !== null) this.#send(); });
   }
 
+  get presses() {
+    return this.#presses;
+  }
+
   press() {
+    this.#presses += 1;
     this.#since ??= performance.now();
     return this.#send();
   }
 
-  /// Ends the attempts: the program has confirmed a later resume of this page.
-  forget() {
+  /// Ends the attempts: the program has confirmed a resume of this page that was sent after so many presses. A stop that
+  /// was pressed since is not ended.
+  forget(presses) {
+    if (presses !== this.#presses) return;
     this.#since = null;
     clearTimeout(this.#timer);
   }
@@ -36,7 +44,7 @@ export class EmergencyStop {
     const number = this.#newest;
     try {
       await this.connection.ask('emergency_stop', 'std_srvs/Trigger');
-      if (number === this.#newest) this.forget();
+      if (number === this.#newest) this.forget(this.#presses);
     } catch {
       // Without a connection, the next one sends it.
       if (number === this.#newest && this.#since !== null && this.connection.connected)
