@@ -790,7 +790,7 @@ class WebServer::Implementation : public std::enable_shared_from_this<Implementa
       }
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
-      take(std::move(socket));
+      do_if_there_is_memory([&] { take(std::move(socket)); });  // else that connection ends
       accept();
     });
   }
