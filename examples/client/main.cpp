@@ -10,6 +10,8 @@
 //
 // With a real device: read the pose from its driver in place of Hand::move(), and hand the wrench to its
 // motors in Motors::show().
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -17,6 +19,7 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "palpate_client.h"
@@ -48,18 +51,45 @@ class Hand {
   double z_ = kBegin, velocity_ = 0.0;
 };
 
+/// Prints height and force ten times a second, on a thread of its own: a terminal that takes no text would
+/// hold up the motors otherwise. In the end, what the motors were told last.
+class Display {
+ public:
+  ~Display() {
+    ends_ = true;
+    thread_.join();
+    std::printf("the motors show %.2f N\n", force_.load());
+  }
+  void tell_height(double z) noexcept { z_ = z; }
+  void tell_force(double force) noexcept { force_ = force; }
+
+ private:
+  void print() {
+    while (!ends_) {
+      std::printf("z %6.1f mm   force %5.2f N\n", 1e3 * z_, force_.load());
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+
+  std::atomic<double> z_ = Hand::kBegin, force_ = 0.0;
+  std::atomic<bool> ends_ = false;
+  std::thread thread_{[this] { print(); }};
+};
+
 /// Motors keep the last force that they were told. Whatever ends the loop, an exception of the driver too,
 /// the last is zero.
 class Motors {
  public:
-  ~Motors() {
-    show(0.0);
-    std::printf("the motors show %.2f N\n", force_);
+  explicit Motors(Display& display) : display_(display) {}
+  ~Motors() { show(0.0); }
+  void show(double force) noexcept {
+    force_ = force;
+    display_.tell_force(force);
   }
-  void show(double force) noexcept { force_ = force; }
   double force() const noexcept { return force_; }
 
  private:
+  Display& display_;
   double force_ = 0.0;
 };
 
@@ -67,7 +97,8 @@ volatile std::sig_atomic_t ends = 0;
 
 void feel(Client& client) {
   Hand hand;
-  Motors motors;
+  Display display;
+  Motors motors(display);
   double z = Hand::kBegin;
   const auto begin = std::chrono::steady_clock::now();
   // From the end on no pose is sent: the force falls to zero, in 5 ms where the connection is lost, and 100
@@ -79,7 +110,7 @@ void feel(Client& client) {
     motors.show(client.wrench({0.0, 0.0, z}).force[2]);
     z = hand.move(kTick * tick, motors.force());
     if (!falls) client.send({{0.0, 0.0, z}, {1.0, 0.0, 0.0, 0.0}}, Client::now());
-    if (falls || tick % 100 == 0) std::printf("z %6.1f mm   force %5.2f N\n", 1e3 * z, motors.force());
+    display.tell_height(z);
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(tick + 1));
   }
 }

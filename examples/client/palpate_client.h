@@ -298,8 +298,9 @@ class ForceGate {
   /// \param small what is asked for may open it \param broken zero within kFall \param zero_at nothing is
   /// left from then on. Unit: [s]. Not being called for kSilence closes it at once: by then a watchdog may
   /// have switched the motors off, and a line that begins at the force before would be a step for the hand.
+  /// So does a clock that was set back.
   Wrench pass(const Wrench& asked, bool small, bool broken, double zero_at, double now) noexcept {
-    const bool stalled = now - passed_at_ > kSilence;
+    const bool stalled = !(now >= passed_at_ && now - passed_at_ <= kSilence);
     const bool lost = broken || now > zero_at - kFall || stalled;
     passed_at_ = now;
     if (stalled) state_ = State::kClosed;

@@ -225,10 +225,10 @@ class ForceGate {
 
   /// `small`: what is asked for may open it. `broken`: zero within `fall`. `zeroAt`: nothing is left from then on, in s. Not
   /// being called for `silence` closes it at once: by then a watchdog may have switched the motors off, and a line that begins
-  /// at the force before would be a step for the hand.
+  /// at the force before would be a step for the hand. So does a clock that was set back.
   pass(asked, { small, broken, zeroAt, now }) {
     const { silence, fall } = ForceGate;
-    const stalled = now - this.#passedAt > silence;
+    const stalled = !(now >= this.#passedAt && now - this.#passedAt <= silence);
     const lost = broken || now > zeroAt - fall || stalled;
     this.#passedAt = now;
     if (stalled) this.#enter('closed', now);

@@ -208,6 +208,16 @@ TEST_F(WrenchGovernorTest, AServoThreadThatWasHeldUpGoesThroughTheGate) {
   open();
 }
 
+// By an hour, while the gate has been open for less.
+TEST_F(WrenchGovernorTest, AClockThatIsSetBackGoesThroughTheGate) {
+  open();
+  now -= 3600.0;
+  take(kForce);
+  EXPECT_EQ(show(), 0.0);
+  EXPECT_EQ(hold(kForce, 0.1), 0.0);
+  open();
+}
+
 TEST_F(WrenchGovernorTest, SilenceIsCountedFromThePoseThatIsAnswered) {
   open();
   const double measured = now;

@@ -126,6 +126,15 @@ describe('the governor of a client', () => {
     assert.equal(on.hold(4, 0.1), 0);
   });
 
+  test('goes through the gate where the clock was set back', () => {
+    const on = begin();
+    on.open();
+    on.now -= 3600;
+    on.take(4);
+    assert.equal(on.show(), 0);
+    assert.equal(on.hold(4, 0.1), 0);
+  });
+
   test('counts a silence that no call has seen', () => {
     const on = begin();
     on.open();
