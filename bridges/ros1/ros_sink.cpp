@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/callback_queue.h>
@@ -141,6 +142,7 @@ class Ros1Sink final : public node::NodeSink {
     centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
     serve();
     for (Served& served : served_) served.spinner.start();
+    watch_.emplace([] {}, [] {}, [this](const MasterState& state) { serve_again(state); });
   }
 
   ~Ros1Sink() override {
@@ -233,8 +235,8 @@ class Ros1Sink final : public node::NodeSink {
   std::vector<ros::ServiceServer> servers_;
   std::vector<ros::Subscriber> listeners_;
   /// Advertises the services again whenever the master does not have them, as after its restart; Link does so
-  /// for topics.
-  MasterWatch watch_{[] {}, [] {}, [this](const MasterState& state) { serve_again(state); }};
+  /// for topics. Started once all of them are advertised, each of which waits for the master.
+  std::optional<MasterWatch> watch_;
 };
 
 }  // namespace

@@ -13,6 +13,10 @@ import tempfile
 import time
 import unittest
 import xmlrpc.client
+import xmlrpc.server
+from collections import Counter
+from socketserver import ThreadingMixIn
+from threading import Thread
 
 import rospy
 import rosservice
@@ -526,6 +530,58 @@ class Refusals(unittest.TestCase):
     def test_no_master_is_named(self):
         self.refuse("ROS_MASTER_URI is not set", env={"ROS_MASTER_URI": ""})
         self.refuse("ROS_MASTER_URI is not of the form http://HOST:PORT", env={"ROS_MASTER_URI": "somewhere"})
+
+
+class KeepsConnections(xmlrpc.server.SimpleXMLRPCRequestHandler):
+    protocol_version = "HTTP/1.1"
+
+
+class SlowMaster(ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
+    """In front of a master: what concerns services is answered late. Counts requests, by method and service."""
+    daemon_threads = True
+    DELAY = {"registerService": 0.3, "getSystemState": 1.0}  # Unit: [s]
+
+    def __init__(self, uri):
+        super().__init__(("127.0.0.1", 0), KeepsConnections, logRequests=False)
+        self.uri, self.counts = uri, Counter()
+        Thread(target=self.serve_forever, daemon=True).start()
+
+    def _dispatch(self, method, params):
+        if method in ("registerService", "unregisterService"):
+            self.counts[method, params[1]] += 1
+        answer = getattr(xmlrpc.client.ServerProxy(self.uri), method)(*params)
+        time.sleep(self.DELAY.get(method, 0.0))
+        return answer
+
+
+class Slow(unittest.TestCase):
+    def test_a_node_that_starts_at_a_slow_master_advertises_each_service_once(self):
+        port = free_port()
+        master = Master(port)
+        self.addCleanup(master.kill)
+        uri = f"http://127.0.0.1:{port}"
+        slow = SlowMaster(uri)
+        self.addCleanup(slow.shutdown)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        scene = os.path.join(folder.name, "wall.ply")
+        with open(scene, "wb") as file:
+            file.write(ply(wall_rows()))
+        node = subprocess.Popen([NODE, "__name:=palpate", f"_scene:={scene}", "_no_index_file:=true", "_device:=/arm,rate=20"],
+                                stdin=subprocess.DEVNULL, env={**os.environ, "ROS_LOG_DIR": folder.name,
+                                                               "ROS_MASTER_URI": f"http://127.0.0.1:{slow.server_address[1]}"})
+        try:
+            services = {f"/palpate/{name}" for name in ("emergency_stop", "pause", "resume", "clutch", "config", "get_parameters",
+                                                        "list_scenes", "record")}
+            deadline = time.time() + 30
+            while not services <= {name for _, name in slow.counts}:
+                self.assertLess(time.time(), deadline, slow.counts)
+                time.sleep(0.05)
+            time.sleep(2.5 * SlowMaster.DELAY["getSystemState"])  # for another look at the master
+            self.assertEqual(dict(slow.counts), {("registerService", name): 1 for _, name in slow.counts})
+        finally:
+            node.send_signal(signal.SIGTERM)
+            self.assertEqual(node.wait(30), 0)
 
 
 if __name__ == "__main__":
