@@ -1,14 +1,18 @@
 #include "ros_sink.h"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <optional>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/callback_queue.h>
+#include <ros/connection_manager.h>
+#include <ros/master.h>
+#include <ros/network.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
+#include <ros/this_node.h>
+#include <ros/xmlrpc_manager.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
@@ -142,7 +146,7 @@ class Ros1Sink final : public node::NodeSink {
     centers_ = node_.advertise<sensor_msgs::PointCloud2>("palpate/centers", 1, true);
     serve();
     for (Served& served : served_) served.spinner.start();
-    watch_.emplace([] {}, [] {}, [this](const MasterState& state) { serve_again(state); });
+    watch_.emplace([] {}, [] {}, [this](const MasterState& state) { register_missing(state); });
   }
 
   ~Ros1Sink() override {
@@ -190,18 +194,28 @@ class Ros1Sink final : public node::NodeSink {
 
   ros::NodeHandle& node_of(Pace pace) { return served_[static_cast<std::size_t>(pace)].node; }
   void serve() {
-    servers_.clear();
     for (const node::SinkHand& hand : hands_)
       for (const Pace pace : node::kPaces)
         node::make_services(
             hand, pace, [&](const auto& name, const auto& work) { trigger(node_of(pace), name, work); },
             [&](const auto& name, const auto& work) { set_bool(node_of(pace), name, work); });
   }
-  void serve_again(const MasterState& state) {
-    const bool all = std::all_of(servers_.begin(), servers_.end(), [&](const ros::ServiceServer& server) {
-      return state.services.count(server.getService()) > 0;
-    });
-    if (!all && !is_replaced()) serve();
+  /// Registers the services that the master does not have, as after its restart. They stay up: calls go on,
+  /// and connections persist. What fails is tried again at the next look.
+  void register_missing(const MasterState& state) const {
+    std::vector<std::string> missing;
+    for (const ros::ServiceServer& server : servers_)
+      if (server && state.services.count(server.getService()) == 0) missing.push_back(server.getService());
+    if (missing.empty() || is_replaced()) return;
+    XmlRpc::XmlRpcValue request, response, payload;
+    request[0] = ros::this_node::getName();
+    request[2] = "rosrpc://" + ros::network::getHost() + ":" +
+                 std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+    request[3] = ros::XMLRPCManager::instance()->getServerURI();
+    for (const std::string& service : missing) {
+      request[1] = service;
+      ros::master::execute("registerService", request, response, payload, false);
+    }
   }
   void listen(ros::NodeHandle& node, const std::string& name,
               const std::function<void(const std::string&)>& work) {
@@ -234,8 +248,8 @@ class Ros1Sink final : public node::NodeSink {
   ros::Publisher transforms_, diagnostics_, centers_;
   std::vector<ros::ServiceServer> servers_;
   std::vector<ros::Subscriber> listeners_;
-  /// Advertises the services again whenever the master does not have them, as after its restart; Link does so
-  /// for topics. Started once all of them are advertised, each of which waits for the master.
+  /// Registers the services whenever the master does not have them; Link does so for topics. Started once all
+  /// of them are advertised, each of which waits for the master.
   std::optional<MasterWatch> watch_;
 };
 

@@ -10,7 +10,7 @@
 
 namespace palpate::ros1 {
 
-/// Makes a sink that advertises the services of `hands` again after the master has restarted.
+/// Makes a sink that registers the services of `hands` again after the master has restarted.
 /// \param world frame_id of data in the world frame \pre init_node()
 std::unique_ptr<node::NodeSink> make_sink(std::string world, std::vector<node::SinkHand> hands);
 

@@ -435,8 +435,25 @@ class Node(unittest.TestCase):
 
     def test_6b_a_service_that_the_master_has_lost_is_registered_again(self):
         master, service = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]), "/palpate/emergency_stop"
-        self.assertEqual(master.unregisterService("/palpate", service, master.lookupService("/test", service)[2])[2], 1)
+        rospy.wait_for_service(service, 20)
+        where = master.lookupService("/test", service)[2]
+        rospy.wait_for_service("/palpate/get_parameters", 20)
+        # Connections to it and to another one, which both stay.
+        stop, parameters = (rospy.ServiceProxy(name, Trigger, persistent=True) for name in (service, "/palpate/get_parameters"))
+        self.addCleanup(stop.close)
+        self.addCleanup(parameters.close)
+        self.assertTrue(parameters().success)
+        self.assertTrue(stop().success)
+        self.assertEqual(master.unregisterService("/palpate", service, where)[2], 1)
         self.wait(lambda: service in rosservice.get_service_list(), 5.0)
+        self.assertEqual(master.lookupService("/test", service)[2], where)
+        time.sleep(0.5)  # after another look at the master
+        self.assertTrue(parameters().success)
+        self.assertTrue(stop().success)
+        self.call("/palpate/resume")
+        self.call(service)  # also for who comes now
+        self.call("/palpate/resume")
+        self.lean()
 
     def test_7_every_pose_is_answered_or_counted(self):
         self.lean()
