@@ -7,13 +7,25 @@
 ///     ./local_driver PREFIX X Y Z [wrench|local]
 ///
 /// X Y Z is where the hand wants to be, in metres. Prints, each second, where the handle is, the force that
-/// it is shown, the force of the newest wrench, and what came how soon.
+/// it is shown, the force of the newest wrench, and what came how soon. On SIGINT, SIGTERM, SIGHUP and
+/// `rosnode kill` the force falls before it ends.
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <map>
+#include <deque>
+#include <exception>
+#include <limits>
 #include <mutex>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
@@ -31,11 +43,20 @@ using palpate_client::Wrench;
 using palpate_client::WrenchGovernor;
 
 constexpr double kTick = 1e-3;
+constexpr double kRemembered = 1.0;  // how long a pose is. Unit: [s].
+constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr double kDamping = 2.0;  // of device and hand. Unit: [N s/m].
 constexpr double kAbove = 0.03;   // over where it presses, from where the hand comes. Unit: [m].
 
-/// Of a stamp that comes back as a double.
-std::uint64_t microseconds(const ros::Time& stamp) { return (stamp.toNSec() + 500) / 1000; }
+/// The governor's clock, which never falls; that of ROS is set, and is for stamps only. Unit: [s].
+double steady() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Of a stamp that comes back as a double. 0: it is none.
+std::uint64_t microseconds(double stamp) {
+  return stamp > 0.0 && stamp < 4294967296.0 ? static_cast<std::uint64_t>(std::llround(1e6 * stamp)) : 0;
+}
 
 /// A mass on a spring of the hand's, along z.
 struct Handle {
@@ -52,6 +73,23 @@ struct Handle {
   }
 };
 
+/// Motors keep the last force that they were told. Whatever ends the loop, an exception of the driver too,
+/// the last is zero.
+class Motors {
+ public:
+  ~Motors() {
+    show(0.0);
+    std::printf("the motors show %.2f N\n", force_);
+  }
+  void show(double force) noexcept { force_ = force; }
+  double force() const noexcept { return force_; }
+
+ private:
+  double force_ = 0.0;
+};
+
+volatile std::sig_atomic_t ends = 0;
+
 class Driver {
  public:
   Driver(const std::string& prefix, bool local)
@@ -66,11 +104,14 @@ class Driver {
           node_.subscribe(prefix + "/palpate/local_model", 1, &Driver::take_model, this, hints));
   }
 
-  /// \returns the force at `position`, which is told.
-  double tick(const Vector& position) {
+  /// \returns the force at `position`.
+  double force(const Vector& position) noexcept { return governor_.show(position, steady()).force[2]; }
+
+  /// Tells where the handle is.
+  void send(const Vector& position) {
+    const double at = steady();
     ros::Time now = ros::Time::now();
     now.nsec -= now.nsec % 1000;  // whole microseconds, which come back as they were
-    const double force = governor_.show(position, now.toSec()).force[2];
     geometry_msgs::PoseStamped pose;
     pose.header.stamp = now;
     pose.header.frame_id = "base";
@@ -80,10 +121,11 @@ class Driver {
     pose.pose.orientation.w = 1.0;
     {
       const std::scoped_lock lock(mutex_);
-      sent_[microseconds(now)] = ros::SteadyTime::now();
+      while (!sent_.empty() && at - sent_.front().at > kRemembered) sent_.pop_front();
+      sent_.push_back({microseconds(now.toSec()), at});
+      ++count_;
     }
     poses_.publish(pose);
-    return force;
   }
 
   /// Of the last second.
@@ -95,40 +137,60 @@ class Driver {
                             : trips_[static_cast<std::size_t>(p * static_cast<double>(trips_.size() - 1))];
     };
     std::printf(
-        "z %.5f m, shown %.3f N, wrench %.3f N; poses %zu, answered %zu, wrenches %d, lost %d, models %d; "
+        "z %.5f m, shown %.3f N, wrench %.3f N; poses %d, answered %zu, wrenches %d, lost %d, models %d; "
         "p50 %.3f "
         "ms, p99 "
         "%.3f ms\n",
-        z, force, wrench_, sent_.size() + trips_.size(), trips_.size(), wrenches_, lost_, models_,
-        1e3 * trip(0.5), 1e3 * trip(0.99));
+        z, force, wrench_, count_, trips_.size(), wrenches_, lost_, models_, 1e3 * trip(0.5),
+        1e3 * trip(0.99));
     std::fflush(stdout);
     trips_.clear();
-    sent_.clear();
-    wrenches_ = lost_ = models_ = 0;
+    count_ = wrenches_ = lost_ = models_ = 0;
   }
 
  private:
+  /// A pose that was sent.
+  struct Sent {
+    std::uint64_t stamp;  ///< microseconds()
+    double at;            ///< on the governor's clock. Unit: [s].
+    bool answered = false;
+  };
+
+  /// \returns the newest pose with this stamp; nullptr: there is none. \pre mutex_ is locked
+  Sent* find(double stamp) {
+    const auto found = std::find_if(sent_.rbegin(), sent_.rend(),
+                                    [n = microseconds(stamp)](const Sent& sent) { return sent.stamp == n; });
+    return found == sent_.rend() ? nullptr : &*found;
+  }
+
   void take(const geometry_msgs::WrenchStamped& message) {
+    const double now = steady();
     const auto& [force, torque] = std::tie(message.wrench.force, message.wrench.torque);
-    governor_.take({{force.x, force.y, force.z}, {torque.x, torque.y, torque.z}},
-                   message.header.stamp.toSec(), ros::Time::now().toSec());
-    const std::scoped_lock lock(mutex_);
-    wrench_ = force.z;
-    ++wrenches_;
-    if (number_ != 0) lost_ += static_cast<int>(message.header.seq - number_) - 1;
-    number_ = message.header.seq;
-    const auto at = sent_.find(microseconds(message.header.stamp));
-    if (at == sent_.end()) return;
-    trips_.push_back((ros::SteadyTime::now() - at->second).toSec());
-    sent_.erase(at);
+    double measured_at = kNever;
+    {
+      const std::scoped_lock lock(mutex_);
+      wrench_ = force.z;
+      ++wrenches_;
+      if (number_ != 0) lost_ += static_cast<int>(message.header.seq - number_) - 1;
+      number_ = message.header.seq;
+      if (Sent* pose = find(message.header.stamp.toSec())) {
+        measured_at = pose->at;
+        if (!std::exchange(pose->answered, true)) trips_.push_back(now - pose->at);
+      }
+    }
+    governor_.take({{force.x, force.y, force.z}, {torque.x, torque.y, torque.z}}, measured_at, now);
   }
 
   void take_model(const std_msgs::Float64MultiArray& message) {
     namespace messages = palpate_client::messages;
-    governor_.take_model(messages::local_model(message.data), messages::measured_at(message.data),
-                         ros::Time::now().toSec());
-    const std::scoped_lock lock(mutex_);
-    ++models_;
+    const double now = steady();
+    double measured_at = kNever;
+    {
+      const std::scoped_lock lock(mutex_);
+      ++models_;
+      if (const Sent* pose = find(messages::measured_at(message.data))) measured_at = pose->at;
+    }
+    governor_.take_model(messages::local_model(message.data), measured_at, now);
   }
 
   /// Palpate finds out by this how long messages take, and how far the clocks are apart.
@@ -143,36 +205,56 @@ class Driver {
   WrenchGovernor governor_;
   ros::Publisher poses_, echoed_;
   std::vector<ros::Subscriber> subscribers_;
-  std::mutex mutex_;                               // of what follows
-  std::map<std::uint64_t, ros::SteadyTime> sent_;  // by microseconds() of the stamp
+  std::mutex mutex_;       // of what follows
+  std::deque<Sent> sent_;  // of the last second
   std::vector<double> trips_;
   double wrench_ = 0.0;
-  int wrenches_ = 0, lost_ = 0, models_ = 0;
+  int count_ = 0, wrenches_ = 0, lost_ = 0, models_ = 0;
   std::uint32_t number_ = 0;  // of the newest wrench
 };
+
+/// Presses on what is below `aim`, from above it.
+void press(Driver& driver, const Vector& aim) {
+  Handle handle{aim[2] + kAbove, aim[2] + kAbove};
+  Motors motors;
+  const auto begin = std::chrono::steady_clock::now();
+  // From the end on no pose is sent: the force falls to zero, 100 ms after the last pose at the latest.
+  // Leaving at once would leave the motors at the force of the last tick.
+  bool falls = false;
+  for (int k = 0; !falls || motors.force() != 0.0; ++k) {
+    falls = falls || ends != 0 || !ros::ok();
+    // A second and a half above, in which the gates open.
+    handle.move(k < 1500 ? aim[2] + kAbove : aim[2], motors.force());
+    const Vector position{aim[0], aim[1], handle.z};
+    motors.show(driver.force(position));
+    if (falls)
+      std::printf("falls to %.3f N\n", motors.force());
+    else
+      driver.send(position);
+    if (!falls && k % 1000 == 999) driver.print(handle.z, motors.force());
+    std::this_thread::sleep_until(begin + std::chrono::milliseconds(k + 1));
+  }
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "local_driver", ros::init_options::AnonymousName);
-  if (argc != 5 && argc != 6) {
-    std::fprintf(stderr, "usage: local_driver PREFIX X Y Z [wrench|local]\n");
-    return 2;
-  }
-  const bool local = argc == 5 || std::strcmp(argv[5], "local") == 0;
-  const double x = std::atof(argv[2]), y = std::atof(argv[3]), z = std::atof(argv[4]);
-  Driver driver(argv[1], local);
-  ros::AsyncSpinner spinner(1);
-  spinner.start();
-  Handle handle{z + kAbove, z + kAbove};
-  double force = 0.0;
-  const auto begin = std::chrono::steady_clock::now();
-  for (int k = 0; ros::ok(); ++k) {
-    // A second and a half above, in which the gates open.
-    handle.move(k < 1500 ? z + kAbove : z, force);
-    force = driver.tick({x, y, handle.z});
-    if (k % 1000 == 999) driver.print(handle.z, force);
-    std::this_thread::sleep_until(begin + std::chrono::milliseconds(k + 1));
+  try {
+    ros::init(argc, argv, "local_driver",
+              ros::init_options::AnonymousName | ros::init_options::NoSigintHandler);
+    if (argc != 5 && argc != 6) {
+      std::fprintf(stderr, "usage: local_driver PREFIX X Y Z [wrench|local]\n");
+      return 2;
+    }
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { ends = 1; });
+    const bool local = argc == 5 || std::strcmp(argv[5], "local") == 0;
+    Driver driver(argv[1], local);
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    press(driver, {std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4])});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "local_driver: %s\n", error.what());
+    return 1;
   }
   return 0;
 }

@@ -19,19 +19,25 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ros1_support import FREE, PRESSED, Driver, Ear, Master, free_port
+from ros1_support import FREE, PRESSED, Driver, Ear, Master, end_by_name, free_port
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../cli"))
 from support import ply, wall_rows  # noqa: E402
 
 NODE = os.environ["PALPATE_ROS1"]
 LOCAL_DRIVER = os.environ["PALPATE_ROS1_LOCAL_DRIVER"]
+CLOCK_BACK = os.environ["PALPATE_CLOCK_BACK"]
 RATE = 200  # of poses, for as many drivers as Python can drive. Unit: [Hz]
 LOOP = 250  # of their hands: each tick sends wrenches, which one process in Python reads for all of them. Unit: [Hz]
 SOFT = 60  # so soft that no delay of Python makes it softer. Unit: [N/m].
 STIFF = 500
 DEEP = 0.02 - PRESSED  # that a ball is pressed in. Unit: [m]
 HEAD, PLANE = 9, 6  # numbers of a local model
+
+
+def shown(line):
+    """The force in a line of the driver's. Unit: [N]."""
+    return float(re.search(r"shown (\S+) N", line)[1])
 
 
 class Hands(unittest.TestCase):
@@ -242,6 +248,40 @@ class Hands(unittest.TestCase):
         else:
             self.fail(lines)
         print(lines[-1].strip())
+
+    def test_7b_a_driver_that_ends_lets_the_force_fall(self):
+        for name, end in (("SIGTERM", lambda process: process.terminate()), ("rosnode kill", lambda _: end_by_name("/pressing"))):
+            with self.subTest(end=name), subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local", "__name:=pressing"],
+                                                          stdout=subprocess.PIPE, text=True) as process:
+                try:
+                    # On a busy machine a pose may be late, and nothing is felt then: it ends well, too.
+                    any(shown(process.stdout.readline()) > 1.0 for _ in range(6))
+                    end(process)
+                    said, _ = process.communicate(timeout=20)
+                finally:
+                    process.kill()
+                self.assertEqual(said.splitlines()[-2:], ["falls to 0.000 N", "the motors show 0.00 N"])
+                self.assertEqual(process.returncode, 0)
+
+    def test_7c_a_force_that_nobody_renews_falls_though_the_wall_clock_is_set_back(self):
+        back = os.path.join(self.folder, "back")
+        for _ in range(4):  # as above
+            with subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True,
+                                  env={**os.environ, "LD_PRELOAD": CLOCK_BACK, "CLOCK_BACK": back}) as process:
+                try:
+                    if not any(shown(process.stdout.readline()) > 1.0 for _ in range(6)):
+                        continue
+                    self.node.send_signal(signal.SIGSTOP)
+                    with open(back, "wb"):
+                        pass
+                    lines = [process.stdout.readline() for _ in range(2)]
+                finally:
+                    self.node.send_signal(signal.SIGCONT)
+                    process.kill()
+            break
+        else:
+            self.fail("it does not press")
+        self.assertEqual(shown(lines[-1]), 0.0, lines)
 
     def test_8_a_lost_master_is_said_once(self):
         self.master.kill()
