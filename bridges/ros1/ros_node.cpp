@@ -2,9 +2,12 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <stdexcept>
 #include <thread>
+
+#include <unistd.h>
 
 #include <ros/init.h>
 #include <ros/master.h>
@@ -88,7 +91,12 @@ std::vector<node::NodeParameter> init_node(int& argc, char** argv) {
 
 void start_node() {
   ros::start();
-  on_end_request([] { asked_to_end = true; });
+  // As SIGTERM does, whose handler begins to ramp the force down even while the main thread blocks, in a
+  // scene or a disk. Once: a second signal may come when the node has ended its run, and would cut its end
+  // short.
+  on_end_request([] {
+    if (!asked_to_end.exchange(true)) ::kill(::getpid(), SIGTERM);
+  });
 }
 
 bool is_up() { return !asked_to_end && ros::ok(); }

@@ -1,6 +1,7 @@
 """The node palpate_ros1 with a real roscore: what it publishes, its services and parameters, and what ends and does not end it."""
 
 import csv
+import ctypes
 import json
 import math
 import os
@@ -502,6 +503,42 @@ class Node(unittest.TestCase):
                     other.wait(30)
                 self.start_node()
         self.lean()
+
+
+    def test_5c_the_force_falls_at_once_though_the_main_thread_is_busy(self):
+        self.lean()
+        uri = rospy.get_master().lookupNode("/palpate")[2]
+        with Stopped(self.run_.pid):
+            time.sleep(0.3)
+            self.assertGreater(self.driver.force, 0.5, "the loop goes on")
+            xmlrpc.client.ServerProxy(uri).shutdown("/test", "by the test")
+            self.wait(lambda: self.driver.force == 0.0, 5.0)
+            time.sleep(0.3)
+            self.assertEqual(self.driver.force, 0.0)
+        self.assertEqual(self.run_.wait(30), 0)
+        self.start_node()
+        self.lean()
+
+
+class Stopped:
+    """The main thread of a child alone stands still, as one that waits for a disk does."""
+    ATTACH, DETACH, ANY_THREAD = 16, 17, 0x40000000
+
+    def __init__(self, thread):
+        self.thread = thread
+
+    def trace(self, request):
+        libc = ctypes.CDLL(None, use_errno=True)
+        none = ctypes.c_void_p()
+        if libc.ptrace(ctypes.c_long(request), ctypes.c_long(self.thread), none, none) != 0:
+            raise unittest.SkipTest(f"ptrace: {os.strerror(ctypes.get_errno())}")
+
+    def __enter__(self):
+        self.trace(self.ATTACH)
+        os.waitpid(self.thread, self.ANY_THREAD)
+
+    def __exit__(self, *_):
+        self.trace(self.DETACH)
 
 
 class Refusals(unittest.TestCase):
