@@ -1,6 +1,7 @@
 #include "other_publisher.h"
 
 #include <netdb.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -42,20 +43,48 @@ Attempt connect_to(const addrinfo& address) {
   return error == EADDRNOTAVAIL || error == ENETUNREACH ? Attempt::kNoRoute : Attempt::kOpen;
 }
 
+using Addresses = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
+
+/// Returns the addresses of a host; null if it is unknown.
+Addresses addresses_of(const std::string& host, std::uint32_t port) {
+  addrinfo hints{}, *found = nullptr;
+  hints.ai_socktype = SOCK_STREAM;
+  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) found = nullptr;
+  return {found, ::freeaddrinfo};
+}
+
+bool is_loopback(const addrinfo& address) {
+  if (address.ai_family == AF_INET) {
+    constexpr std::uint32_t kLoopback = 127;  // 127.0.0.0/8
+    const auto* of = reinterpret_cast<const sockaddr_in*>(address.ai_addr);
+    return ntohl(of->sin_addr.s_addr) >> 24 == kLoopback;
+  }
+  return address.ai_family == AF_INET6 &&
+         IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6*>(address.ai_addr)->sin6_addr);
+}
+
+/// Returns whether this node is reached at its own host only. Nodes of other hosts that say the same of
+/// themselves are then beyond its reach.
+bool is_local() {
+  const Addresses all = addresses_of(ros::network::getHost(), 0);
+  for (const addrinfo* address = all.get(); address != nullptr; address = address->ai_next)
+    if (!is_loopback(*address)) return false;
+  return all != nullptr;
+}
+
 /// Returns whether the process of the node with this URI has certainly ended: its host refuses, at all of its
-/// addresses. Nodes listen at those of IPv4 only, which need not come first.
+/// addresses. Nodes listen at those of IPv4 only, which need not come first. A loopback address says nothing
+/// of a node that may be on another host, which has called itself `localhost`.
 bool has_ended(const std::string& uri) {
   std::string host;
   std::uint32_t port = 0;
   if (!ros::network::splitURI(uri, host, port)) return false;
-  addrinfo hints{}, *found = nullptr;
-  hints.ai_socktype = SOCK_STREAM;
-  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return false;
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> all(found, ::freeaddrinfo);
+  const Addresses all = addresses_of(host, port);
   bool refused = false;
   for (const addrinfo* address = all.get(); address != nullptr; address = address->ai_next) {
     const Attempt attempt = connect_to(*address);
     if (attempt == Attempt::kOpen) return false;
+    if (attempt == Attempt::kRefused && is_loopback(*address) && !is_local()) return false;
     refused = refused || attempt == Attempt::kRefused;
   }
   return refused;

@@ -4,6 +4,7 @@ import json
 import math
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,17 @@ def invalid_stamp(seconds):
     return stamp
 
 
+def other_address():
+    """One of this host that others may reach it at; None: there is none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # of no host; nothing is sent
+        except OSError:
+            return None
+        address = probe.getsockname()[0]
+    return None if address.startswith("127.") else address
+
+
 class Ros1(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -37,7 +49,7 @@ class Ros1(unittest.TestCase):
         os.environ["ROS_IP"] = "127.0.0.1"
         cls.folder = tempfile.TemporaryDirectory()
         os.environ["ROS_LOG_DIR"] = os.environ["ROS_HOME"] = cls.folder.name
-        scene = os.path.join(cls.folder.name, "wall.ply")
+        cls.scene = scene = os.path.join(cls.folder.name, "wall.ply")
         with open(scene, "wb") as file:
             file.write(ply(wall_rows()))
         cls.said = os.path.join(cls.folder.name, "said")
@@ -83,16 +95,17 @@ class Ros1(unittest.TestCase):
             self.assertLess(time.time(), deadline, self.text())
             time.sleep(0.01)
 
-    def lean(self):
+    def lean(self, driver=None):
         """Through the gate, then against the wall; again where the machine has stood still meanwhile."""
+        driver = driver or self.driver
         for _ in range(10):
-            self.driver.height = FREE
-            self.wait(lambda: self.driver.at > FREE - 1e-3)
+            driver.height = FREE
+            self.wait(lambda: driver.at > FREE - 1e-3)
             time.sleep(0.6)
-            self.driver.height = PRESSED
+            driver.height = PRESSED
             deadline = time.time() + 2.0
             while time.time() < deadline:
-                if self.driver.force > 0.5:
+                if driver.force > 0.5:
                     return
                 time.sleep(0.01)
         self.fail(self.text())
@@ -213,6 +226,48 @@ class Ros1(unittest.TestCase):
             other.kill()
             other.wait()
         self.lean()
+
+    def test_3e_one_that_calls_itself_localhost_may_be_on_another_host(self):
+        address, topic = other_address(), "/far/body/servo_cf"
+        if address is None:
+            self.skipTest("this host has no address but that of the loopback")
+        said = os.path.join(self.folder.name, "said_far")
+        env = {name: value for name, value in os.environ.items() if name != "ROS_IP"}
+        driver = Driver("/far")
+        with open(said, "wb") as file:
+            run = subprocess.Popen([PALPATE, "run", self.scene, "--no-gateway", "--no-index-file", "--tool", "0.02,0.02,0.02", "--device",
+                                    "ros1:/far,force_max=8,rate=20"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file,
+                                   env={**env, "ROS_IP": address})
+        other = None
+        try:
+            self.lean(driver)
+            other = subprocess.Popen(["rostopic", "pub", "-r", "50", topic, "geometry_msgs/WrenchStamped", "{}"],
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**env, "ROS_HOSTNAME": "localhost"})
+
+            def says_so():
+                with open(said, encoding="utf-8") as file:
+                    return "publishes wrenches for the device, too" in file.read()
+            self.wait(says_so)
+            self.wait(lambda: driver.force == 0.0)
+            # From here it is as one of another host is: nobody listens here at its port.
+            other.kill()
+            other.wait()
+            driver.height = FREE
+            time.sleep(1.5)
+            driver.height = PRESSED
+            time.sleep(1.0)
+            self.assertEqual(driver.force, 0.0)
+            master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
+            [name] = {node for listed, nodes in master.getSystemState("/test")[2][0] for node in nodes
+                      if listed == topic and node.startswith("/rostopic")}
+            master.unregisterPublisher(name, topic, master.lookupNode("/test", name)[2])  # as `rosnode cleanup` does
+            self.lean(driver)
+        finally:
+            driver.ends = True
+            for process in (run, other):
+                if process is not None:
+                    process.terminate()
+                    process.wait(30)
 
     def test_4_the_master_is_killed_and_started_again(self):
         self.master.kill()
