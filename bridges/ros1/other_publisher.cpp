@@ -63,13 +63,11 @@ bool is_loopback(const addrinfo& address) {
          IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6*>(address.ai_addr)->sin6_addr);
 }
 
-/// Returns whether this node is reached at its own host only. Nodes of other hosts that say the same of
-/// themselves are then beyond its reach.
-bool is_local() {
-  const Addresses all = addresses_of(ros::network::getHost(), 0);
-  for (const addrinfo* address = all.get(); address != nullptr; address = address->ai_next)
-    if (!is_loopback(*address)) return false;
-  return all != nullptr;
+/// Returns whether a node of `host`, which has a loopback address here, is on this host: by the name of this
+/// node's, or where this node itself is reached at such an address alone.
+bool is_here(const std::string& host) {
+  const std::string own = ros::network::getHost();
+  return host == own || own == "localhost" || own == "::1" || own.rfind("127.", 0) == 0;
 }
 
 /// Returns whether the process of the node with this URI has certainly ended: its host refuses, at all of its
@@ -84,7 +82,7 @@ bool has_ended(const std::string& uri) {
   for (const addrinfo* address = all.get(); address != nullptr; address = address->ai_next) {
     const Attempt attempt = connect_to(*address);
     if (attempt == Attempt::kOpen) return false;
-    if (attempt == Attempt::kRefused && is_loopback(*address) && !is_local()) return false;
+    if (attempt == Attempt::kRefused && is_loopback(*address) && !is_here(host)) return false;
     refused = refused || attempt == Attempt::kRefused;
   }
   return refused;

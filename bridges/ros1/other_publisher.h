@@ -14,9 +14,9 @@ namespace palpate::ros1 {
 
 /// Finds the nodes other than this one that publish some topics, according to the master. A node that has
 /// crashed stays registered: it counts unless its host refuses connections to its port; this host at a
-/// loopback address, only if this node is reached at such an address, too. A master that has restarted does
-/// not know nodes that do not register again: those that are known count until their hosts refuse
-/// connections. One thread.
+/// loopback address, only if it has the name of this node's host, or this node is called by such an address.
+/// A master that has restarted does not know nodes that do not register again: those that are known count
+/// until their hosts refuse connections. One thread.
 class OtherPublisher {
  public:
   /// \param topics resolved names, which this node publishes, too \param tell called by each update(), with

@@ -90,8 +90,7 @@ class ServoTick {
   static constexpr double kHandDamping = 1.0, kHandAngularDamping = kHandDamping * 0.03 * 0.03;
 
   /// Lower bound of the mass of handle and hand. A damper B whose force is late by tau moves a mass m to and
-  /// fro if B > (pi / 2) m / tau: models get at most m / tau, which also bounds B where nothing else absorbs
-  /// what a late damper generates. Unit: [kg].
+  /// fro if B > (pi / 2) m / tau: models may render m / tau. Unit: [kg].
   static constexpr double kHandMass = 0.05;
 
   /// Largest stiffness of each kind that `device` renders passively in such a hand, without the other;
