@@ -1,9 +1,11 @@
 // A driver, exported as a plug-in, that keeps in the file of its argument whether its motors pull ('1') or
-// not ('0'): it outlives the process. The handle goes down by itself from 50 mm above the origin to 5 mm.
-// Once the file's second byte is '!', the driver calls itself without end; once it is 's', a write takes
-// longer than a tick.
+// not ('0'): it outlives the process. The handle goes down by itself from 50 mm above the origin to 5 mm,
+// stays for 3 s and goes up again, over and over: a fault, as of late ticks, must not leave it below without
+// force. Once the file's second byte is '!', the driver calls itself without end; once it is 's', a write
+// takes longer than a tick.
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -41,7 +43,8 @@ class LoggedMotors final : public palpate::HapticDevice {
     last_ = t;
     if (first_ < 0.0) first_ = t;
     palpate::Pose pose;
-    pose.position.z() = std::max(0.05 - 0.02 * (t - first_), 0.005);
+    const double phase = std::fmod(t - first_, 8.0);
+    pose.position.z() = std::clamp(0.05 - 0.02 * std::min(phase, 7.5 - phase), 0.005, 0.05);
     reading.t = t;
     reading.pose = palpate::DevicePose(pose);
     return true;
