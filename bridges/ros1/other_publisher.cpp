@@ -66,7 +66,7 @@ bool is_loopback(const addrinfo& address) {
 /// Returns whether a node of `host`, which has a loopback address here, is on this host: by the name of this
 /// node's, or where this node itself is reached at such an address alone.
 bool is_here(const std::string& host) {
-  const std::string own = ros::network::getHost();
+  const std::string& own = ros::network::getHost();
   return host == own || own == "localhost" || own == "::1" || own.rfind("127.", 0) == 0;
 }
 
