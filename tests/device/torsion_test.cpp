@@ -85,14 +85,12 @@ struct TurnOutcome {
   double port_energy = 0.0;                                  ///< Unit: [J].
   double torque = 0.0;                                       ///< the largest. Unit: [N m].
   double softest = std::numeric_limits<double>::infinity();  ///< margin
-  GovernorState state = GovernorState::kWaiting;
   Fault fault = Fault::kNone;
 
   void add(const TickRecord& now) {
     if (now.margin > 0.0) softest = std::min(softest, now.margin);
     torque = std::max(torque, now.sent.torque.norm());
     port_energy = now.port_energy;
-    state = now.state;
     if (fault == Fault::kNone) fault = now.fault;
   }
   void print(const std::string& what) const {
