@@ -29,7 +29,7 @@ struct EvaluateOptions {
   CommonOptions common;
   LiveConfig live;  ///< tool and force
   std::vector<std::string> shapes{"sphere", "plane", "box", "cylinder", "torus", "step", "shell"};
-  std::vector<std::string> models{"proxy", "field", "density"};
+  std::vector<std::string> models{kForceModelNames.begin(), kForceModelNames.end()};
   std::vector<double> spacings{0.006, 0.003};
   double noise = 0.0015;
   double tilt_degrees = 10.0;
@@ -125,7 +125,8 @@ void declare_what(CLI::App& app, EvaluateOptions& options) {
   const auto known = procedural_shapes();
   add_choices(app, "--shapes", options.shapes, {known.begin(), known.end()},
               "surfaces to evaluate, named as in make-scene");
-  add_choices(app, "--models", options.models, {"proxy", "field", "density"}, "force models to compare");
+  add_choices(app, "--models", options.models, {kForceModelNames.begin(), kForceModelNames.end()},
+              "force models to compare");
   add_numbers(app, "--spacings", options.spacings, 1e-4, 0.1,
               "mean distances between neighbouring Gaussians, m");
   add_number(app, "--noise", options.noise, 0.0, 0.1, "m",

@@ -161,7 +161,7 @@ std::vector<ConfigField> make_fields() {
      NumberField{[](auto& c) -> auto& { return c.force.proxy.stiffness; }, 0.0, kMaterialProperties[kMaterialStiffness].most}, {.saved = true}},
     {"friction", "friction", kForce, "1", "proxy: Coulomb friction coefficient",
      NumberField{[](auto& c) -> auto& { return c.force.proxy.friction; }, 0.0, kMaterialProperties[kMaterialFriction].most}, {.saved = true}},
-    {"detail", "detail", kForce, "m", "proxy: kernel width of the surface fit, which smooths smaller detail (default: 0.65 of the tool's thinnest semi-axis)",
+    {"detail", "detail", kForce, "m", "proxy: kernel width of the surface fit, which smooths smaller detail (default: 0.65 of the shortest semi-axis of each of the tool's parts)",
      OptionalField{.member = [](auto& c) -> auto& { return c.force.proxy.detail; }, .most_parameter = kMostDetail}, {.saved = true}},
     {"k-base", "", kForce, "N", "density: force per colliding Gaussian of opacity 1 (k_base, eq. 9)",
      NumberField{[](auto& c) -> auto& { return c.force.density.k_base; }, 0.0, kMostForce}},
