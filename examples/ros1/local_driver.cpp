@@ -10,6 +10,8 @@
 /// it is shown, the force of the newest wrench, and what came how soon. On SIGINT, SIGTERM, SIGHUP and
 /// `rosnode kill` the force falls before it ends.
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -77,10 +79,7 @@ struct Handle {
 /// the last is zero.
 class Motors {
  public:
-  ~Motors() {
-    show(0.0);
-    std::printf("the motors show %.2f N\n", force_);
-  }
+  ~Motors() { show(0.0); }
   void show(double force) noexcept { force_ = force; }
   double force() const noexcept { return force_; }
 
@@ -128,24 +127,23 @@ class Driver {
     poses_.publish(pose);
   }
 
-  /// Of the last second.
-  void print(double z, double force) {
+  /// What has come since the last call.
+  std::string summary() {
     const std::scoped_lock lock(mutex_);
     std::sort(trips_.begin(), trips_.end());
     const auto trip = [&](double p) {
       return trips_.empty() ? 0.0
                             : trips_[static_cast<std::size_t>(p * static_cast<double>(trips_.size() - 1))];
     };
-    std::printf(
-        "z %.5f m, shown %.3f N, wrench %.3f N; poses %d, answered %zu, wrenches %d, lost %d, models %d; "
-        "p50 %.3f "
-        "ms, p99 "
-        "%.3f ms\n",
-        z, force, wrench_, count_, trips_.size(), wrenches_, lost_, models_, 1e3 * trip(0.5),
-        1e3 * trip(0.99));
-    std::fflush(stdout);
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(),
+                  "wrench %.3f N; poses %d, answered %zu, wrenches %d, lost %d, models %d; p50 %.3f ms, p99 "
+                  "%.3f ms",
+                  wrench_, count_, trips_.size(), wrenches_, lost_, models_, 1e3 * trip(0.5),
+                  1e3 * trip(0.99));
     trips_.clear();
     count_ = wrenches_ = lost_ = models_ = 0;
+    return text.data();
   }
 
  private:
@@ -213,27 +211,54 @@ class Driver {
   std::uint32_t number_ = 0;  // of the newest wrench
 };
 
+/// Prints once a second, on a thread of its own: a terminal that takes no text would hold up the motors.
+class Display {
+ public:
+  explicit Display(Driver& driver) : thread_([this, &driver] { print(driver); }) {}
+  ~Display() {
+    ends_ = true;
+    thread_.join();
+  }
+  void tell(double z, double force) noexcept {
+    z_ = z;
+    force_ = force;
+  }
+
+ private:
+  void print(Driver& driver) {
+    for (int k = 1; !ends_; ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (k % 10 != 0) continue;
+      std::printf("z %.5f m, shown %.3f N, %s\n", z_.load(), force_.load(), driver.summary().c_str());
+      std::fflush(stdout);
+    }
+  }
+
+  std::atomic<double> z_ = 0.0, force_ = 0.0;
+  std::atomic<bool> ends_ = false;
+  std::thread thread_;
+};
+
 /// Presses on what is below `aim`, from above it.
 void press(Driver& driver, const Vector& aim) {
   Handle handle{aim[2] + kAbove, aim[2] + kAbove};
+  Display display(driver);
   Motors motors;
   const auto begin = std::chrono::steady_clock::now();
   // From the end on no pose is sent: the force falls to zero, 100 ms after the last pose at the latest.
   // Leaving at once would leave the motors at the force of the last tick.
-  bool falls = false;
-  for (int k = 0; !falls || motors.force() != 0.0; ++k) {
-    falls = falls || ends != 0 || !ros::ok();
+  int falls = 0;
+  for (int k = 0; falls == 0 || motors.force() != 0.0; ++k) {
+    if (falls > 0 || ends != 0 || !ros::ok()) ++falls;
     // A second and a half above, in which the gates open.
     handle.move(k < 1500 ? aim[2] + kAbove : aim[2], motors.force());
     const Vector position{aim[0], aim[1], handle.z};
     motors.show(driver.force(position));
-    if (falls)
-      std::printf("falls to %.3f N\n", motors.force());
-    else
-      driver.send(position);
-    if (!falls && k % 1000 == 999) driver.print(handle.z, motors.force());
+    if (falls == 0) driver.send(position);
+    display.tell(handle.z, motors.force());
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(k + 1));
   }
+  std::printf("fell to %.3f N in %d ms\n", motors.force(), falls);
 }
 
 }  // namespace

@@ -164,6 +164,7 @@ struct MovedHandle final : MotionDevice {
   const DeviceCapabilities& capabilities() const override { return can; }
   bool read(double t, MotionReading& reading) override {
     now = t;
+    if (++asked % every != 0) return false;
     reading = {t, at, {}, {push, Eigen::Vector3d::Zero()}, t};
     if (spoil) spoil(reading);
     return true;
@@ -182,6 +183,7 @@ struct MovedHandle final : MotionDevice {
   DeviceCapabilities can;
   DevicePose at;
   Eigen::Vector3d push = Eigen::Vector3d::Zero();
+  int asked = 0, every = 1;  ///< ticks for a reading
   std::function<void(MotionReading&)> spoil;
   double now = 0.0;
   std::vector<Told> told;
@@ -219,6 +221,21 @@ class MovedHandleTest : public testing::Test {
     handle.push.x() = 40.0;
     for (int k = 0; k < 1000 && loop.motion().velocity.linear.x() < 1.0; ++k) tick();
     ASSERT_GE(loop.motion().velocity.linear.x(), 1.0);
+  }
+
+  /// Setpoints from `first` on brake, and none jumps after a gap.
+  void expect_braking_from(std::size_t first, const std::string& name) const {
+    const MotionLimits& limits = options.limits;
+    for (std::size_t k = first; k < handle.told.size(); ++k) {
+      const MovedHandle::Told &now = handle.told[k], &before = handle.told[k - 1];
+      const double dt = now.t - before.t, room = 1.0 + 1e-9;
+      const Eigen::Vector3d way = now.motion.pose.position - before.motion.pose.position;
+      EXPECT_LE((now.motion.velocity.linear - before.motion.velocity.linear).norm(),
+                limits.acceleration * dt * room)
+          << name;
+      EXPECT_LE(way.norm(), limits.velocity * std::min(dt, 2.0 * kTick) * room) << name;
+      EXPECT_GE(way.x(), 0.0) << name;
+    }
   }
 
   const Eigen::Vector3d kBegin{0.6, -0.8, 0.5};
@@ -298,6 +315,54 @@ TEST_F(MovedHandleTest, GoesOnBrakingAlongItsSetpointsAfterAJumpOfOneReading) {
   EXPECT_GE(handle.told.size(), before + 237);  // none while it may be elsewhere: not before two agree
   EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0));
   EXPECT_EQ(loop.governor().fault(), Fault::kJump);
+  expect_braking_from(before, "one reading");
+}
+
+TEST_F(MovedHandleTest, GoesOnBrakingFromItsLastSetpointAfterReadingsToAndFro) {
+  push();
+  const std::size_t before = handle.told.size();
+  for (int k = 0; k < 15; ++k) {
+    handle.spoil = [k](MotionReading& r) { r.pose.position.x() += k % 2 == 0 ? 0.5 : 0.0; };
+    tick();
+  }
+  handle.spoil = nullptr;
+  EXPECT_EQ(handle.told.size(), before);
+  run(options.limits.stop_time());
+  EXPECT_GT(handle.told.size(), before);
+  EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0));
+  expect_braking_from(before, "15 readings");
+}
+
+// Readings to and fro for longer than that: the handle is elsewhere. The tick in which the motion starts
+// again is one without a reading.
+TEST_F(MovedHandleTest, MovesAgainAfterReadingsToAndFroThatComeLessOftenThanTicks) {
+  handle.every = 4;
+  handle.can.rate = 250.0;
+  AdmittanceLoop slow(handle, options);
+  slow.open();
+  slow.enable();
+  const auto run_slow = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      t += kTick;
+      DeviceReading reading;
+      slow.read(t, reading);
+      slow.write({});
+    }
+  };
+  for (int lead = 0; lead < 4; ++lead) {
+    run_slow(2000 + lead);
+    ASSERT_EQ(slow.governor().state(), GovernorState::kActive);
+    int count = 0;
+    handle.spoil = [&count](MotionReading& r) { r.pose.position.x() += ++count % 2 == 0 ? 0.5 : 0.0; };
+    run_slow(40);
+    EXPECT_EQ(slow.governor().fault(), Fault::kJump);
+    handle.spoil = nullptr;
+    run_slow(2000);
+    const std::size_t told = handle.told.size();
+    run_slow(100);
+    EXPECT_EQ(slow.governor().state(), GovernorState::kActive) << lead;
+    EXPECT_EQ(handle.told.size(), told + 100) << lead;
+  }
 }
 
 // Ticks that are on time, late once, and late again and again, which is a fault itself.
@@ -315,17 +380,7 @@ TEST_F(MovedHandleTest, IsAtRestInTimeHoweverLateTicksAre) {
     for (std::size_t k = 0; t < begin + limits.stop_time(); ++k) tick(passed[k % passed.size()]);
     EXPECT_TRUE(loop.motion().velocity.linear.isZero(0.0)) << name;
     EXPECT_TRUE(loop.motion().acceleration.linear.isZero(0.0)) << name;
-    for (std::size_t k = first; k < handle.told.size(); ++k) {
-      const MovedHandle::Told &now = handle.told[k], &before = handle.told[k - 1];
-      const double dt = now.t - before.t, room = 1.0 + 1e-9;
-      const Eigen::Vector3d way = now.motion.pose.position - before.motion.pose.position;
-      EXPECT_LE((now.motion.velocity.linear - before.motion.velocity.linear).norm(),
-                limits.acceleration * dt * room)
-          << name;
-      EXPECT_LE(way.norm(), limits.velocity * std::min(dt, 2.0 * kTick) * room)
-          << name;  // no jump after a gap
-      EXPECT_GE(way.x(), 0.0) << name;
-    }
+    expect_braking_from(first, name);
     handle.push.setZero();
     run(1.0);
   }

@@ -487,6 +487,9 @@ TEST_F(ServoTickTest, AModelIsToldWhatDampingTheDeviceShows) {
   loop->set_delay(9.5e-3);                      // 0.05 kg / (0.5 ms + 9.5 ms) = 5 N s/m
   run(kTick);
   EXPECT_NEAR(listener.damping_max, 1.25, 1e-9);
+  loop->set_delay(-9.5e-3);  // its clock is ahead
+  run(kTick);
+  EXPECT_DOUBLE_EQ(listener.damping_max, 5.0);
 }
 
 TEST_F(ServoTickTest, NoReadingIsInventedForADeviceThatIsLateToStart) {

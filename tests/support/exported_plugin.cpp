@@ -1,6 +1,7 @@
 // A driver in C++, exported as a plug-in: a ScriptedDevice, which needs calibration and is silent for a
 // while.
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <palpate/device/export_device.h>
@@ -14,14 +15,30 @@ palpate::Pose swing(double t) {
   return pose;
 }
 
+/// Of the admittance type, as it knows once it is open only.
+class AdmittanceDevice final : public palpate::HapticDevice {
+ public:
+  void open() override {
+    can_.emplace().kind = palpate::Causality::kAdmittance;
+    HapticDevice::open();
+  }
+  const palpate::DeviceCapabilities& capabilities() const override { return can_.value(); }
+  bool read(double, palpate::DeviceReading&) override { return false; }
+  void write(const palpate::Wrench&) override {}
+  void stop() noexcept override {}
+
+ private:
+  std::optional<palpate::DeviceCapabilities> can_;
+};
+
 std::unique_ptr<palpate::HapticDevice> make(const std::string& arguments) {
   using palpate::test::DeviceFault;
   if (arguments == "null") return nullptr;
-  if (!arguments.empty() && arguments != "nan" && arguments != "admittance")
+  if (arguments == "admittance") return std::make_unique<AdmittanceDevice>();
+  if (!arguments.empty() && arguments != "nan")
     throw std::runtime_error("takes no arguments but nan and admittance, not '" + arguments + "'");
   palpate::DeviceCapabilities can;
   can.name = "scripted";
-  if (arguments == "admittance") can.kind = palpate::Causality::kAdmittance;
   can.force_max = 10.0;
   can.sensed.rotation = 0;
   can.damping = 0.25;

@@ -58,16 +58,19 @@ class ExportedDevice {
     guarded(error, size, [&] {
       auto device = kMake(arguments);
       if (device == nullptr) throw std::runtime_error("its factory returned no device; correct the plug-in");
-      if (device->capabilities().kind == Causality::kAdmittance)
-        throw std::runtime_error(
-            "it is of the admittance type, which a plug-in cannot bring to rest; link it");
       held = new Held{std::move(device), {}};
     });
     return held;
   }
   static void destroy(void* held) { delete static_cast<Held*>(held); }
   static int open(void* held, char* error, std::size_t size) {
-    return guarded(error, size, [&] { of(held).open(); });
+    return guarded(error, size, [&] {
+      HapticDevice& device = of(held);
+      device.open();
+      if (device.capabilities().kind != Causality::kAdmittance) return;
+      device.close();
+      throw std::runtime_error("it is of the admittance type, which a plug-in cannot bring to rest; link it");
+    });
   }
   static int calibrate(void* held, char* error, std::size_t size) {
     return guarded(error, size, [&] { of(held).calibrate(); });

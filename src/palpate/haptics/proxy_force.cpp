@@ -302,7 +302,9 @@ bool ProxyForce::view_ahead(Part& part, const LocalSplats& splats, const Goal& g
   const auto& [target, longest] = goal;
   const Ellipsoid solid = part.solid.at(proxy_);
   const Eigen::Vector3d wanted = part.solid.at(target).center - solid.center;
-  const double farthest = std::min(step_, longest), length = wanted.norm();
+  // The ends of a tool whose arm is shortened move farther than its length_of() says.
+  const double farthest = std::min(step_, longest * std::max(1.0, radius_ / gyration_));
+  const double length = wanted.norm();
   bool sees = true;
   if (length > 0.0) {
     Eigen::Vector3d along = wanted / length;

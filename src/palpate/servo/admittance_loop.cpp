@@ -139,7 +139,8 @@ void AdmittanceLoop::write(const Wrench& wrench) {
   written_at_ = t_;
   if (next_.update()) controller_.set(next_.front());
   if (governor_.brakes()) {
-    controller_.brake(passed, dt);  // the velocity falls with the time that has passed
+    // The velocity falls with the time that has passed. A drive that is told nothing has stopped meanwhile.
+    controller_.brake(passed, governor_.doubts_place() ? 0.0 : dt);
   } else {
     const double share = governor_.share();
     const Wrench user = governor_.user();

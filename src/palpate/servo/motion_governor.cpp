@@ -135,7 +135,7 @@ void MotionGovernor::advance() {
     case GovernorState::kStopped:
       if (held_ == 0U && t_ - wrong_at_ >= safety_.recover_after) {
         fault_ = Fault::kNone;
-        elsewhere_ = false;  // readings have been consistent since recover_after
+        jumped_ = elsewhere_ = false;  // readings have been consistent since recover_after
         enter(GovernorState::kWaiting);
       }
       break;

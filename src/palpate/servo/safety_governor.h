@@ -138,7 +138,7 @@ class SafetyGovernor {
   }
   /// Clears latched faults: the force returns through the start gate if their cause is gone. Faults raised in
   /// the same tick remain. From any thread, also a signal handler.
-  void resume() { resume_asked_.store(true, std::memory_order_relaxed); }
+  void resume() { resume_asked_.store(true); }
   /// Clears stop(Fault::kPaused) and no other fault. From any thread, also a signal handler.
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
 

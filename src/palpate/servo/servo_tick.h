@@ -2,6 +2,7 @@
 /// One tick of the haptic servo loop.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
 #include <optional>
@@ -141,8 +142,9 @@ class ServoTick {
     device_.stop();
   }
   /// Sets the measured delay from reading to write(); it reduces the margin, as does the delay of the motors
-  /// (DeviceCapabilities::delay). Unit: [s].
-  void set_delay(double delay) { delay_.store(delay, std::memory_order_relaxed); }
+  /// (DeviceCapabilities::delay). Below zero, as of readings from a clock that is ahead, it counts as none.
+  /// Unit: [s].
+  void set_delay(double delay) { delay_.store(std::max(0.0, delay), std::memory_order_relaxed); }
   /// @}
 
  private:
