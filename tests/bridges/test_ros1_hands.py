@@ -265,6 +265,26 @@ class Hands(unittest.TestCase):
                 self.assertRegex(said.splitlines()[-1], r"^fell to 0\.000 N in \d+ ms$")
                 self.assertEqual(process.returncode, 0)
 
+    def test_7c_a_force_that_nobody_renews_falls_though_the_wall_clock_is_set_back(self):
+        back = os.path.join(self.folder, "back")
+        for _ in range(4):  # as above
+            with subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True,
+                                  env={**os.environ, "LD_PRELOAD": CLOCK_BACK, "CLOCK_BACK": back}) as process:
+                try:
+                    if not any(shown(process.stdout.readline()) > 1.0 for _ in range(6)):
+                        continue
+                    self.node.send_signal(signal.SIGSTOP)
+                    with open(back, "wb"):
+                        pass
+                    lines = [process.stdout.readline() for _ in range(2)]
+                finally:
+                    self.node.send_signal(signal.SIGCONT)
+                    process.kill()
+            break
+        else:
+            self.fail("it does not press")
+        self.assertEqual(shown(lines[-1]), 0.0, lines)
+
     def test_7d_a_terminal_that_takes_no_text_holds_up_no_motors(self):
         read, write = os.pipe()
         self.addCleanup(os.close, read)
@@ -288,26 +308,6 @@ class Hands(unittest.TestCase):
                 self.assertEqual(process.wait(20), 0)
             finally:
                 process.kill()
-
-    def test_7c_a_force_that_nobody_renews_falls_though_the_wall_clock_is_set_back(self):
-        back = os.path.join(self.folder, "back")
-        for _ in range(4):  # as above
-            with subprocess.Popen([LOCAL_DRIVER, "/far", "0", "0", "0.014", "local"], stdout=subprocess.PIPE, text=True,
-                                  env={**os.environ, "LD_PRELOAD": CLOCK_BACK, "CLOCK_BACK": back}) as process:
-                try:
-                    if not any(shown(process.stdout.readline()) > 1.0 for _ in range(6)):
-                        continue
-                    self.node.send_signal(signal.SIGSTOP)
-                    with open(back, "wb"):
-                        pass
-                    lines = [process.stdout.readline() for _ in range(2)]
-                finally:
-                    self.node.send_signal(signal.SIGCONT)
-                    process.kill()
-            break
-        else:
-            self.fail("it does not press")
-        self.assertEqual(shown(lines[-1]), 0.0, lines)
 
     def test_8_a_lost_master_is_said_once(self):
         self.master.kill()

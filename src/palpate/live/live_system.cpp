@@ -344,7 +344,7 @@ void LiveSystem::resume() {
   if (tick_ == nullptr || is_over_.load()) return;
   if (admittance_ != nullptr) admittance_->governor().resume();
   tick_->governor().resume();
-  if (is_over_.load()) stop_force(Fault::kEnded);  // since it was looked at
+  if (is_over_.load()) stop_force(Fault::kEnded);  // it ended meanwhile
 }
 
 LiveConfig LiveSystem::settings() const {

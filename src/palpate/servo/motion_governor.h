@@ -90,7 +90,7 @@ class MotionGovernor {
   void stop(Fault why = Fault::kEmergencyStop) {
     stop_asked_.fetch_or(fault_bit(why), std::memory_order_relaxed);
   }
-  void resume() { resume_asked_.store(true); }
+  void resume() { resume_asked_.store(true, std::memory_order_seq_cst); }
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
   /// Takes the sensor's output at the next gate as its bias. \pre nobody holds the handle
   void tare() { tare_asked_.store(true, std::memory_order_relaxed); }

@@ -137,8 +137,9 @@ class SafetyGovernor {
     stop_asked_.fetch_or(fault_bit(why), std::memory_order_relaxed);
   }
   /// Clears latched faults: the force returns through the start gate if their cause is gone. Faults raised in
-  /// the same tick remain. From any thread, also a signal handler.
-  void resume() { resume_asked_.store(true); }
+  /// the same tick remain. From any thread, also a signal handler. Ordered before what that thread loads
+  /// afterwards, so that it can find out whether it came too late.
+  void resume() { resume_asked_.store(true, std::memory_order_seq_cst); }
   /// Clears stop(Fault::kPaused) and no other fault. From any thread, also a signal handler.
   void unpause() { unpause_asked_.store(true, std::memory_order_relaxed); }
 
