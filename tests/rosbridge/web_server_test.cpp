@@ -1165,8 +1165,8 @@ TEST_F(WebServerTest, WorksAtARateAndWhenItIsWoken) {
     wake.clear();
     ++wakes;
   });
-  server->start();
   const double begin = monotonic_now();
+  server->start();
   EXPECT_TRUE(in_time([&] { return beats >= 20; }));
   EXPECT_GE(monotonic_now() - begin, 19.0 / 200.0) << "and no faster";
   EXPECT_EQ(wakes, 0);
