@@ -525,6 +525,18 @@ TEST(SurfacePatches, WhatIsFarthestAwayMakesRoom) {
   EXPECT_EQ(ends, 1);
 }
 
+// Otherwise a view that takes more than a tick would find the same again in the next, and never end.
+TEST(SurfacePatches, WhatAViewAheadHasAddedStaysUntilTheSolidMoves) {
+  Feeler ball(sheet(0.95), Vector3d::Constant(kRadius), 0.01);
+  const Vector3d at(0.001, 0.001, kRadius + 0.008);  // farther away than patches that are kept on a motion
+  ball.look_down(at, 0.01);
+  ASSERT_EQ(ball.patches.patches().size(), 1U);
+  for (int tick = 0; tick < 3; ++tick) ball.follow(at);
+  EXPECT_EQ(ball.patches.patches().size(), 1U);
+  ball.follow(at + 1e-4 * Vector3d::UnitZ());
+  EXPECT_EQ(ball.patches.patches().size(), 0U);
+}
+
 // So small that no ray of the lattice need meet it: it is felt from where it is met, however quickly.
 TEST(SurfacePatches, ASpeckIsFeltWhereItIs) {
   const SceneIndex index(test::scene_of({test::splat({0.003, 0.002, 0}, {1e-4, 1e-4, 1e-4},

@@ -229,14 +229,17 @@ void SurfacePatches::follow(const LocalSplats& splats, const Ellipsoid& solid) {
   size_ = 0;
   for (std::size_t i = 0; i < before; ++i) {
     SurfacePatch patch = patches_[i];  // patches_ is refilled from the front
-    const bool as_it_was = way_between(patch.viewed_from, solid) < kStill * detail_ || budget_.is_spent();
+    const double moved = way_between(patch.viewed_from, solid);
+    const bool as_it_was = moved < kStill * detail_ || budget_.is_spent();
+    // What a view ahead has added farther away stays until the solid moves: the view may not be complete yet.
+    const bool rests = moved == 0.0;
     if (!as_it_was) patch.viewed_from = solid;
     if (as_it_was || !see_again(splats, solid, patch)) {
-      if (!stay(solid, patch)) continue;
+      if (!stay(solid, patch) && !rests) continue;
       seen_count_ = witness_count_[i];
       std::copy_n(witnesses_[i].begin(), seen_count_, seen_.begin());
     }
-    if (patch.gap <= kGone * detail_) keep(patch, size_);
+    if (rests || patch.gap <= kGone * detail_) keep(patch, size_);
   }
 }
 
