@@ -205,11 +205,12 @@ class MovedHandleTest : public testing::Test {
     loop.open();
     loop.enable();
   }
-  void tick(double passed = kTick) {
+  void tick(double passed = kTick) { tick(loop, passed); }
+  void tick(AdmittanceLoop& of, double passed = kTick) {
     t += passed;
     DeviceReading reading;
-    loop.read(t, reading);
-    loop.write({});
+    of.read(t, reading);
+    of.write({});
   }
   void run(double time) {
     for (const double end = t + time; t < end;) tick();
@@ -342,12 +343,7 @@ TEST_F(MovedHandleTest, MovesAgainAfterReadingsToAndFroThatComeLessOftenThanTick
   slow.open();
   slow.enable();
   const auto run_slow = [&](int ticks) {
-    for (int k = 0; k < ticks; ++k) {
-      t += kTick;
-      DeviceReading reading;
-      slow.read(t, reading);
-      slow.write({});
-    }
+    for (int k = 0; k < ticks; ++k) tick(slow);
   };
   for (int lead = 0; lead < 4; ++lead) {
     run_slow(2000 + lead);
